@@ -246,7 +246,10 @@ class Comparison:
             candidates = [one for one in self.settings if one.is_bounded] or list(self.settings)
             if not candidates:
                 return None
-            best = min(candidates, key=lambda one: (float(f"{one.error:.1e}"), one.time))
+            best = min(
+                candidates,
+                key=lambda one: (float(f"{one.error:.1e}"), one.label != self.own_label, one.time),
+            )
             return Verdict(error, best, (), self._coarser(best), meets=False)
         quickest = self.quickest(error)
         best = quickest.get(self.own_label, meeting[0])

@@ -48,15 +48,17 @@ RESOLVED = 8
 COARSE = 6
 # Share of the requested error that the tolerance may take.
 TOLERANCE_SHARE = 0.1
-# Cells on which paddings and tolerances are compared.
-MIDDLE = 2**14
+# Cells on which paddings and tolerances are compared, and those of one row.
+MIDDLE, MIDDLE_OF_LINE = 2**14, 2**9
+# Share of the requested error at which the bound on the reference's own error needs no finer grid.
+FINE_ENOUGH = 0.02
 # Exponent of the time over the cells, at least and at most.
 GROWTH = 1.0, 1.3
 # Share of the time left that the next solve of the ladder may take, and that it may take where the reference is too
 # coarse for the request; the share of a budget for the paddings on one grid.
 NEXT, NEXT_FOR_REFERENCE, FOR_PADDINGS = 0.15, 0.45, 0.15
 # Share of a budget after which no further padding is compared: some take far longer than the own boundary.
-MOST_FOR_PADDINGS = 0.4
+MOST_FOR_PADDINGS = 0.3
 # Factor of the expected time above which a solve is repeated.
 UNUSUAL = 3.0
 # Cost of a bound over that of its answer: solutions on cells of twice the size, of a film three further ones.
@@ -145,12 +147,15 @@ class _Comparing:
     # answers at the own boundary, by the multiple of the unit, with their wall times [s]
     solved: dict[int, Answer] = field(default_factory=dict)
     walls: dict[int, float] = field(default_factory=dict)
+    # bounds on their own errors in L1
+    bounds: dict[int, float] = field(default_factory=dict)
 
     def result(self) -> Comparison:
         """Run all steps."""
         subject = self.subject
         self.notes += subject.notes
-        self._climb(lambda multiple: prod(self._cells(multiple)) <= MIDDLE, NEXT)
+        most = MIDDLE if subject.unit[1] > 1 else MIDDLE_OF_LINE
+        self._climb(lambda multiple: prod(self._cells(multiple)) <= most, NEXT)
         middle = self._middle()
         paddings = self._paddings(middle)
         tolerances = self._tolerances(middle)
@@ -274,9 +279,9 @@ class _Comparing:
     def _paddings(self, middle: int) -> list[PaddingError]:
         """Return what each padding alone does on the middle grid."""
         cells, own = self._cells(middle), self.solved[middle]
-        found, late = [], []
+        found, late, before = [], [], self.budget.spent
         for padding in self._candidates():
-            if self.budget.left < (1 - MOST_FOR_PADDINGS) * self.budget.seconds:
+            if self.budget.spent - before > MOST_FOR_PADDINGS * self.budget.seconds:
                 late.append(label_of(padding))
                 continue
             try:
@@ -306,17 +311,26 @@ class _Comparing:
     def _tolerances(self, middle: int) -> dict[float, float]:
         """Return the error by each tolerance, on the middle grid."""
         cells, own = self._cells(middle), self.solved[middle]
-        return {
-            tolerance: relative_l1(
-                pressure_of(self.subject.solve(Setting(self.subject.own, cells, tolerance))),
-                pressure_of(own),
-            )
+        answers = {
+            tolerance: self._solved_to(Setting(self.subject.own, cells, tolerance))
             for tolerance in TOLERANCES
         }
+        return {
+            tolerance: relative_l1(pressure_of(answer), pressure_of(own))
+            for tolerance, answer in answers.items()
+            if answer is not None
+        }
+
+    def _solved_to(self, setting: Setting) -> Answer | None:
+        """Return the answer to a tolerance; None where the steps of the scene refuse a tolerance as loose."""
+        try:
+            return self.subject.solve(setting)
+        except cs.InvalidInput:
+            return None
 
     def _reference(self) -> tuple[int, dict[str, float]]:
         """Return the finest rung in which the others nest, and the bounds on its errors."""
-        self._climb(is_reference, NEXT)
+        self._climb(lambda multiple: is_reference(multiple) and not self._is_fine_enough(), NEXT)
         reference = max(filter(is_reference, self.solved))
         bounds = bounds_of(self.solved[reference])
         if bounds["pressure_l1"] > TOO_COARSE * self.error:
@@ -332,6 +346,13 @@ class _Comparing:
         if failure_of(self.solved[reference]):
             self.notes.append(f"The reference: {failure_of(self.solved[reference])}")
         return reference, bounds
+
+    def _is_fine_enough(self) -> bool:
+        """Return whether the finest possible reference so far has a bound far below the request."""
+        finest = max(filter(is_reference, self.solved), default=0)
+        if finest not in self.bounds and finest:
+            self.bounds[finest] = bounds_of(self.solved[finest])["pressure_l1"]
+        return self.bounds.get(finest, inf) <= FINE_ENOUGH * self.error
 
     def _multiples(self, reference: int | None) -> Iterator[int]:
         """Yield the rungs that nest in the reference and are at most a third as fine; all for a closed form."""
@@ -400,7 +421,10 @@ class _Comparing:
         )
         for tolerance in TOLERANCES:
             setting = Setting(self.subject.own, self._cells(multiple), tolerance)
-            error = relative_l1(pressure_of(self.subject.solve(setting)), pressure_of(tight))
+            answer = self._solved_to(setting)
+            if answer is None:
+                continue
+            error = relative_l1(pressure_of(answer), pressure_of(tight))
             if error <= TOLERANCE_SHARE * self.error:
                 return _Rung(multiple, tolerance, is_bounded)
         return _Rung(multiple, TIGHT, is_bounded)

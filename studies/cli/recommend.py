@@ -67,7 +67,7 @@ def recommendation(
         click.echo(json.dumps(_fields(measured, verdict)))
         return
     click.echo(f"{measured.name}: {verdict_text(measured, verdict)}")
-    for sentence in (rivals_text(measured, verdict), *measured.notes):
+    for sentence in filter(None, (rivals_text(measured, verdict), *measured.notes)):
         click.echo(f"  {sentence}")
     click.echo(f"  from {folder / 'settings.nc'}")
     click.echo("  in the scene file, instead of its tables grid, padding and solve:")

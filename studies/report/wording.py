@@ -31,7 +31,9 @@ def setting_text(one: Measured) -> str:
 
 def seconds_text(seconds: float) -> str:
     """Return a time with two digits, in ms below a second."""
-    return f"{1000 * seconds:.2g} ms" if seconds < 0.9995 else f"{seconds:.2g} s"
+    if seconds >= 0.9995:
+        return f"{seconds:.2g} s"
+    return f"{float(f'{1000 * seconds:.2g}'):g} ms"
 
 
 def error_text(error: float, floor: float) -> str:
@@ -96,10 +98,13 @@ def rivals_text(measured: Comparison, verdict: Verdict) -> str:
     meeting = {verdict.best.label, *(rival.measured.label for rival in verdict.rivals)}
     misses = [label for label in measured.labels if label not in meeting and measured.of(label)]
     if misses and verdict.meets:
-        finest = ", ".join(
+        misses.sort(key=lambda label: measured.of(label)[-1].error)
+        finest = [
             f"{padding_name(label)} ({percent(measured.of(label)[-1].error)})" for label in misses
-        )
-        sentences.append(f"On no grid accurate enough: {finest}.")
+        ]
+        if len(misses) > 3:
+            finest = [f"{len(misses)} paddings, from {finest[0]} to {finest[-1]}"]
+        sentences.append(f"On no grid accurate enough: {', '.join(finest)}.")
     if coarser := verdict.coarser:
         took = f"{coarser.time / verdict.best.time:.2g} times the time"
         sentences.append(

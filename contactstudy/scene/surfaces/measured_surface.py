@@ -1,6 +1,7 @@
 """Measured surfaces."""
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
@@ -237,7 +238,7 @@ class MeasuredSurface:
 
     def _complete(self) -> Array:
         """Return heights (width, length) [m] without missing points, less their trend."""
-        return self.trend.subtracted(self.missing.fill(self.heights))
+        return _completed(self)
 
     def gap(self, grid: Grid) -> Array:
         """Return depths below the datum [m], of shape (width, length), or (nx, 1) if all is one profile."""
@@ -289,3 +290,11 @@ class MeasuredSurface:
                 f"cells, which has {grid.cells}, or MeasuredSurface.extent."
             )
         return -heights
+
+
+@lru_cache(maxsize=2)
+def _completed(surface: MeasuredSurface) -> Array:
+    """Return the heights of a surface less their trend, which a scene asks for many times; not to be changed."""
+    heights = surface.trend.subtracted(surface.missing.fill(surface.heights)).view()
+    heights.flags.writeable = False
+    return heights

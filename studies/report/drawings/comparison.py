@@ -192,7 +192,11 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
             style = padding_style(mode) | {"marker": "none", "ls": "-."}
             left.loglog([1, most + 0.5], 2 * [errors[0]], label=mode, **style)
     own = [one for one in measured.of(measured.own_label) if one.is_bounded]
-    for grid in own[:: max(1, len(own) // 4)]:
+    labelled = inf
+    for grid in own:
+        if grid.error > labelled / 2:
+            continue
+        labelled = grid.error
         left.axhline(grid.error, color="0.55", ls=":", lw=1.0)
         left.text(
             1.0, grid.error, cells_text(grid.setting.cells), transform=left.get_yaxis_transform(),
@@ -205,9 +209,7 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
     )
     line = measured.of(measured.own_label)
     style = _style(measured.own_label)
-    cells = [float(np.sqrt(np.prod(one.setting.cells))) for one in line]
-    if all(one.setting.cells[1] == 1 for one in line):
-        cells = [float(one.setting.cells[0]) for one in line]
+    cells = [one.setting.cells[0] for one in line]
     right.loglog(cells, [one.error for one in line], label="cells", **style)
     hollow = [k for k, one in enumerate(line) if not one.is_bounded]
     right.loglog(
@@ -223,7 +225,7 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
             )  # fmt: skip
     right.axhline(verdict.error, color="k", ls="--", lw=1.0)
     right.set(
-        xlabel="cells (root of their number)" if line[0].setting.cells[1] > 1 else "cells across",
+        xlabel="cells across",
         ylabel="L1 error of the pressure",
         title=f"Which grid: {padding_name(measured.own_label)}",
     )
@@ -258,13 +260,15 @@ def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
     beyond = "" if is_free or not worst else (
         f" Above the request of {percent(verdict.error)} on any grid: {', '.join(worst)}."
     )  # fmt: skip
-    return Finding(
-        claim,
-        f"The error of a padding that may be added is taken as a third of the grid's, {percent(allowed)}. The table "
-        f"has what "
-        f"each padding alone does on {cells_text(measured.paddings_on)}.{beyond}",
-        "Which n?",
+    on = cells_text(measured.paddings_on)
+    said = (
+        f"A padding counts as good enough if it adds at most a third of the grid's error, {percent(allowed)}. The "
+        f"table has "
+        f"what each does alone on {on}.{beyond}"
     )
+    if is_free:
+        said = f"They add neighbours that the scene does not have. The table has what each does alone on {on}."
+    return Finding(claim, said, "Which n?")
 
 
 def _reference(measured: Comparison) -> Finding:
@@ -303,6 +307,7 @@ def _costs(measured: Comparison) -> Table:
         beside = "none meets it"
         if other is not None:
             took = "as fast" if other.is_tie else f"{other.ratio:.2g} times"
+            took += ", not decided" * (not other.is_tie and not other.is_shown)
             beside = f"{other.measured.label}: {took}"
         rows.append(
             (
@@ -316,7 +321,7 @@ def _costs(measured: Comparison) -> Table:
             )
         )
     # a setting that also meets a smaller error stands there alone
-    rows = [row for row, after in zip(rows, [*rows[1:], ()], strict=True) if row[1:4] != after[1:4]]
+    rows = [row for k, row in enumerate(rows) if k + 1 == len(rows) or row[1:4] != rows[k + 1][1:4]]
     left_out = (
         f" Smaller errors are not listed: no setting is shown to reach them; the least error measured is "
         f"{error_text(reached, measured.floor)}."

@@ -204,9 +204,7 @@ class _Run:
 
     def estimate_cost(self, scale: float) -> Forecast:
         """Report what is to be computed, and return its predicted cost, all of it `scale` times that of these points."""
-        for note in (*self.journal.notes, *self.study.notes):
-            self.log(note)
-        cases, missing = self.request.cases, self.inventory.missing(self.log)
+        cases, missing = self.request.cases, self._missing()
         predicted = self.inventory.forecast(missing, scale)
         points, all_cases, computed = (
             round(scale * len(part)) for part in (self.request.keys, cases, missing)
@@ -219,15 +217,17 @@ class _Run:
             self.log(str(predicted))
         return predicted
 
+    def _missing(self) -> list[str]:
+        """Report what there is to say of journal and study, and return the cases to compute."""
+        for note in (*self.journal.notes, *self.study.notes):
+            self.log(note)
+        return self.inventory.missing(self.log)
+
     def _begin(self) -> list[str]:
         """Report what is to be done, open journal and file, and return the missing cases."""
         cases = self.request.cases
-        for note in self.journal.notes:
-            self.log(note)
         self.log(f"{len(self.request.keys)} points, {len(cases)} distinct cases")
-        for note in self.study.notes:
-            self.log(note)
-        missing = self.inventory.missing(self.log)
+        missing = self._missing()
         if len(missing) < len(cases):
             self.log(f"{len(cases) - len(missing)} cases are stored, {len(missing)} to compute")
         check_kind(self.file.path, "study", self.log)

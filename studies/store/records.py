@@ -1,24 +1,21 @@
 """Contents of a journal: cases by their keys, timed runs, values of axes; each line is checked before it counts."""
 
-import math
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import read_at
 from contactstudy.domain.identity import Tree, differences
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
-from studies.model.plain_text import is_storable, name_problem
-from studies.store.journal_lines import decoded, decoded_values, decoded_variable
+from studies.store.journal_lines import decoded, decoded_variable
 from studies.store.loaded import Present, shown
 
 FORMAT = 5
-# errors that a line may raise which this version does not write
+# errors that a line may raise which no version has written
 MALFORMED_RECORD = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 
 
@@ -212,49 +209,34 @@ class Contents:
 
     def take(self, line: Mapping[str, Any], start: int, size: int) -> None:
         """Take in a line of `size` bytes at `start`; raise a ``MALFORMED_RECORD`` for one of no version."""
-        if "format" in line:
-            self._take_run(line)
-        elif "begin" in line:
-            self.begun = _text(line["begin"])
-        elif "retime" in line:
-            self._turn_epoch(line["retime"])
-        elif "loaded" in line:
-            self._take_program(line)
-        elif "axis" in line:
-            values = dict.fromkeys(line["values"])
-            if not all(type(value) in (str, int, float) for value in values):
-                raise TypeError(values)
-            if self.context is None or self._runs[line["run"]]["part"] == self.context.part:
-                self.axes.setdefault(_text(line["axis"]), {}).update(values)
-        elif "case" in line:
-            record = self.record(line, start, size)
-            self.begun = None if self.begun == record.key else self.begun
-            self._records_of(record.stamp)[record.key] = record
-        else:
-            self._take_times(line)
-
-    def _records_of(self, stamp: str) -> dict[str, Record]:
-        """Return the records of the present program, or of others, whichever the program with this stamp is."""
-        return self.records if self._present[stamp] else self.other_records
-
-    def _take_run(self, line: Mapping[str, Any]) -> None:
-        """Take in the study part and the machine that later lines refer to."""
-        if line["format"] != FORMAT:
-            self.is_foreign = True
-            return
-        for name, value in line["part"].items():
-            _text(name), _text(value)
-        _text(line["machine"])
-        self.history.append(_text(line["history"]))
-        self._runs[_text(line["run"])] = line
-
-    def _take_program(self, line: Mapping[str, Any]) -> None:
-        """Take in a program."""
-        for name, value in (*line["part"].items(), *line["loaded"].items()):
-            _text(name), _text(value)
-        self.add_program(
-            _text(line["program"]), Program(line["part"], _text(line["state"]), line["loaded"])
-        )
+        match line:
+            case {"format": version}:
+                self.is_foreign |= version != FORMAT
+                self.history.append(line["history"])
+                self._runs[line["run"]] = line
+            case {"begin": key}:
+                self.begun = key
+            case {"retime": epoch}:
+                self._turn_epoch(epoch)
+            case {"loaded": loaded}:
+                self.add_program(line["program"], Program(line["part"], line["state"], loaded))
+            case {"axis": name, "values": values}:
+                if self.context is None or self._runs[line["run"]]["part"] == self.context.part:
+                    self.axes.setdefault(name, {}).update(dict.fromkeys(values))
+            case {"case": key}:
+                record = self.record(line, start, size)
+                self.begun = None if self.begun == key else self.begun
+                present = self._present[record.stamp]
+                (self.records if present else self.other_records)[key] = record
+            case {"time": key, "program": stamp, "machine": machine}:
+                if not (self._turn_epoch(line["epoch"]) and machine == self.machine):
+                    return
+                if "reason" in line:
+                    self.untimed[key, stamp] = line["reason"]
+                else:
+                    self.samples.setdefault((key, stamp), []).append(Sample(**line["sample"]))
+            case _:
+                raise ValueError(line)
 
     def add_program(self, stamp: str, program: Program, *, is_present: bool | None = None) -> None:
         """Add a program; one that computes in this run counts as present."""
@@ -263,40 +245,17 @@ class Contents:
             is_present = self.context is None or not self.context.changes(program)
         self._present[stamp] = is_present
 
-    def _take_times(self, line: Mapping[str, Any]) -> None:
-        """Take in a timed run, or why there is none."""
-        case = _text(line["time"]), _text(line["program"])
-        is_here = self._turn_epoch(line["epoch"]) and line["machine"] == self.machine
-        if "reason" in line:
-            if is_here and _text(line["reason"]):
-                self.untimed[case] = line["reason"]
-            return
-        sample = Sample(**{name: _number(value) for name, value in line["sample"].items()})  # type: ignore[arg-type]
-        if is_here:
-            self.samples.setdefault(case, []).append(sample)
-
     def record(self, line: Mapping[str, Any], start: int, size: int) -> Record:
-        """Return the record of a case; raise one of ``MALFORMED_RECORD`` for a line that this version does not write."""
+        """Return the record of a case; raise a ``MALFORMED_RECORD`` for a line of no version."""
         failure = Failure(**line["failure"]) if "failure" in line else None
-        for part in astuple(failure) if failure else ():
-            _text(part)
-        for name, entry in line["values"].items():
-            _name(name)
-            values = decoded_values(entry)
-            if values.dtype.kind == "f" and np.isnan(values).any():
-                raise ValueError(name)
-        for name, value in line["point"].items():
-            _text(name), _text(value)
-        if not isinstance(line["tree"], dict):
-            raise TypeError(line["tree"])
         return Record(
-            _text(line["case"]),
+            line["case"],
             CaseStatus[line["status"].upper()],
-            _number(line["seconds"]),
-            _number(line["cpu"]),
+            line["seconds"],
+            line["cpu"],
             line["program"],
             self.programs[line["program"]].state,
-            _text(line["exact"]),
+            line["exact"],
             failure.sentence if failure else "",
             line["values"].get("solver_status"),
             start,
@@ -304,10 +263,8 @@ class Contents:
             self.source,
         )
 
-    def _turn_epoch(self, epoch: object) -> bool:
+    def _turn_epoch(self, epoch: int) -> bool:
         """Forget timed runs of earlier epochs, and return whether `epoch` is the present one."""
-        if type(epoch) is not int:
-            raise TypeError(epoch)
         if epoch > self.epoch:
             self.epoch = epoch
             self.samples.clear()
@@ -347,24 +304,3 @@ class Contents:
 def _place(point: Mapping[str, str]) -> object:
     """Return a point as a key that does not depend on the order of its axes."""
     return tuple(sorted(point.items()))
-
-
-def _text(value: object) -> str:
-    """Return `value`; raise TypeError unless it is text that can be stored."""
-    if not isinstance(value, str) or not is_storable(value):
-        raise TypeError(value)
-    return value
-
-
-def _name(value: object) -> str:
-    """Return `value`; raise ValueError unless it is the name of a variable."""
-    if name_problem(value) or str(value).startswith("_"):
-        raise ValueError(value)
-    return str(value)
-
-
-def _number(value: object) -> float:
-    """Return `value`; raise TypeError unless it is a finite number."""
-    if type(value) not in (int, float) or not math.isfinite(value):  # type: ignore[arg-type]
-        raise TypeError(value)
-    return value  # type: ignore[return-value]

@@ -157,26 +157,13 @@ CASE = {
     "case": "a", "status": "ok", "point": {"number": "a"}, "tree": {"": "Case"}, "exact": "e",
     "seconds": 1.0, "cpu": 1.0,
 }  # fmt: skip
-NUMBER, ROW = [[], "<f8", [], {}], [["k"], "<f8", [2], {}]
 MALFORMED: dict[str, list[dict[str, object]]] = {
     "no seconds": [{name: value for name, value in CASE.items() if name != "seconds"}],
-    "nan seconds": [CASE | {"seconds": float("nan")}],
-    "no tree": [{name: value for name, value in CASE.items() if name != "tree"}],
-    "a key that is no text": [CASE | {"case": [1]}],
+    "unknown status": [CASE | {"status": "bogus"}],
     "values that are text": [CASE | {"values": "x"}],
-    "a value that is a list": [CASE | {"values": {"s": [*NUMBER, [1, 2]]}}],
-    "a value that is nan": [CASE | {"values": {"s": [*NUMBER, float("nan")]}}],
-    "a value that is too short": [CASE | {"values": {"s": [*ROW, "AAAA"]}}],
-    "a value of objects": [CASE | {"values": {"s": [[], "|O", [], {}, "AAAAAAAAAAA="]}}],
-    "a name for a group": [CASE | {"values": {"a/b": [*NUMBER, 1.0]}}],
-    "a failure that moves a cursor": [
-        CASE | {"failure": {"kind": "a", "sentence": "\x1b[31m", "stage": "c"}}
-    ],
-    "an axis of tables": [{"axis": "a", "values": [{"x": 1}]}],
+    "more in a failure": [CASE | {"failure": {"kind": "a", "sentence": "b", "stage": "c", "d": 1}}],
     "a sample of others": [{"time": "a", "epoch": 0, "machine": "here", "sample": {"x": 1}}],
-    "an epoch that is text": [{"time": "a", "epoch": "9", "sample": {}}, {"retime": "a"}],
     "a run without a study": [{"run": "b", "format": FORMAT}],
-    "a program of lists": [{"part": {}, "state": "", "loaded": {"module a": [1]}}],
     "a case of an unknown program": [CASE | {"program": "b"}],
     "nothing known": [{"hello": 1}],
 }

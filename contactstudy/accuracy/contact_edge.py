@@ -116,7 +116,7 @@ def edge_place(last: Array, inner: Array) -> Array:
     inner
         Pressure of the next cell inward; 0 where it does not touch.
     """
-    edge, _, outer, second = _edge_renderings()
+    edge, _, _, outer, second = edge_renderings()
     ratio = np.where(inner > 0, last / np.where(inner > 0, inner, 1), np.nan)
     place = np.interp(ratio, outer / second, edge)
     return np.asarray(np.where(inner > 0, place, sum(EDGE_RANGE) / 2))
@@ -124,20 +124,26 @@ def edge_place(last: Array, inner: Array) -> Array:
 
 def worst_edge_error() -> float:
     """Return the largest L1 error of an edge over cell^1.5, where the pressure is the root of the distance from it."""
-    return float(_edge_renderings()[1].max())
+    _, at_centres, of_means, _, _ = edge_renderings()
+    return float(np.maximum(at_centres, of_means).max())
 
 
 @cache
 def _edge_errors() -> tuple[Array, Array]:
     """Return the ratio of the last two cells, and the L1 error over the inner one, for edges from inside outwards."""
-    edge, error, last, inner = _edge_renderings()
+    edge, at_centres, of_means, last, inner = edge_renderings()
+    error = np.maximum(at_centres, of_means)
     near = np.abs(edge[:, None] - edge) <= LEAP
     return last / inner, np.where(near, error / inner, 0).max(axis=1)
 
 
 @cache
-def _edge_renderings() -> tuple[Array, Array, Array, Array]:
-    """Return places of the edge, their L1 errors, and the last two cells, for a pressure like the root of the depth."""
+def edge_renderings() -> tuple[Array, Array, Array, Array, Array]:
+    """Return how the cells show an edge at several places, for a pressure like the root of the depth.
+
+    Places of the edge, in cells outward of the last touching centre; L1 errors against the pressure at the centres, and
+    against its means in the cells; the pressures of the last touching cell, and of the next one inward.
+    """
     amplitudes = powers()[1:3, :2]
     edge = np.linspace(*EDGE_RANGE, EDGE_STEPS)  # from the last centre
     shift = edge - offset()
@@ -149,7 +155,7 @@ def _edge_renderings() -> tuple[Array, Array, Array, Array]:
     border = np.maximum(np.arange(-1, EDGE_CELLS + 1)[:, None] + edge - 0.5, 0)
     means = np.diff(border**1.5, axis=0) * (2 / 3)
     error_of_means = np.abs(pressure - means[1:]).sum(axis=0) + means[0]
-    return edge, np.maximum(error, error_of_means), pressure[0], pressure[1]
+    return edge, error, error_of_means, pressure[0], pressure[1]
 
 
 def _log_symbol(angle: Array) -> Array:

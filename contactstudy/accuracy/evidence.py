@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from math import inf, log, sqrt
 
 import numpy as np
 
 from contactstudy.accuracy.coarser import change, halved
-from contactstudy.accuracy.contact_edge import EDGE_RANGE, modes, offset, powers
+from contactstudy.accuracy.contact_edge import edge_renderings
 from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.subcell import HeightsInside
@@ -30,8 +29,6 @@ CORNER = 0.01
 BY_LAW, BY_LAW_AT_STEPS, BY_CHANGE, BY_HIDDEN = 0.85, 1.15, 1.7, 0.25
 # Relative L1 error over the length by which the cells make either end of a roller too long or too short.
 BY_END = 4.0
-# Places of an edge in its cell, and cells beside it, of the law of the edge.
-PLACES, CELLS = 200, 200
 # Error in the end row of a roller over its rise above the next row, where the cell is as long as the half-width.
 BY_RISE = 0.4
 
@@ -207,23 +204,10 @@ def edge_error_of_means(last: Array, inner: Array) -> Array:
     inner
         Pressure of the next cell inward; 0 where it does not touch.
     """
-    ratio, error = _edge_errors_of_means()
+    _, _, error, outer, second = edge_renderings()
+    ratio = outer / second
     inner = np.maximum(inner, last / ratio[-1])
-    return np.asarray(np.interp(last / inner, ratio, error) * inner)
-
-
-@cache
-def _edge_errors_of_means() -> tuple[Array, Array]:
-    """Return the ratio of the last two cells and the L1 error over the inner one, for edges from inside outwards."""
-    edge = np.linspace(*EDGE_RANGE, PLACES)
-    shift = edge - offset()
-    strength = np.linalg.solve(powers()[1:3, :2], np.stack([shift / 2, np.ones_like(shift)]))
-    pressure = modes(CELLS)[:, :2] @ strength
-    border = np.maximum(np.arange(-1, CELLS + 1)[:, None] + edge - 0.5, 0)
-    means = np.diff(border**1.5, axis=0) * (2 / 3)
-    # of the cell beyond the last, and of those that touch
-    error = means[0] + np.abs(pressure - means[1:]).sum(axis=0)
-    return pressure[0] / pressure[1], error / pressure[1]
+    return np.asarray(np.interp(last / inner, ratio, error / second) * inner)
 
 
 def _end_error(solution: Solution) -> float:

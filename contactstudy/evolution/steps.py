@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, positive, suggest_fields, whole
+from contactstudy.domain.checks import InvalidInput, relative_error, suggest_fields, whole
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 
@@ -255,9 +255,7 @@ class StepControl:
         InvalidInput
             If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
         """
-        remedy = "give a relative error above 0 and below 1, such as 1e-3"
-        if positive("evolve.error", error, remedy) >= 1:
-            raise InvalidInput(f"evolve.error is {error!r}: {remedy}.")
+        error = relative_error("evolve.error", error)
         if error < ABOVE_TOLERANCE * tolerance:
             raise InvalidInput(
                 f"evolve.error is {error!r}: give {ABOVE_TOLERANCE} times the tolerance of evolve.options or more, or a "

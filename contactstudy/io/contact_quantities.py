@@ -270,7 +270,7 @@ def _largest(
 
 def _mirrored(values: Array, y: Array, place: Mapping[str, float]) -> str:
     """Return the mirrored place along the length where a largest value stands again, within a thousandth, as text."""
-    if abs(at := place.get("y", 0.0)) < 0.1 * float(np.ptp(y)):
+    if abs(at := place.get("y", 0.0)) <= 0.1 * float(np.ptp(y)):
         return ""
     mirrored = values[:, int(np.abs(y + at).argmin())].max()
     return f", as high at y = {readable(-at, 'm', 3)}" if mirrored > 0.999 * values.max() else ""

@@ -11,7 +11,6 @@ from scipy import fft
 from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.estimate import SHARP_EDGE
 from contactstudy.accuracy.evidence import LEAST, SMOOTH, STEP, Judged, judged
-from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
@@ -63,34 +62,15 @@ class Refined:
     solution
         Solution on the finest grid.
     estimate
-        Its bounds, with the evidence of all grids.
-    error
-        Relative L1 error of the pressure that was asked for.
+        Its bounds, with the evidence of all grids. Where the L1 bound of the pressure is above the error asked for,
+        its reason says what stands in the way.
     grids
         Grids that were solved, the last one that of the solution.
-    obstacle
-        What stands in the way of the error; empty where it is kept.
     """
 
     solution: Solution
     estimate: ErrorEstimate
-    error: float
     grids: tuple[Grid, ...]
-    obstacle: str = ""
-
-    @property
-    def met(self) -> bool:
-        """Whether the bound of the pressure in L1 is at most the error that was asked for."""
-        return self.estimate.l1.total <= self.error
-
-    @property
-    def sentence(self) -> str:
-        """Return whether the error is kept, such as "1 % met: 0.7 % in L1", and what stands in the way if not."""
-        found = f"{100 * self.estimate.l1.total:.2g} % in L1"
-        if self.met:
-            return f"{100 * self.error:.2g} % met: {found}"
-        nx, ny = self.grids[-1].cells
-        return f"{100 * self.error:.2g} % not met: {found} on {nx} x {ny} cells; {self.obstacle}"
 
 
 def solve_to(
@@ -134,13 +114,8 @@ def solve_to(
     Raises
     ------
     InvalidInput
-        If the error is not between 0 and 1, or a scene leaves open what a grid needs, see :func:`~contactstudy.plan`.
+        If the scene leaves open what a grid needs, see :func:`~contactstudy.plan`.
     """
-    if not 0 < error < 1:
-        raise InvalidInput(
-            f"solve.error is {error!r}: give a relative error between 0 and 1, such as 1e-2."
-        )
-
     needs = needs_of(scene)
     climb = Climb(
         scene,
@@ -153,9 +128,10 @@ def solve_to(
         progress,
     )
     rungs = climb.rungs(needs.grid(0.1, period).extent, start)
-    last, obstacle = rungs[-1], climb.obstacle(rungs)
-    estimate = replace(last.estimate, l1=replace(last.estimate.l1, reason=obstacle))
-    return Refined(last.solution, estimate, error, tuple(rung.grid for rung in rungs), obstacle)
+    last = rungs[-1]
+    l1 = replace(last.estimate.l1, reason=climb.obstacle(rungs))
+    grids = tuple(rung.grid for rung in rungs)
+    return Refined(last.solution, replace(last.estimate, l1=l1), grids)
 
 
 def reaching(

@@ -35,7 +35,7 @@ class Deep:
 
 def dataset(contact: LineContact, *frames: Frame, outputs: tuple[Any, ...] = (Deep(),)) -> Any:
     posed = PosedScene(contact.scene, GRID, cs.ExactPeriodicity())
-    problem: Any = SimpleNamespace(grid=GRID, outputs=outputs)
+    problem: Any = SimpleNamespace(grid=GRID, outputs=outputs, friction=None)
     return evolution_dataset(Trajectory(problem, frames, 0, 0, posed), {})
 
 

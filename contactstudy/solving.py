@@ -16,7 +16,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.solve import SolveOptions, Watched
+from contactstudy.solvers.solve import ReportingSolver, SolveOptions
 
 if TYPE_CHECKING:
     from contactstudy.accuracy.evidence import Judged
@@ -243,7 +243,7 @@ class _Request:
             problem = replace(problem, adhesion=problem.adhesion.continued(before.traction))
         options = self.options
         if self.progress is not None:
-            options = replace(options, solver=Watched(self._seen(problem), options.solver))
+            options = replace(options, solver=ReportingSolver(self._seen(problem), options.solver))
         return contact_of(options.solved(problem, self.first_pressure, self.on))
 
     def _seen(self, problem: Problem) -> Callable[[float, Array], None]:

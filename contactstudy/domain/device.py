@@ -149,18 +149,18 @@ class Cpu:
     Parameters
     ----------
     threads
-        Number of threads that share the work, from 1 on. Answers differ by rounding alone.
+        Number of threads that share the work, at least 1. Answers differ by rounding alone.
 
     Raises
     ------
     InvalidInput
-        If the number of threads is no whole number from 1 on.
+        If the number of threads is not a whole number of at least 1.
     """
 
     threads: int = 1
 
     def __post_init__(self) -> None:
-        threads = whole("Cpu.threads", self.threads, 1, "give a whole number of threads from 1 on")
+        threads = whole("Cpu.threads", self.threads, 1, "it must be a whole number of at least 1")
         set_fields(self, threads=threads)
 
     @property

@@ -160,7 +160,7 @@ class _Counted:
 
     def __post_init__(self) -> None:
         field = f"{type(self).__name__}.images"
-        remedy = "give a whole number of periods from 0 on"
+        remedy = "it must be a whole number of periods of at least 0"
         set_fields(self, images=whole(field, self.images, 0, remedy))
 
     @property
@@ -184,7 +184,7 @@ class Superposition(_Counted):
     Parameters
     ----------
     images
-        Number of periods on each side, from 0 on; 0 is :class:`ZeroPadding`.
+        Number of periods on each side, at least 0; 0 is :class:`ZeroPadding`.
     """
 
     wraps: ClassVar[bool] = False
@@ -202,7 +202,7 @@ class CircularSuperposition(_Counted):
     Parameters
     ----------
     images
-        Number of periods on each side, from 0 on.
+        Number of periods on each side, at least 0.
     """
 
     wraps: ClassVar[bool] = True

@@ -165,9 +165,9 @@ ARRAYS = (np.ndarray, np.ma.MaskedArray, np.memmap, np.matrix, np.recarray)
 
 
 def _unknown(value: object) -> InvalidInput:
-    """Return the error for an object that cannot be told from another of its kind."""
+    """Return the error for an object that is not hashable by value."""
     return InvalidInput(
-        f"A case holds {value!r}, which cannot be told from another of its kind: make its class a "
+        f"A case holds {value!r}, which is not hashable by value: make its class a "
         "frozen dataclass."
     )
 

@@ -37,7 +37,7 @@ class Creep:
     fluidity: float = 0.0
 
     def __call__(self, time: float | Array) -> Array:
-        """Return the value at a `time` [s] from 0 on."""
+        """Return the value at a `time` [s] at least 0."""
         time = np.asarray(time, dtype=np.float64)
         value = self.instantaneous + self.fluidity * time
         for size, duration in self.terms:
@@ -198,7 +198,7 @@ class Trailing:
 
 
 def _free(kernel: Field, x: Array, step: float, length: float) -> tuple[Array, Array]:
-    """Return V at `x` and at ``-x``, multiples of `step` from 0 on; `kernel` is even and not periodic."""
+    """Return V at `x` and at ``-x``, multiples of `step` at least 0; `kernel` is even and not periodic."""
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
     onward, backward = _panels(kernel, last, step, length)

@@ -225,12 +225,12 @@ class PlasticState:
             bodies = YieldingBodies(
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
-            before, equivalent = bodies.joined(strains), bodies.joined(equivalents)
+            before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
             settled = self._settled(bodies, contact, before, equivalent, tolerance)
-            if not self._grown(bodies.parted(settled.flow)):
+            if not self._grown(bodies.split(settled.flow)):
                 break
-        strains = bodies.parted(settled.strain)
-        equivalents = bodies.parted(equivalent + settled.flow)
+        strains = bodies.split(settled.strain)
+        equivalents = bodies.split(equivalent + settled.flow)
 
         # rounding may put a cell that is on the yield surface beyond it
         flows = settled.flow > tolerance * bodies.unit
@@ -282,7 +282,9 @@ class PlasticState:
     def _sheared(self, bodies: YieldingBodies, pressure: Array) -> Array:
         """Return the stress (C, cells) [Pa] by the shear that a `pressure` (x, y) [Pa] has while it slides."""
         parts = zip(self.bodies, self.operators, strict=True)
-        return bodies.joined([self._stress_of_shear(body, one, pressure) for body, one in parts])
+        return bodies.concatenated(
+            [self._stress_of_shear(body, one, pressure) for body, one in parts]
+        )
 
     def _stress_of_shear(
         self, body: YieldingBody, operator: EigenstrainOperator, pressure: Array

@@ -208,12 +208,12 @@ class Track:
                     surroundings.residual_displacement(track.behind, track.front.strain),
                 ),
                 contact.tangent,
-                bodies.joined([track.strain]),
-                bodies.joined([track.equivalent]),
+                bodies.concatenated([track.strain]),
+                bodies.concatenated([track.equivalent]),
                 tolerance,
-                bodies.joined([surroundings.stress(track.behind, track.front.strain)]),
+                bodies.concatenated([surroundings.stress(track.behind, track.front.strain)]),
             )
-            (flow,) = bodies.parted(step.flow)
+            (flow,) = bodies.split(step.flow)
             volume = operator.volume
             if not flow[-1].any():
                 break
@@ -221,7 +221,7 @@ class Track:
                 replace(volume, first=0, last=volume.grid.cells[0]), length, flow > 0
             )
             track = track.deeper(deeper_volume)
-        (strain,) = bodies.parted(step.strain)
+        (strain,) = bodies.split(step.strain)
         return replace(track, strain=strain, equivalent=track.equivalent + flow), step
 
     def deeper(self, volume: Volume) -> "Track":

@@ -57,7 +57,7 @@ def violation(pressure: Array, height: Array, free: Array) -> Array:
 
 
 def largest(*measures: float) -> float:
-    """Return the largest of measures from 0 on, or nan if one is nan, which Python's own ``max`` may miss."""
+    """Return the largest of measures at least 0, or nan if one is nan, which Python's own ``max`` may miss."""
     return nan if isnan(sum(measures)) else float(max(measures))
 
 

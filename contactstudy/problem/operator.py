@@ -26,7 +26,7 @@ class Extension(Protocol):
 
 
 class ApproximateInverse(Protocol):
-    """Map from the displacement of some cells to the pressure on them: ``closing(extension(displacement))``.
+    """Map from the displacement of some cells to the pressure on them: ``extension.pressure(extension(displacement))``.
 
     It is symmetric.
     """

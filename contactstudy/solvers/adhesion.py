@@ -33,12 +33,12 @@ from contactstudy.solvers.solve import SolveOptions
 
 # Change of the traction in the last pass over its sum, in tolerances of the contact.
 CHANGE = 1e3
-# Tolerance of a contact, as a share of the range: a tenth of the last change, but no more than this.
+# Tolerance of a contact, as a fraction of the range: a tenth of the last change, but no more than this.
 LOOSEST = 1e-3
 # Plain passes before the first mixture.
-PLAIN = 2
-# A traction that changes heights by this share of the tolerance is not worth another pass.
-UNFELT = 1e-3
+PLAIN_PASSES = 2
+# A traction that changes heights by this fraction of the tolerance is not worth another pass.
+NEGLIGIBLE = 1e-3
 # Traction at an open edge over the largest, above which the attraction that is cut off there matters.
 EDGE = 1e-3
 
@@ -102,7 +102,7 @@ class Adhesive:
 
 
 # Iterations of each load in a search, over those of a solve.
-LINGERING = 10
+MORE_ITERATIONS = 10
 # Pull beyond the last load held, over the attraction of all cells, until a load is lost.
 PULL = 0.25
 
@@ -138,13 +138,15 @@ class Separation:
         iterations, convolutions = held.iterations, held.convolutions
         load, lost = problem.resultant.total, -inf
         # states near the last held one take long to be lost
-        options = replace(options, max_iterations=LINGERING * options.max_iterations)
+        options = replace(options, max_iterations=MORE_ITERATIONS * options.max_iterations)
         while held.status in HELD and (lost == -inf or load - lost > self.error * abs(lost)):
             assert held.adhesion is not None
             pull = PULL * float(held.adhesion.traction.sum())
             trial = load - pull if lost == -inf else (load + lost) / 2
-            pulled = replace(problem, resultant=PrescribedLoad(trial))
-            state = self.adhesive.after(held).solved(pulled, options, held.pressure, on)
+            traction_displacement = replace(problem, resultant=PrescribedLoad(trial))
+            state = self.adhesive.after(held).solved(
+                traction_displacement, options, held.pressure, on
+            )
             iterations += state.iterations
             convolutions += state.convolutions
             if state.status is Status.DETACHED:
@@ -167,15 +169,16 @@ HELD = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_EDGE)
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Contact under a frozen `traction` (x, y) [Pa], which makes the displacement `pulled` (x, y) [m] of the surface.
+    """Contact under a frozen `traction` (x, y) [Pa].
 
-    `following` is the traction (x, y) [Pa] at its gap, `change` the distance to it over its sum, `energy` [J] that of
-    the elastic bodies, the load and the work of adhesion, and `cohesion` [J] the last alone.
+    `traction_displacement` (x, y) [m] is the displacement of the surface by it, `following` the traction (x, y) [Pa] at
+    its gap, `change` the distance to that over its sum, `energy` [J] that of the elastic bodies, the load and the work
+    of adhesion, and `cohesion` [J] the last alone.
     """
 
     contact: Solution
     traction: Array
-    pulled: Array
+    traction_displacement: Array
     following: Array
     change: float
     energy: float
@@ -199,21 +202,25 @@ class _Passes:
     def solution(self, adhesive: Adhesive, traction: Array, start: Array | None) -> Solution:
         """Return the solution that the passes from a `traction` (x, y) [Pa] lead to."""
         tolerance = CHANGE * self.options.tolerance
-        loosest = 0.0 if self.depth == 0 or self._slight() else LOOSEST
+        loosest = 0.0 if self.depth == 0 or self._too_weak() else LOOSEST
         inner = loosest
         pressure, last = start, None
         tractions: list[Array] = []
         changes: list[Array] = []
-        plain, cautious, mixed = PLAIN, PLAIN, False
+        plain, cautious, mixed = PLAIN_PASSES, PLAIN_PASSES, False
         while True:
             load = self._carried(traction)
             if load <= 0 and not mixed:
                 return self._detached(adhesive, last)
-            pulled = self.problem.operator(traction)
+            traction_displacement = self.problem.operator(traction)
             self.convolutions += 1
-            if last is not None and self._unfelt(traction, pulled, last):
+            if last is not None and self._negligible(traction, traction_displacement, last):
                 return self._ended(adhesive, replace(last, change=0.0))
-            state = self._passed(traction, pulled, load, pressure, inner) if load > 0 else None
+            state = (
+                self._passed(traction, traction_displacement, load, pressure, inner)
+                if load > 0
+                else None
+            )
             if state is not None and not np.isfinite(state.contact.residual):
                 return self._ended(adhesive, state)
             if mixed and (
@@ -244,7 +251,7 @@ class _Passes:
                 mixture = anderson_mixture(tractions, changes)
                 traction = np.clip(mixture, 0, self.law.strength)
 
-    def _slight(self) -> bool:
+    def _too_weak(self) -> bool:
         """Return whether the largest traction everywhere is too little to be felt: one pass may be all there is."""
         load = self.problem.resultant
         most = self.law.strength * self.problem.undeformed_gap.size
@@ -257,37 +264,42 @@ class _Passes:
             return inf
         return resultant.total + float(traction.sum())
 
-    def _inner(self, share: float) -> float:
-        """Return the dimensionless tolerance of a contact whose gap may be wrong by a `share` of the range."""
-        allowed = share * self.law.range / self.problem.scales.gap
+    def _inner(self, fraction: float) -> float:
+        """Return the dimensionless tolerance of a contact whose gap may be wrong by a `fraction` of the range."""
+        allowed = fraction * self.law.range / self.problem.scales.gap
         return max(self.options.tolerance, allowed)
 
     def _spent(self) -> bool:
         """Return whether the iterations of all passes have reached their limit."""
         return self.iterations + self.count > self.options.max_iterations
 
-    def _unfelt(self, traction: Array, pulled: Array, last: _State) -> bool:
+    def _negligible(self, traction: Array, traction_displacement: Array, last: _State) -> bool:
         """Return whether a `traction` leaves the contact of the `last` state as it is, by far within the tolerance."""
-        problem, allowed = self.problem, UNFELT * self.options.tolerance
-        moved = float(np.abs(pulled - last.pulled).max())
+        problem, allowed = self.problem, NEGLIGIBLE * self.options.tolerance
+        moved = float(np.abs(traction_displacement - last.traction_displacement).max())
         added = float(np.abs(traction - last.traction).sum())
         exact = last.contact.residual <= self.options.tolerance
         carried = float(last.contact.pressure.sum())
         return exact and moved <= allowed * problem.scales.gap and added <= allowed * carried
 
     def _passed(
-        self, traction: Array, pulled: Array, load: float, pressure: Array | None, share: float
+        self,
+        traction: Array,
+        traction_displacement: Array,
+        load: float,
+        pressure: Array | None,
+        fraction: float,
     ) -> _State:
         """Return the contact under a frozen `traction`, from a `pressure` (x, y) [Pa]."""
         problem, law = self.problem, self.law
         resultant = problem.resultant if load == inf else PrescribedLoad(load)
         frozen = replace(
             problem,
-            undeformed_gap=problem.undeformed_gap - pulled,
+            undeformed_gap=problem.undeformed_gap - traction_displacement,
             resultant=resultant,
             adhesion=None,
         )
-        options = replace(self.options, tolerance=self._inner(share))
+        options = replace(self.options, tolerance=self._inner(fraction))
         contact = options.solved(frozen, pressure, self.on)
         self.count += 1
         self.iterations += contact.iterations
@@ -297,12 +309,14 @@ class _Passes:
         change = float(np.abs(following - traction).sum())
         area = problem.grid.cell_area
         cohesion = area * float(law.remaining_work(contact.gap).sum())
-        net, moved = contact.pressure - traction, contact.displacement - pulled
+        net, moved = contact.pressure - traction, contact.displacement - traction_displacement
         energy = area * dot(net, moved) / 2 - cohesion
         if load != inf:
             energy -= area * (load - float(traction.sum())) * contact.approach
         relative = change / total if total else change
-        return _State(contact, traction, pulled, following, relative, energy, cohesion)
+        return _State(
+            contact, traction, traction_displacement, following, relative, energy, cohesion
+        )
 
     def _ended(self, adhesive: Adhesive, state: _State) -> Solution:
         """Return the solution of the last `state`."""
@@ -319,7 +333,7 @@ class _Passes:
         return replace(
             contact,
             problem=problem,
-            displacement=contact.displacement - state.pulled,
+            displacement=contact.displacement - state.traction_displacement,
             status=status,
             iterations=self.iterations,
             convolutions=self.convolutions,
@@ -355,7 +369,7 @@ class _Passes:
             cells_in_zone=adhesive.cells_in_zone,
             tabor=adhesive.tabor,
             regularised=adhesive.regularised,
-            edge_share=edge,
+            edge_fraction=edge,
             passes=self.count,
             range=self.law.range,
         )

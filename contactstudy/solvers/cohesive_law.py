@@ -75,8 +75,8 @@ class Dugdale:
 
     def traction(self, gap: Array) -> Array:
         """Return the traction [Pa] at a `gap` [m]."""
-        share = np.clip(self._remaining(gap) / (2 * RAMP), 0, 1)
-        return np.asarray(self.strength * share)
+        fraction = np.clip(self._remaining(gap) / (2 * RAMP), 0, 1)
+        return np.asarray(self.strength * fraction)
 
     def remaining_work(self, gap: Array) -> Array:
         """Return the work [J/m^2] to separate surfaces from a `gap` [m]."""

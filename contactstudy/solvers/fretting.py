@@ -26,14 +26,14 @@ class SwingingShear:
     ----------
     coefficient
         Coefficient of friction mu.
-    shares
+    fractions
         Tangential forces along x over mu P, each between -1 and 1, from none on.
     response
         Displacement under shear, A.
     """
 
     coefficient: float
-    shares: tuple[float, ...]
+    fractions: tuple[float, ...]
     response: ShearResponse
 
     def solved(
@@ -48,9 +48,9 @@ class SwingingShear:
         moved = [0.0]
         shears = []
         # forces cannot act where nothing presses
-        shares = self.shares if limit.any() else ()
-        for share in shares:
-            total = np.array([share * limit.sum(), 0.0])
+        fractions = self.fractions if limit.any() else ()
+        for fraction in fractions:
+            total = np.array([fraction * limit.sum(), 0.0])
             step = slip_step(
                 self.response, limit, shear, options.tolerance, options.max_iterations, total=total
             )
@@ -64,14 +64,14 @@ class SwingingShear:
         status = normal.status
         if status is Status.CONVERGED and residual > options.tolerance:
             status = Status.STALLED if stalled else Status.ITERATION_LIMIT
-        first = _cycle(self.shares)
+        first = _cycle(self.fractions)
         slid = sum(sliding[first:], start=np.zeros_like(limit))
         traction = FrettingTraction(
             shear=shear,
             stick=stick,
             method="fretting, Newton",
             passes=applications,
-            forces=np.array([0.0, *shares]) * limit.sum() * problem.grid.cell_area,
+            forces=np.array([0.0, *fractions]) * limit.sum() * problem.grid.cell_area,
             rigid=np.array(moved),
             shears=np.array(shears),
             slip_distance=slid,
@@ -88,7 +88,9 @@ class SwingingShear:
         )
 
 
-def _cycle(shares: tuple[float, ...]) -> int:
+def _cycle(fractions: tuple[float, ...]) -> int:
     """Return the step after the last time that the last force acted before: the first of the last cycle, else 0."""
-    earlier = [number for number, share in enumerate(shares[:-1]) if share == shares[-1]]
+    earlier = [
+        number for number, fraction in enumerate(fractions[:-1]) if fraction == fractions[-1]
+    ]
     return earlier[-1] + 1 if earlier else 0

@@ -66,28 +66,28 @@ class Superposed:
     """Shear as a difference of two normal contacts: ``q = mu (p(P) - p(P - Q / mu))``.
 
     Cells stick where the second contact presses. It is exact where the surface gives way along x as it does along z up
-    to a factor: in plane strain, and where Poisson's ratio is zero. `coefficient` is mu; `share` is Q / (mu P), between
-    -1 and 1. Source: Ciavarella (1998), Int. J. Solids Struct. 35, 2349; Jaeger (1998).
+    to a factor: in plane strain, and where Poisson's ratio is zero. `coefficient` is mu; `fraction` is Q / (mu P),
+    between -1 and 1. Source: Ciavarella (1998), Int. J. Solids Struct. 35, 2349; Jaeger (1998).
     """
 
     coefficient: float
-    share: float
+    fraction: float
 
     def solved(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the solution with its shear from two normal contacts; its status is that of the worse."""
         outer = options.solved(problem, start, on)
-        if self.share == 0:
+        if self.fraction == 0:
             shear = np.zeros((2, *outer.pressure.shape))
             stick = outer.pressure > 0
             return replace(outer, traction=Traction(shear, stick, "Ciavarella-Jaeger", 1))
-        reduced = replace(problem, resultant=problem.resultant.scaled(1 - abs(self.share)))
+        reduced = replace(problem, resultant=problem.resultant.scaled(1 - abs(self.fraction)))
         inner = options.solved(reduced, outer.pressure, on)
         across = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
-        across *= np.sign(self.share)
+        across *= np.sign(self.fraction)
         # to the exact resultant after clipping
-        across *= self.coefficient * self.share * outer.pressure.sum() / across.sum()
+        across *= self.coefficient * self.fraction * outer.pressure.sum() / across.sum()
         shear = np.stack([across, np.zeros_like(across)])
         traction = Traction(shear, inner.pressure > 0, "Ciavarella-Jaeger", 2)
         return _with_traction(
@@ -100,12 +100,12 @@ class CoulombDisks:
     """Shear of two components: of least complementary energy among ``|q| <= mu p`` with a given resultant along x.
 
     It minimises ``1/2 q A q``: A is symmetric and positive and the set convex, so that there is one answer. Cells within
-    their disk stick, those on its rim slip against the shear. Loading is monotonic. `coefficient` is mu, `share` is
+    their disk stick, those on its rim slip against the shear. Loading is monotonic. `coefficient` is mu, `fraction` is
     Q / (mu P), and `response` is A. Source: Kalker (1990), ch. 4.
     """
 
     coefficient: float
-    share: float
+    fraction: float
     response: ShearResponse
 
     def solved(
@@ -120,7 +120,7 @@ class CoulombDisks:
             np.zeros((2, *limit.shape)),
             options.tolerance,
             options.max_iterations,
-            total=np.array([self.share * limit.sum(), 0.0]),
+            total=np.array([self.fraction * limit.sum(), 0.0]),
         )
         status = Status.CONVERGED
         if step.residual > options.tolerance:

@@ -51,8 +51,8 @@ class PolonskyKeer:
             free = constraint.free(pressure)
             contact_gap = gap.height * free
             steepness = inner(contact_gap, contact_gap)
-            share = conjugate * steepness / previous if previous > 0 else 0.0
-            direction = contact_gap + share * direction * free
+            beta = conjugate * steepness / previous if previous > 0 else 0.0
+            direction = contact_gap + beta * direction * free
             previous = steepness
             if inner(contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
                 direction = contact_gap
@@ -60,13 +60,13 @@ class PolonskyKeer:
             if problem.resultant.approach is None:
                 response -= mean_over(free, response)
             curvature = inner(response, direction)
-            # a single cell in contact is level with itself: the others then close their own gaps
+            # the gap of a single cell in contact is its own mean: the others then close their own gaps
             step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance
             before, pressure = pressure, constraint.clip(pressure - step * direction)
             bound = 1 - constraint.free(pressure)
             trial = xp.maximum(pressure - step * gap.height * bound, 0)
             conjugate = 1.0 if xp.all(trial == pressure) else 0.0
             pressure = problem.make_admissible(trial)
-            # balancing the load has turned the step uphill
+            # not a descent direction after projection
             if inner(gap.height, pressure - before) >= 0:
                 conjugate, pressure = 0.0, problem.project(before - step * gap.height)

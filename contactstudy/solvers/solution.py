@@ -38,7 +38,7 @@ class Status(Enum):
         "give a larger hardness, a smaller load or a larger width"
     )
     NOT_CONVERGED = (
-        "pressure and plastic strain did not settle together to the tolerance, as far as the residual says: "
+        "pressure and plastic strain did not converge together to the tolerance: the residual says how far; "
         "give shorter steps in load, or a larger tolerance"
     )
     FILM_NOT_CONVERGED = (
@@ -146,7 +146,7 @@ class CohesiveTraction:
         Tabor's parameter, the elastic deformation over the range of the attraction; None without a curved shape.
     regularised
         Whether the range was chosen for the grid, in place of the limit of short ranges.
-    edge_share
+    edge_fraction
         Attraction at the open edges over the largest.
     passes
         Number of contacts solved.
@@ -162,7 +162,7 @@ class CohesiveTraction:
     cells_in_zone: float
     tabor: float | None
     regularised: bool
-    edge_share: float
+    edge_fraction: float
     passes: int
     range: float
     lost: float | None = None

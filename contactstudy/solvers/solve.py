@@ -55,7 +55,7 @@ class SolveOptions:
     Raises
     ------
     InvalidInput
-        If the tolerance is not above 0, or the limit is no whole number from 0 on.
+        If the tolerance is not above 0, or the limit is not a whole number of at least 0.
     """
 
     tolerance: Number = 1e-8
@@ -74,7 +74,7 @@ class SolveOptions:
             "solve.max_iterations",
             self.max_iterations,
             0,
-            "give a whole number of iterations from 0 on",
+            "it must be a whole number of at least 0",
         )
 
     def solved(
@@ -176,7 +176,7 @@ def _finite_pressure(start: Array, problem: Problem) -> Array:
     for refused, what in ((~np.isfinite(pressure), "not finite"), (pressure < 0, "below 0 Pa")):
         if refused.any():
             raise InvalidInput(
-                f"solve.start is {what} in {np.count_nonzero(refused)} cells: give a pressure from 0 Pa on."
+                f"solve.start is {what} in {np.count_nonzero(refused)} cells: it must be at least 0 Pa."
             )
     return pressure
 
@@ -185,8 +185,8 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
     """Return a `pressure` [Pa] made admissible, dimensionless."""
     with np.errstate(over="ignore", under="ignore"):
         bare = np.asarray(pressure / problem.scales.pressure)
-        borne = bare.sum()
-    if problem.resultant.approach is None and not np.finfo(np.float64).tiny <= borne < inf:
+        carried = bare.sum()
+    if problem.resultant.approach is None and not np.finfo(np.float64).tiny <= carried < inf:
         raise InvalidInput(
             f"solve.start is at most {pressure.max():g} Pa: give a pressure that carries some load, of "
             f"the order of {problem.scales.pressure:g} Pa."
@@ -230,22 +230,22 @@ def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Pr
 
 
 # Takes the residual and the pressure (x, y), dimensionless; the pressure is the solver's own and changes.
-See = Callable[[float, Array], object]
+Report = Callable[[float, Array], object]
 
 
 @dataclass(frozen=True)
-class Watched:
+class ReportingSolver:
     """Solver that reports the residual of every iteration on the grid itself, not on coarser ones.
 
     Parameters
     ----------
-    see
+    report
         Called with the residual and the pressure (x, y) in the unit `problem.scales.pressure`; the array changes later.
     solver
         The solver that iterates.
     """
 
-    see: See = field(compare=False)
+    report: Report = field(compare=False)
     solver: Solver = field(default_factory=PreconditionedCG)
 
     def iterate(
@@ -256,23 +256,24 @@ class Watched:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate as the watched solver does, and report each residual."""
-        watched = _WatchedProblem(
-            **{part.name: getattr(problem, part.name) for part in fields(BareProblem)}, see=self.see
+        """Iterate as `solver` does, and report each residual."""
+        reporting = _ReportingProblem(
+            **{part.name: getattr(problem, part.name) for part in fields(BareProblem)},
+            report=self.report,
         )
         return self.solver.iterate(
-            watched, tolerance=tolerance, max_iterations=max_iterations, start=start
+            reporting, tolerance=tolerance, max_iterations=max_iterations, start=start
         )
 
 
 @dataclass(frozen=True, eq=False)
-class _WatchedProblem(BareProblem):
-    """Problem that reports each residual to `see`."""
+class _ReportingProblem(BareProblem):
+    """Problem that reports each residual to `report`."""
 
-    see: See = field(kw_only=True)
+    report: Report = field(kw_only=True)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual, once it has been reported."""
         residual = super().residual(pressure, gap)
-        self.see(residual, device().take(pressure))
+        self.report(residual, device().take(pressure))
         return residual

@@ -39,7 +39,7 @@ COARSE_TOLERANCE = 1e-3
 MAX_PASSES, MAX_FORCES = 60, 40
 # Distance [cells] within which the edge of stick is found.
 EDGE = 0.3
-# A cell sticks whose shear is below the limit by more than this share.
+# A cell sticks whose shear is below the limit by more than this fraction.
 STICKING = 1e-6
 
 
@@ -82,8 +82,8 @@ class TractiveShear:
     coefficient
         Coefficient of friction mu.
     creepage
-        Creepage and spin; the longitudinal creepage is found if `share` is given.
-    share
+        Creepage and spin; the longitudinal creepage is found if `fraction` is given.
+    fraction
         Tangential force along x over mu P, between -1 and 1, or None.
     speed
         Speed of rolling [m/s], negative to smaller x.
@@ -97,7 +97,7 @@ class TractiveShear:
 
     coefficient: float
     creepage: Creepage
-    share: float | None
+    fraction: float | None
     speed: float
     respond: Callable[[Grid], ShearResponse]
     coupling: Coupling | None
@@ -163,14 +163,14 @@ class TractiveShear:
             power=power,
             outside=float(power[limit == 0].sum()) / total if total else 0.0,
             force_error=self.coefficient * rolled.force_error,
-            creepage_given=self.share is None,
+            creepage_given=self.fraction is None,
         )
 
     def steady(
         self, grid: Grid, pressure: Array, options: SolveOptions, last: "SteadyShear | None" = None
     ) -> "SteadyShear":
         """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
-        creepage, shares, work = self.creepage, list[float](), 0.0
+        creepage, fractions, work = self.creepage, list[float](), 0.0
         shear: Array = np.zeros((2, *grid.cells))
         if last is not None:
             creepage, shear = last.creepage, last.shear
@@ -195,13 +195,13 @@ class TractiveShear:
             )
             creepage, shear = found.creepage, found.shear
             work += 2 * rolled.applications * limit.size / pressure.size
-            shares.append(float(shear[0].sum() / limit.sum()))
+            fractions.append(float(shear[0].sum() / limit.sum()))
         assert found is not None
         if last is not None:
             return replace(found, convolutions=work, force_error=last.force_error)
         touching = np.pad(limit > 0, ((1, 0), (0, 0)))
         chord = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
-        return replace(found, convolutions=work, force_error=_force_error(shares, chord))
+        return replace(found, convolutions=work, force_error=_force_error(fractions, chord))
 
     def _forced(
         self,
@@ -228,27 +228,27 @@ class TractiveShear:
             slip = state.slip + rolled.slip_field(rolled.gathered(state.shear))
             return replace(state, slip=slip, residual=max(state.residual, abs(mismatch)))
 
-        if self.share is None:
+        if self.fraction is None:
             return finished(steady(creepage, shear, tolerance), 0.0)
-        wanted = self.share
+        wanted = self.fraction
         below, above = -np.inf, np.inf
         known: list[tuple[float, float]] = []
-        guess = creepage.longitudinal or rolled.saturation * _straight(wanted)
+        guess = creepage.longitudinal or rolled.saturation * _carter_creepage(wanted)
         for _ in range(MAX_FORCES):
-            mismatch = known[-1][1] - _straight(wanted) if known else 1.0
+            mismatch = known[-1][1] - _carter_creepage(wanted) if known else 1.0
             state = steady(
                 replace(creepage, longitudinal=guess),
                 shear,
                 max(tolerance, min(COARSE_TOLERANCE, 1e-2 * abs(mismatch))),
             )
             shear = state.shear
-            share = float(shear[0].sum() / rolled.capacity)
-            if abs(share - wanted) <= tolerance and state.residual <= tolerance:
+            fraction = float(shear[0].sum() / rolled.capacity)
+            if abs(fraction - wanted) <= tolerance and state.residual <= tolerance:
                 break
-            known.append((guess, _straight(share)))
-            below, above = (guess, above) if share < wanted else (below, guess)
-            guess = _next_guess(known, _straight(wanted), below, above, rolled.saturation)
-        return finished(state, share - wanted)
+            known.append((guess, _carter_creepage(fraction)))
+            below, above = (guess, above) if fraction < wanted else (below, guess)
+            guess = _next_guess(known, _carter_creepage(wanted), below, above, rolled.saturation)
+        return finished(state, fraction - wanted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,15 +264,18 @@ class SteadyShear:
     force_error: float = inf
 
 
-def _straight(share: float) -> float:
+def _carter_creepage(fraction: float) -> float:
     """Return the creepage over that at which all slides, in Carter's closed form, for a force over mu P."""
-    return float(np.copysign(1 - sqrt(max(1 - abs(share), 0.0)), share))
+    return float(np.copysign(1 - sqrt(max(1 - abs(fraction), 0.0)), fraction))
 
 
 def _next_guess(
     known: list[tuple[float, float]], wanted: float, below: float, above: float, unit: float
 ) -> float:
-    """Return the creepage to try next: by the last two `known` (creepage, straightened force), kept in the bracket."""
+    """Return the creepage to try next by a secant through the last two `known`, within the bracket.
+
+    Each known has a creepage and what Carter's closed form gives for its force; `wanted` is that of the force.
+    """
     last, force = known[-1]
     before, force_before = known[-2] if len(known) > 1 else (0.0, 0.0)
     slope = (force - force_before) / (last - before) if last != before else 0.0
@@ -285,15 +288,15 @@ def _next_guess(
     return last + (reach if force < wanted else -reach)
 
 
-def _force_error(shares: list[float], chord: float) -> float:
-    """Return the error of the last of `shares` of mu P, by coarser grids and by the cell that stick ends in.
+def _force_error(fractions: list[float], chord: float) -> float:
+    """Return the error of the last of `fractions` of mu P, by coarser grids and by the cell that stick ends in.
 
     Grids are each twice as fine and the error is of first order: two differences count, for one alone is small now and
     then. The edge of stick is known to EDGE of a cell, which moves the force as in Carter's closed form for a contact of
     `chord` cells along x.
     """
-    differences = np.abs(np.diff(shares))[::-1][:2] / (1.0, 2.0)[: len(shares) - 1]
-    part = abs(_straight(shares[-1]))
+    differences = np.abs(np.diff(fractions))[::-1][:2] / (1.0, 2.0)[: len(fractions) - 1]
+    part = abs(_carter_creepage(fractions[-1]))
     edge = 4 * part * (1 - part) * EDGE * 2 / chord
     return float(max(differences.max(), edge)) if len(differences) else inf
 

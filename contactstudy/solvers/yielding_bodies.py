@@ -139,7 +139,7 @@ class YieldingBodies:
     @cached_property
     def volumes(self) -> Array:
         """Volume of each cell (cells,) [m^3]."""
-        return self.joined(
+        return self.concatenated(
             [np.broadcast_to(o.volume.cell_volumes, o.volume.shape) for o in self.operators]
         )
 
@@ -157,11 +157,11 @@ class YieldingBodies:
         """Area of a cell of the surface grid [m^2]."""
         return self.operators[0].volume.grid.cell_area
 
-    def joined(self, fields: Sequence[Array]) -> Array:
+    def concatenated(self, fields: Sequence[Array]) -> Array:
         """Return the fields (..., layers, x, y) of all bodies as one field (..., cells)."""
         return np.concatenate([field.reshape(*field.shape[:-3], -1) for field in fields], axis=-1)
 
-    def parted(self, field: Array) -> list[Array]:
+    def split(self, field: Array) -> list[Array]:
         """Return the field (..., layers, x, y) of each body in one `field` (..., cells)."""
         parts, start = [], 0
         for operator in self.operators:
@@ -173,16 +173,16 @@ class YieldingBodies:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress S p (C, cells) [Pa] under `pressure` (x, y) [Pa]."""
-        return self.joined([o.stress_of_pressure(pressure) for o in self.operators])
+        return self.concatenated([o.stress_of_pressure(pressure) for o in self.operators])
 
     def stress_of_strain(self, strain: Array) -> Array:
         """Return the deviatoric stress B e (C, cells) [Pa] that plastic `strain` relaxes."""
-        parts = zip(self.operators, self.parted(strain), strict=True)
-        return self.joined([operator.stress_of_strain(part) for operator, part in parts])
+        parts = zip(self.operators, self.split(strain), strict=True)
+        return self.concatenated([operator.stress_of_strain(part) for operator, part in parts])
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain`, of all bodies together."""
-        parts = zip(self.operators, self.parted(strain), strict=True)
+        parts = zip(self.operators, self.split(strain), strict=True)
         return np.asarray(sum(operator.residual_displacement(part) for operator, part in parts))
 
     def inner(self, first: Array, second: Array) -> float:

@@ -32,7 +32,7 @@ class Volume:
     """Box of cells below the surface that may yield, in layers.
 
     It has the cells `first` to `last`, exclusive, of `grid` across and all of its cells along. `edges` [m] are the
-    depths between layers, from 0 on, one more than layers.
+    depths between layers, at least 0, one more than layers.
     """
 
     grid: Grid

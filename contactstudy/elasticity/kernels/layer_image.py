@@ -106,7 +106,7 @@ def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: fl
 def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
     """Return the part of :func:`image_row` that varies along y (x, y).
 
-    `x` and `y` are flat, x from 0 on and y up to half a period.
+    `x` and `y` are flat, x at least 0 and y up to half a period.
     """
     result = np.zeros((x.size, y.size))
     if dy == period:

@@ -94,7 +94,7 @@ class LayerRemainder:
         """Return the part of :meth:`row` that varies along y (x, y): all but its mean over the period.
 
         It is a Fourier series where the layer is thick, and a sum over images where it is thin; both are exact. `x` and
-        `y` are flat, x from 0 on.
+        `y` are flat, x at least 0.
         """
         result = np.zeros((x.size, y.size))
         near = np.flatnonzero(x - dx / 2 < END * period)
@@ -208,7 +208,7 @@ def levels(values: Array) -> tuple[Array, NDArray[np.intp]]:
 
 
 def quadrant(table: RemainderTables, x: Array, y: Array) -> Array:
-    """Return the integral of ``g`` over rectangles from the observer to each (x, y), both from 0 on in thicknesses."""
+    """Return the integral of ``g`` over rectangles from the observer to each (x, y), both at least 0 in thicknesses."""
     across = x[:, None] * _along_edges(table, x, y)
     along = y[:, None] * _along_edges(table, y, x)
     return np.asarray(across + along.T)

@@ -39,7 +39,7 @@ class LayerStress:
     materials
         Ratio of the moduli and Poisson's ratios.
     depth
-        Depth over the thickness of the layer, from 0 on.
+        Depth over the thickness of the layer, at least 0.
     """
 
     materials: LayerResponse

@@ -101,7 +101,7 @@ class LayerStressRemainder:
         return _lattice(self.stress, self.thickness, self.load, dx, dy, across, along)[self.name]
 
     def _line(self, x: Array, dx: float) -> Array:
-        """Return the response to a strip, endless along y, at distances `x` from 0 on, in order."""
+        """Return the response to a strip, endless along y, at distances `x` at least 0, in order."""
         scaled, width = x / self.thickness, dx / self.thickness
         far = max(LOST / self.stress.materials.first_pole, 2 * width)
         result = np.empty(x.size)

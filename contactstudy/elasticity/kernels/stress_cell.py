@@ -227,7 +227,7 @@ def stress_cell(
     x, y
         Offsets from the centre of the cell, which broadcast.
     z
-        Depth from 0 on, not 0 on the edge of the cell.
+        Depth at least 0, not 0 on the edge of the cell.
     dx, dy
         Sides of the cell, all lengths in one unit.
     poisson_ratio

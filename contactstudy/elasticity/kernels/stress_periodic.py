@@ -55,7 +55,7 @@ def stress_cell_periodic(
     x, y
         Offsets from the centre of a cell: every x with every y.
     z
-        Depth from 0 on.
+        Depth at least 0.
     dx, dy
         Sides of the cell, ``dy <= period``; all lengths in one unit.
     period
@@ -198,7 +198,7 @@ def stress_cell_doubly_periodic(
     x, y
         Offsets from the centre of a cell: every x with every y.
     z
-        Depth from 0 on.
+        Depth at least 0.
     dx, dy
         Sides of the cell, all lengths in one unit.
     width, period

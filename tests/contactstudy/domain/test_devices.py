@@ -17,7 +17,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity import convolution
 from contactstudy.elasticity.approximate_inverse import SmoothedExtension
 from contactstudy.problem.constraint import Constraint
-from contactstudy.solvers.solve import Watched
+from contactstudy.solvers.solve import ReportingSolver
 from tests.conftest import LineContact
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
 
@@ -134,7 +134,7 @@ def test_a_contact_with_friction_is_solved_there_too(
 def test_who_watches_sees_numpy(device: Device, line_contact: LineContact) -> None:
     posed = problem(line_contact, 32, "smooth")
     seen: list[Array] = []
-    found = cs.solve(posed, on=device, solver=Watched(lambda _, p: seen.append(p.copy())))
+    found = cs.solve(posed, on=device, solver=ReportingSolver(lambda _, p: seen.append(p.copy())))
     assert {type(one) for one in seen} == {np.ndarray}
     np.testing.assert_array_equal(seen[-1] * posed.scales.pressure, found.pressure)
 

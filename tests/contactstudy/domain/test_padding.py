@@ -156,5 +156,5 @@ def test_reach_is_counted_in_periods(padding: cs.Padding, reach: float) -> None:
 @pytest.mark.parametrize("images", [-1, 1.5, True, None, "6"])
 def test_images_are_a_whole_number_from_zero_on(images: object) -> None:
     for kind in (cs.Superposition, cs.CircularSuperposition):
-        with pytest.raises(cs.InvalidInput, match=r"Superposition\.images is .*from 0 on\.$"):
+        with pytest.raises(cs.InvalidInput, match=r"Superposition\.images is .*at least 0\.$"):
             kind(images=images)  # type: ignore[arg-type]

@@ -132,7 +132,7 @@ def test_without_poissons_ratio_disks_give_the_superposition(padding: cs.Padding
     assert isinstance(problem.friction, Superposed)
     bodies = ((cork.compliance, 0.0),) * 2
     response = shear_response(bodies, grid, problem.paddings, 1e-4)
-    disks = replace(problem, friction=CoulombDisks(0.3, problem.friction.share, response))
+    disks = replace(problem, friction=CoulombDisks(0.3, problem.friction.fraction, response))
     one_way, other_way = (cs.solve(each, tolerance=1e-9) for each in (problem, disks))
     # the solver's tolerance, times how much a narrow spot's traction answers to a gap: measured below 30
     assert np.abs(other_way.shear - one_way.shear).sum() <= 1e-6 * one_way.shear.sum()

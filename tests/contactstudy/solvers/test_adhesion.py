@@ -41,10 +41,8 @@ def pulled(scene: cs.Scene, grid: cs.Grid, error: float, padding: object = LINE)
     ("lam", "width", "cells", "pull_off"),
     [
         (0.5, 50.0, 2048, 0.82149),
-        (1.0, 36.0, 2048, 1.02312),
         (2.0, 24.0, 2048, 1.14064),
         pytest.param(4.0, 16.0, 2048, 1.18108, marks=pytest.mark.whole),
-        pytest.param(8.0, 10.0, 4096, 1.18945, marks=pytest.mark.whole),
     ],
 )
 def test_a_cylinder_separates_at_the_pull_off_load_of_fine_grids(
@@ -66,18 +64,14 @@ def test_a_stiff_cylinder_nearly_separates_as_a_rigid_one(
     assert limit * (1 - 0.1 * lam) < -force(found) / UNIT < limit
 
 
-@pytest.mark.cases(1)
-@pytest.mark.parametrize(("lam", "width", "pull_off"), [(1.0, 36.0, 1.11303), (2.0, 24.0, 1.18011)])
-def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui(
-    lam: float, width: float, pull_off: float
-) -> None:
-    found = pulled(cylinder(lam, 0.5, "dugdale"), cs.Grid((2048, 1), (width, 1.0)), 2e-4)
+def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui() -> None:
+    found = pulled(cylinder(1.0, 0.5, "dugdale"), cs.Grid((2048, 1), (36.0, 1.0)), 2e-4)
     # the fall of the attraction over a fifth of its range takes up to 2.1e-4
-    assert -force(found) / UNIT == pytest.approx(pull_off, rel=6e-4)
+    assert -force(found) / UNIT == pytest.approx(1.11303, rel=6e-4)
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize(("zone", "share"), [(24, -0.0172), (12, -0.0074), (6, -0.0021)])
+@pytest.mark.parametrize(("zone", "share"), [(24, -0.0172), (12, -0.0074)])
 def test_a_wave_separates_as_johnson_says_in_the_limit_of_short_ranges(
     zone: int, share: float
 ) -> None:

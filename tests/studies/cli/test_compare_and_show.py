@@ -11,7 +11,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import contactstudy as cs
-from contactstudy.solvers.solve import Watched
+from contactstudy.solvers.solve import ReportingSolver
 from studies.cli.commands import cli
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH
 
@@ -198,19 +198,19 @@ def test_a_solve_that_is_stopped_leaves_its_pressure_and_goes_on_from_it(
     text = (folder / "rough.toml").read_text(encoding="utf-8")
     given.write_text(f"{text}\n[grid]\ncells = {cells}\nextent = {extent}\n", encoding="utf-8")
     seen: list[float] = []
-    before = Watched.iterate
+    before = ReportingSolver.iterate
 
-    def stops(self: Watched, *arguments: object, **named: object) -> object:
+    def stops(self: ReportingSolver, *arguments: object, **named: object) -> object:
         def see(residual: float, pressure: np.ndarray) -> None:
-            self.see(residual, pressure)
+            self.report(residual, pressure)
             seen.append(residual)
             if len(seen) == 4:
                 signal.raise_signal(signal.SIGINT)
 
-        return before(Watched(see, self.solver), *arguments, **named)  # type: ignore[arg-type]
+        return before(ReportingSolver(see, self.solver), *arguments, **named)  # type: ignore[arg-type]
 
     with monkeypatch.context() as patched:
-        patched.setattr(Watched, "iterate", stops)
+        patched.setattr(ReportingSolver, "iterate", stops)
         said("solve", given, "--out", folder / "halt", code=130)
     left = folder / "halt" / "given.stopped.nc"
     halted = xr.load_dataset(left)

@@ -307,15 +307,15 @@ def test_strip_has_its_textbook_stress() -> None:
 
 # --- a lattice of cells ----------------------------------------------------------------------------
 
-EXTENTS = [(2.0, 1.3), (1.3, 2.0), (0.2, 3.0)]
+EXTENTS = [(2.0, 1.3), (0.2, 3.0)]
 
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(("width", "period"), EXTENTS)
 def test_uniform_pressure_compresses_without_spreading(width: float, period: float) -> None:
     """Uniaxial strain: ``xx = yy = -nu / (1 - nu)``."""
-    x, y = np.arange(4) * width / 4, np.arange(3) * period / 3
-    cell = 0.2, width / 4, period / 3
+    x, y = np.arange(2) * width / 2, np.arange(2) * period / 2
+    cell = 0.2, width / 2, period / 2
     means = [
         stress_cell_doubly_periodic(c, x, y, *cell, width, period, NU).sum()
         for c in COMPONENTS.values()

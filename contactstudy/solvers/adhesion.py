@@ -321,7 +321,7 @@ class _Passes:
     def _ended(self, adhesive: Adhesive, state: _State) -> Solution:
         """Return the solution of the last `state`."""
         contact, problem = state.contact, self.problem
-        edge = _edge_share(state.traction, problem)
+        edge = _edge_fraction(state.traction, problem)
         residual = max(contact.residual, state.change / CHANGE)
         status = contact.status
         if status is Status.CONVERGED and residual > self.options.tolerance:
@@ -380,7 +380,7 @@ def _allowed(last: _State, state: _State) -> float:
     return last.energy + state.change**2 * state.cohesion
 
 
-def _edge_share(traction: Array, problem: Problem) -> float:
+def _edge_fraction(traction: Array, problem: Problem) -> float:
     """Return the largest traction in the rows at open edges, over the largest of all."""
     rows = [traction[row] for row in problem.open_edges]
     rows += [traction[:, row] for row in problem.open_ends]

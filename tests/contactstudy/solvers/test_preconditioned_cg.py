@@ -120,7 +120,7 @@ def test_grids_that_do_not_halve_take_few_iterations(
         assert cs.solve(problem(line_contact, cells, heights)).iterations <= 30
 
 
-@pytest.mark.parametrize("cells", (128, 176, 304))
+@pytest.mark.parametrize("cells", [128, 176, 304])
 def test_a_sphere_has_the_symmetries_of_the_grid_to_what_the_residual_leaves(
     cells: int, line_contact: LineContact
 ) -> None:

@@ -59,20 +59,14 @@ class CoulombNewton:
     limit
         Largest shear (x, y) [Pa], the coefficient of friction times the pressure.
     total
-        Sum of the shear over all cells (2,) [Pa], or None where the rigid slip is given.
+        Sum of the shear over all cells (2,) [Pa], nan for a component whose rigid slip is given; None where both are.
     """
 
     def __init__(self, slip: SlipOperator, limit: Array, total: Array | None = None) -> None:
         self._operator, self._shape, self._cells = slip, limit.shape, np.flatnonzero(limit)
         self._disks = Disks(limit.ravel()[self._cells], total)
-        self.capacity = float(self._disks.radius.sum())
         self._rho = 1 / slip.own
         self.applications = 0
-
-    @property
-    def saturation(self) -> float:
-        """Rigid slip of the order of that at which all cells slide."""
-        return float(self._disks.radius.max()) / self._rho
 
     @property
     def rigid(self) -> Array:

@@ -18,7 +18,7 @@ class Disks:
     radius
         Largest traction of each cell (cells,), above 0.
     total
-        Sum of the tractions (2,), or None where it may be any.
+        Sum of the tractions (2,), nan for a component whose sum may be any; None where both may.
     """
 
     def __init__(self, radius: Array, total: Array | None = None) -> None:
@@ -58,13 +58,16 @@ class Disks:
 
         if self.total is None:
             return of_cells, stick
-        rigid = [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)]
-        inverse = np.linalg.pinv(np.stack([field.sum(axis=1) for field in rigid]), rcond=1e-12)
+        given = ~np.isnan(self.total)
+        rigid = np.stack(
+            [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[given]]
+        )
+        inverse = np.linalg.pinv(rigid.sum(axis=2)[:, given], rcond=1e-12)
 
         def balanced(change: Array) -> Array:
             moved = of_cells(change)
-            across, along = inverse @ moved.sum(axis=1)
-            return np.asarray(moved - across * rigid[0] - along * rigid[1])
+            shift = inverse @ moved.sum(axis=1)[given]
+            return np.asarray(moved - np.einsum("g,gcn->cn", shift, rigid))
 
         return balanced, stick
 
@@ -74,10 +77,10 @@ class Disks:
         Newton's method on two unknowns, damped, whose residual is the gradient of a convex function. It begins with the
         shift found before.
         """
-        r, (x, y) = self.radius, trial
+        r, (x, y), given = self.radius, trial, ~np.isnan(total)
         shift, guessed = self._shift, self._shift is not None
         if shift is None:
-            shift = (total - np.array([x.sum(), y.sum()])) / r.size
+            shift = np.where(given, total - np.array([x.sum(), y.sum()]), 0) / r.size
         size, ridge = float(r.sum()), 1e-12 * r.size
         reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
         origin, step, slope = shift, np.zeros(2), 0.0
@@ -87,7 +90,8 @@ class Disks:
             distance = np.sqrt(u * u + v * v)
             farther = np.maximum(distance, r)
             cut = r / farther
-            missing = total - np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
+            carried = np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
+            missing = np.where(given, total - carried, 0)
             worst = float(np.abs(missing).max())
             if float(missing @ step) < -0.5 * slope:
                 # past the lowest point of the convex function: where all cells are on their rims it has no curvature
@@ -106,7 +110,8 @@ class Disks:
                 -float(np.einsum("i,i->", across, v)),
             )
             yy = diagonal - float(np.einsum("i,i->", rim * v, v))
-            direction = np.linalg.solve(np.array([[xx, xy], [xy, yy]]), missing)
+            matrix = np.where(np.outer(given, given), [[xx, xy], [xy, yy]], np.eye(2))
+            direction = np.linalg.solve(matrix, missing)
             longest = float(np.abs(direction).max())
             step = (min(1.0, reach / longest) if longest else 1.0) * direction
             origin, slope = shift, float(missing @ step)

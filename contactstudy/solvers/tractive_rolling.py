@@ -15,7 +15,7 @@ Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import inf, isfinite, sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -35,8 +35,8 @@ from contactstudy.solvers.solve import SolveOptions
 COARSEST = 24
 # Residual on coarser grids, whose own error is larger.
 COARSE_TOLERANCE = 1e-3
-# Passes between pressure and shear of unlike bodies; solves for a given tangential force.
-MAX_PASSES, MAX_FORCES = 60, 40
+# Passes between pressure and shear of unlike bodies.
+MAX_PASSES = 60
 # Distance [cells] within which the edge of stick is found.
 EDGE = 0.3
 # A cell sticks whose shear is below the limit by more than this fraction.
@@ -173,7 +173,7 @@ class TractiveShear:
         creepage, fractions, work = self.creepage, list[float](), 0.0
         shear: Array = np.zeros((2, *grid.cells))
         if last is not None:
-            creepage, shear = last.creepage, last.shear
+            shear = last.shear
         drift: Array = np.zeros((2, *grid.cells))
         if self.coupling is not None:
             drift = self.coupling.drift(pressure, np.copysign(grid.cell[0], self.speed))
@@ -183,18 +183,20 @@ class TractiveShear:
             limit = on_cells(self.coefficient * pressure, one.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
             slip = RollingSlip(self.respond(one), np.copysign(one.cell[0], self.speed))
-            rolled = CoulombNewton(slip, limit)
-            found = self._forced(
-                rolled,
+            total = None
+            if self.fraction is not None:
+                total = np.array([self.fraction * limit.sum(), np.nan])
+            newton = CoulombNewton(slip, limit, total)
+            found = _steady(
+                newton,
                 creepage,
-                one,
-                on_grid(drift, one),
+                on_grid(drift, one) - creepage.on(one),
                 on_grid(shear, one),
                 options.tolerance if fine else max(COARSE_TOLERANCE, options.tolerance),
                 options.max_iterations,
             )
-            creepage, shear = found.creepage, found.shear
-            work += 2 * rolled.applications * limit.size / pressure.size
+            shear = found.shear
+            work += 2 * newton.applications * limit.size / pressure.size
             fractions.append(float(shear[0].sum() / limit.sum()))
         assert found is not None
         if last is not None:
@@ -202,53 +204,6 @@ class TractiveShear:
         touching = np.pad(limit > 0, ((1, 0), (0, 0)))
         chord = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
         return replace(found, convolutions=work, force_error=_force_error(fractions, chord))
-
-    def _forced(
-        self,
-        rolled: CoulombNewton,
-        creepage: Creepage,
-        grid: Grid,
-        drift: Array,
-        shear: Array,
-        tolerance: float,
-        most: int,
-    ) -> "SteadyShear":
-        """Return the steady state on one grid under the creepage, or under that which makes the tangential force.
-
-        Creepage is found by secants between ``1 - sqrt(1 - Q / (mu P))``, which Carter's closed form makes a straight
-        line, within the interval known to hold it.
-        """
-
-        def steady(creepage: Creepage, shear: Array, tolerance: float) -> SteadyShear:
-            rigid = drift - creepage.on(grid)
-            values, _, residual = rolled.solve(rigid, rolled.gathered(shear), tolerance, most)
-            return SteadyShear(rolled.field(values), rigid, creepage, residual, rolled.applications)
-
-        def finished(state: SteadyShear, mismatch: float) -> SteadyShear:
-            slip = state.slip + rolled.slip_field(rolled.gathered(state.shear))
-            return replace(state, slip=slip, residual=max(state.residual, abs(mismatch)))
-
-        if self.fraction is None:
-            return finished(steady(creepage, shear, tolerance), 0.0)
-        wanted = self.fraction
-        below, above = -np.inf, np.inf
-        known: list[tuple[float, float]] = []
-        guess = creepage.longitudinal or rolled.saturation * _carter_creepage(wanted)
-        for _ in range(MAX_FORCES):
-            mismatch = known[-1][1] - _carter_creepage(wanted) if known else 1.0
-            state = steady(
-                replace(creepage, longitudinal=guess),
-                shear,
-                max(tolerance, min(COARSE_TOLERANCE, 1e-2 * abs(mismatch))),
-            )
-            shear = state.shear
-            fraction = float(shear[0].sum() / rolled.capacity)
-            if abs(fraction - wanted) <= tolerance and state.residual <= tolerance:
-                break
-            known.append((guess, _carter_creepage(fraction)))
-            below, above = (guess, above) if fraction < wanted else (below, guess)
-            guess = _next_guess(known, _carter_creepage(wanted), below, above, rolled.saturation)
-        return finished(state, fraction - wanted)
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,28 +219,30 @@ class SteadyShear:
     force_error: float = inf
 
 
+def _steady(
+    newton: CoulombNewton,
+    creepage: Creepage,
+    rigid: Array,
+    shear: Array,
+    tolerance: float,
+    max_applications: int,
+) -> SteadyShear:
+    """Return the steady state on one grid, with the longitudinal creepage that a given force asks for.
+
+    `rigid` (component, x, y) is the slip without shear, under the given `creepage`. A force enters the projection as a
+    resultant, whose multiplier is the creepage.
+    """
+    values, _, residual = newton.solve(rigid, newton.gathered(shear), tolerance, max_applications)
+    found = newton.rigid
+    field = newton.field(newton.project(values))
+    slip = rigid - found[:, None, None] + newton.slip_field(newton.gathered(field))
+    creepage = replace(creepage, longitudinal=creepage.longitudinal + float(found[0]))
+    return SteadyShear(field, slip, creepage, residual, newton.applications)
+
+
 def _carter_creepage(fraction: float) -> float:
     """Return the creepage over that at which all slides, in Carter's closed form, for a force over mu P."""
     return float(np.copysign(1 - sqrt(max(1 - abs(fraction), 0.0)), fraction))
-
-
-def _next_guess(
-    known: list[tuple[float, float]], wanted: float, below: float, above: float, unit: float
-) -> float:
-    """Return the creepage to try next by a secant through the last two `known`, within the bracket.
-
-    Each known has a creepage and what Carter's closed form gives for its force; `wanted` is that of the force.
-    """
-    last, force = known[-1]
-    before, force_before = known[-2] if len(known) > 1 else (0.0, 0.0)
-    slope = (force - force_before) / (last - before) if last != before else 0.0
-    guess = last + (wanted - force) / slope if slope > 0 else inf
-    if below < guess < above and isfinite(guess):
-        return guess
-    if isfinite(below) and isfinite(above):
-        return (below + above) / 2
-    reach = max(2 * abs(last), unit)
-    return last + (reach if force < wanted else -reach)
 
 
 def _force_error(fractions: list[float], chord: float) -> float:

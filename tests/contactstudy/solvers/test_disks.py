@@ -22,11 +22,15 @@ def test_the_projection_is_nearest_among_those_with_the_sum(fraction: float) -> 
         assert ((TRIAL - found) * (other - found)).sum() <= 1e-7
 
 
-@pytest.mark.parametrize("total", [None, np.array([3.0, -1.0])])
+@pytest.mark.parametrize("total", [None, np.array([3.0, -1.0]), np.array([3.0, np.nan])], ids=str)
 def test_the_derivative_is_that_of_differences(total: np.ndarray | None) -> None:
     disks = Disks(RADIUS, total)
     disks.project(TRIAL)
     derivative, stick = disks.derivative(TRIAL)
+    if total is not None:
+        given = ~np.isnan(total)
+        np.testing.assert_allclose(disks.project(TRIAL).sum(axis=1)[given], total[given])
+        np.testing.assert_array_equal(disks.shift[~given], 0)
     assert stick.any()
     assert not stick.all()
     change, part = CHANCE.normal(size=(2, 40)), 1e-6

@@ -86,16 +86,23 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
             continue
         is_own = label == measured.own_label
         style = _style(label) | ({"lw": 3.0, "ms": 7, "zorder": 4} if is_own else {"lw": 1.0})
-        times, errors = [one.time for one in line], [one.error for one in line]
-        ax.loglog(times, errors, **style, markevery=[one.is_bounded for one in line])
+        front = measured.front(label)
+        times, errors = [one.time for one in front], [one.error for one in front]
+        ax.loglog(times, errors, **style)
+        beaten = [one for one in line if one.is_bounded and one not in front]
+        ax.loglog(
+            [one.time for one in beaten], [one.error for one in beaten],
+            **style | {"ls": "none", "ms": 3, "alpha": 0.5},
+        )  # fmt: skip
         hollow = [one for one in line if not one.is_bounded]
         ax.loglog(
             [one.time for one in hollow], [one.error for one in hollow],
             **style | {"ls": "none", "markerfacecolor": "white"},
         )  # fmt: skip
-        ends.append((times[-1], errors[-1], label))
+        last = front[-1] if front else line[-1]
+        ends.append((last.time, last.error, label))
         if is_own:
-            _label_cells(ax, line, style["color"])
+            _label_cells(ax, front or line, style["color"])
     errors = [one.error for one in measured.settings]
     lowest = min(min(errors), verdict.error) / 2
     if isfinite(measured.floor) and measured.floor > 0:
@@ -123,7 +130,8 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
         "front",
         fig,
         f"The price of accuracy for {measured.name}. Each line is one padding on ever finer grids; the thick one is "
-        f"{own}, the boundary of the scene itself, with its cells. A line that becomes horizontal has reached the "
+        f"{own}, the boundary of the scene itself, with its cells. Small marks: settings that another of the line "
+        f"beats. A line that becomes horizontal has reached the "
         "error of its padding, which no grid removes. The ring is the verdict. "
         + (
             "Hollow marks: the solution itself gives no bound on its error, and is never recommended. "

@@ -54,7 +54,7 @@ def test_the_front_has_a_ring_at_the_choice_and_hollow_marks_where_nothing_is_bo
     ]
     assert [line.get_ydata()[0] for line in hollow] == [0.1]
     thick = max(ax.lines, key=lambda line: line.get_linewidth())
-    assert np.allclose(thick.get_ydata(), [0.1, 0.04, 0.02])
+    assert np.allclose(thick.get_ydata(), [0.04, 0.02])
     assert (
         len({figure.figure.get_figwidth() for part in (price, causes) for figure in part.figures})
         == 1

@@ -3,7 +3,6 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain import fields
-from contactstudy.domain.device import using
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity import convolution
 from contactstudy.elasticity.approximate_inverse import (
@@ -96,23 +95,6 @@ def test_the_transposed_map_is_the_transpose(shape: tuple[int, int], elongation:
     work = np.abs(pressure).sum() * np.abs(known).max()
     difference = np.vdot(extended, pressure) - np.vdot(known, gathered)
     assert abs(difference) < 1e-15 * pressure.size * work
-
-
-@pytest.mark.parametrize("threads", [1, 3])
-@pytest.mark.parametrize(("shape", "elongation"), CASES, ids=str)
-def test_blocks_of_rows_give_what_the_whole_gives(
-    shape: tuple[int, int], elongation: float, threads: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    contact = island(shape)
-    known, pressure = np.random.default_rng(7).standard_normal((2, *shape))
-    known *= contact
-    whole = inverse(shape, elongation).extension(contact)
-    expected = whole(known), whole.transposed(pressure.copy())
-    monkeypatch.setattr(fields, "BLOCK", 8)
-    with using(cs.Cpu(threads)):
-        extension = inverse(shape, elongation).extension(contact)
-        np.testing.assert_array_equal(extension(known), expected[0])
-        np.testing.assert_array_equal(extension.transposed(pressure.copy()), expected[1])
 
 
 @pytest.mark.parametrize(
@@ -216,12 +198,3 @@ def test_a_wave_of_the_grid_has_the_nearest_of_the_padded_one(
     np.testing.assert_array_equal(
         sampled(SPECTRUM, cells, (15, 15)), SPECTRUM[np.ix_(rows, columns)]
     )
-
-
-def test_none_is_below_a_thousandth_of_the_smallest() -> None:
-    """In size, and but for the first row, whose first is a mean; of one row, of the largest."""
-    spectrum = np.array([[0.0, 1e-9], [-4.0, 2.0]])
-    found = sampled(spectrum, (2, 2), (2, 2))
-    np.testing.assert_array_equal(found, [[2e-3, 2e-3], [2e-3, 2.0]])
-    found = sampled(np.array([[1e-9, 3.0, -5.0]]), (1, 4), (1, 4))
-    np.testing.assert_array_equal(found, [[5e-3, 3.0, 5e-3]])

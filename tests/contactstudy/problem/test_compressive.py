@@ -1,6 +1,6 @@
 """Pressures that are never tensile, by hand."""
 
-from math import inf, isnan
+from math import inf
 
 import numpy as np
 import pytest
@@ -12,17 +12,6 @@ WHICH = Compressive()
 
 def row(*values: float) -> np.ndarray:
     return np.array([values])
-
-
-def test_cells_with_any_pressure_are_free_and_any_tension_is_cut_off() -> None:
-    assert WHICH.free(row(0.5, 0.0, 3.0)).tolist() == [[1, 0, 1]]
-    assert not WHICH.exceeded_by(row(0.0, 0.5))
-    assert WHICH.exceeded_by(row(2.0, -1e-9))
-    assert WHICH.clip(row(0.5, -2.0, 3.0)).tolist() == [[0.5, 0, 3]]
-    assert WHICH.capacity(3) == inf
-    assert isnan(WHICH.approach(row(0.0), row(1.0)))
-    assert WHICH.in_unit(row(0.5, 3.0), 4.0).tolist() == [[2, 12]]
-    assert WHICH.scaled(2.0) == WHICH
 
 
 def test_a_trial_is_scaled_or_shifted_to_the_load() -> None:
@@ -48,21 +37,10 @@ def test_the_chosen_cells_are_lowered_alike_or_scaled(
     assert WHICH.shift_to_load(trial, cells, total) == pytest.approx(row(*shifted), abs=1e-14)
 
 
-def test_what_is_cut_off_on_the_way_down_bears_no_more() -> None:
-    """Four cells down by 0.625, which leaves 5.125 in three, and these by a third of 0.125."""
-    found = WHICH.shift_to_load(row(3.0, 1.5, 2.5, 0.5), np.ones((1, 4)), 5.0)
-    assert found == pytest.approx(row(3 - 2 / 3, 1.5 - 2 / 3, 2.5 - 2 / 3, 0))
-
-
 def test_a_load_is_not_drowned_by_numbers_far_above_it() -> None:
     found = WHICH.shift_to_load(row(1e20, 1.0, 2.0, -5.0), row(1.0, 1, 0, 1), 3.0)
     # what is not chosen bears nothing
     assert found.tolist() == [[3, 0, 0, 0]]
-
-
-def test_cells_without_pressure_that_penetrate_are_released() -> None:
-    pressure, height = row(0.0, 0.0, 2.0, 0.0), row(-0.5, 0.5, -0.5, 0.0)
-    assert WHICH.to_release(pressure, height).tolist() == [[1, 0, 0, 0]]
 
 
 @pytest.mark.parametrize(

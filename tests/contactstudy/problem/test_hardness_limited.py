@@ -12,15 +12,6 @@ def row(*values: float) -> np.ndarray:
     return np.array([values])
 
 
-def test_cells_are_free_between_no_pressure_and_the_hardness() -> None:
-    assert WHICH.free(row(0.0, 0.5, 3.9, 4.0)).tolist() == [[0, 1, 1, 0]]
-    assert WHICH.capacity(3) == 12
-    for trial, cuts in ((row(0.0, 4.0), False), (row(-1e-9, 1.0), True), (row(1.0, 4.1), True)):
-        assert WHICH.exceeded_by(trial) == cuts
-    assert WHICH.clip(row(0.5, -2.0, 5.0)).tolist() == [[0.5, 0, 4]]
-    assert WHICH.scaled(2.5) == HardnessLimited(10.0)
-
-
 def test_in_another_unit_what_yields_is_at_the_hardness_there() -> None:
     """A 49th of 4 Pa, which is no number: 49 times that is a little less."""
     there = WHICH.scaled(1 / 49).hardness
@@ -72,12 +63,6 @@ def test_the_chosen_cells_are_shifted_where_they_can_make_up_for_the_others(
 ) -> None:
     found = WHICH.shift_to_load(row(5.0, 1.0, 2.0, -1.0), row(0.0, 1, 1, 0), total)
     assert found == pytest.approx(row(*levelled), abs=1e-12)
-
-
-def test_cells_that_penetrate_or_yield_with_an_open_gap_are_released() -> None:
-    pressure = row(0.0, 0.0, 2.0, 2.0, 4.0, 4.0)
-    height = row(-0.5, 0.5, -0.5, 0.5, -0.5, 0.5)
-    assert WHICH.to_release(pressure, height).tolist() == [[1, 0, 0, 0, 0, 1]]
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,7 @@ from .problem.problem import Problem, Scales
 from .scene.adhesion import Adhesion
 from .scene.bodies import Body, HalfSpace
 from .scene.coated import CoatedHalfSpace
+from .scene.film_heat import FilmHeat, ThermalBody
 from .scene.fretting import Fretting
 from .scene.friction import PartialSlip, Sliding
 from .scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
@@ -44,6 +45,7 @@ from .scene.load import LineLoad, LoadHistory, SineLoad, TotalLoad
 from .scene.lubrication import (
     Barus,
     Boundary,
+    Carreau,
     ChangingSpeed,
     ConstantDensity,
     DowsonHigginson,
@@ -96,6 +98,7 @@ __all__ = [
     "Barus",
     "Body",
     "Boundary",
+    "Carreau",
     "Carried",
     "ChangingSpeed",
     "CircularSuperposition",
@@ -122,6 +125,7 @@ __all__ = [
     "Evolution",
     "ExactPeriodicity",
     "Eyring",
+    "FilmHeat",
     "FiniteLength",
     "FlatBottomed",
     "Fretting",
@@ -187,6 +191,7 @@ __all__ = [
     "Superposition",
     "Tapered",
     "Texture",
+    "ThermalBody",
     "Tilt",
     "TimeSteps",
     "TotalLoad",

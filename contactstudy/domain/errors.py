@@ -68,6 +68,8 @@ class ErrorEstimate:
         Errors of the numbers of a film; None for a dry contact.
     contact_load_fraction, contact_area_fraction
         Errors of what asperities bear in a film; None without a boundary film.
+    flash_temperature, film_temperature
+        Errors of the temperatures of a film, as the model has them; None for a film of one temperature.
     rolling_resistance
         Error of the rolling resistance; None where nothing rolls.
     load, pull_off
@@ -88,6 +90,8 @@ class ErrorEstimate:
     friction_coefficient: ErrorParts | None = None
     contact_load_fraction: ErrorParts | None = None
     contact_area_fraction: ErrorParts | None = None
+    flash_temperature: ErrorParts | None = None
+    film_temperature: ErrorParts | None = None
     rolling_resistance: ErrorParts | None = None
     load: ErrorParts | None = None
     pull_off: ErrorParts | None = None

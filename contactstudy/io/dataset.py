@@ -437,6 +437,12 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
     if contact.contact_pressure is not None:
         of_asperities = labelled(plane, contact.contact_pressure, "Pa", "pressure of asperities")
         touching["contact_pressure"] = of_asperities
+    if (heat := contact.temperatures) is not None:
+        rise = "rise of temperature"
+        touching["film_temperature_rise"] = labelled(plane, heat.film, "K", f"{rise} of the film")
+        for number, rises in enumerate(heat.surface, start=1):
+            name, label = f"surface_temperature_rise_{number}", f"{rise} of surface {number}"
+            touching[name] = labelled(plane, rises, "K", label)
     return xr.Dataset(
         touching
         | {

@@ -29,6 +29,7 @@ from contactstudy.scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHa
 from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory, SineLoad, TotalLoad
 from contactstudy.scene.lubrication import (
     Barus,
+    Carreau,
     ChangingSpeed,
     ConstantDensity,
     DensityLaw,
@@ -262,6 +263,6 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     Solver: _kinds(PreconditionedCG, PolonskyKeer),
     ViscosityLaw: _kinds(Roelands, Barus),
     DensityLaw: _kinds(DowsonHigginson, ConstantDensity),
-    ShearLaw: _kinds(Newtonian, Eyring, LimitingShear),
+    ShearLaw: _kinds(Newtonian, Eyring, Carreau, LimitingShear),
     ChangingSpeed: _kinds(SpeedHistory),
 }

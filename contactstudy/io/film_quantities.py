@@ -51,6 +51,16 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         numbers["contact_area_fraction"] = Quantity(
             contact.contact_area_fraction, "1", "area of touching asperities over Hertz's"
         )
+    if (temperatures := contact.temperatures) is not None:
+        numbers["flash_temperature"] = Quantity(
+            contact.flash_temperature, "K", "largest rise of temperature of a surface"
+        )
+        numbers["film_temperature"] = Quantity(
+            contact.film_temperature, "K", "rise of temperature of the film, mean by load"
+        )
+        numbers["thermal_reduction"] = Quantity(
+            temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
+        )
     errors = dict(estimate)
     if (
         "friction_coefficient" in errors

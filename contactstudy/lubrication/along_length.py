@@ -1,8 +1,9 @@
 """The linear system of a step where the film varies along its length: GMRES with two stages of preconditioning.
 
 The Fourier stage solves the system with all coefficients averaged over the length, wave by wave, which knows how distant
-cells act on each other. The line stage then solves what is left line by line downstream, with the coefficients as they
-are and a mere remainder of elasticity, which knows how conductance varies by orders of magnitude from cell to cell.
+cells act on each other; rows of cells that touch the boundary film are those of their film. The local stage solves what
+is left with the coefficients as they are and a mere remainder of elasticity, which knows how conductance varies by
+orders of magnitude from cell to cell. Touching cells have the preconditioner of the dry contact there.
 """
 
 from collections.abc import Callable
@@ -17,6 +18,12 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import LinearOperator, SuperLU, gmres, splu
 
 from contactstudy.domain.fields import Array
+from contactstudy.elasticity.approximate_inverse import (
+    ExactExtension,
+    ExactInverse,
+    FullExtension,
+    SpectralInverse,
+)
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
 from contactstudy.lubrication.pseudo_time import ActiveSets, FilmStep
@@ -28,8 +35,9 @@ class KrylovTuning:
 
     Attributes
     ----------
-    reached, missed
-        Linear residual where GMRES stops (0.1 costs steps), and above which a step is refused.
+    reached, reached_touching, missed
+        Linear residual where GMRES stops (0.1 costs steps), the same where cells touch (with 1e-2 the active sets did
+        not settle on 128 x 32 cells), and above which a step is refused.
     basis, restarts
         Length of the basis of GMRES, and restarts.
     waves
@@ -44,6 +52,7 @@ class KrylovTuning:
     """
 
     reached: float = 1e-2
+    reached_touching: float = 1e-3
     missed: float = 0.1
     basis: int = 120
     restarts: int = 4
@@ -67,7 +76,7 @@ class KrylovStep:
     """GMRES for a film that varies along its length.
 
     The Fourier stage was ``made_for`` a step in pseudo-time, and GMRES took ``iterations_then`` with it at first.
-    ``last`` are the last system and its unknowns.
+    ``last`` are the last system and its unknowns, ``inverse`` is the preconditioner of the dry contact.
     """
 
     deflection: Convolution
@@ -75,36 +84,48 @@ class KrylovStep:
     made_for: float = 0.0
     iterations_then: int | None = None
     last: "tuple[StepSystem, Array] | None" = None
+    inverse: SpectralInverse | ExactInverse | None = None
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
     ) -> FilmStep:
         """Return the step for given ``active`` sets.
 
-        GMRES starts from the step for the set of cells before, if the linearised balance is the same.
+        GMRES starts from the step for the sets before, if the linearised balance is the same. The change of the film of
+        a touching cell is known: up to the boundary film.
         """
-        cavitated = active.cavitated
+        equation, cavitated = linear.equation, active.cavitated
+        touching = np.zeros_like(cavitated) if active.touching is None else active.touching
+        # what is known: pressures and voids that vanish
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
+        total = np.where(touching, 0.0, pressure)
+        if film.contact is not None:
+            total = np.where(touching, 0.0, pressure - film.contact)
+        unsolved = FilmStep(pressure, void, 0.0, replace(self, fourier=None), solved=False)
         try:
-            staged = self._staged(linear, cavitated)
+            staged = self._staged(linear, cavitated, touching)
             assert staged.fourier is not None
-            local = local_stage(linear, cavitated)
+            local = local_stage(linear, cavitated, touching)
         except (np.linalg.LinAlgError, RuntimeError):  # singular, as scipy has it
-            return FilmStep(pressure, void, 0.0, replace(self, fourier=None), solved=False)
-        system = StepSystem(
-            linear, ~(cavitated | linear.equation.fixed), cavitated, staged.fourier, local
-        )
-        missing = load_missing - system.mean * pressure.sum()
-        balance = -(linear.residual + linear.change(pressure, void, 0.0))
-        right = np.append(balance.ravel(), system.flow * missing)
+            return unsolved
+        system = StepSystem(linear, cavitated, touching, staged.fourier, local)
+        inverse = self.inverse
+        if touching.any():
+            inverse = inverse or self.deflection.approximate_inverse()
+            system = replace(system, extension=inverse.extension(touching.astype(float)))
+        known = equation.deflection(total)
+        to_boundary = equation.boundary - film.film
+        missing = load_missing - system.mean * total.sum()
+        change = linear.change_with(pressure, void, np.where(touching, to_boundary, known))
+        balance = -(linear.residual + change)
+        right = system.joined(balance, (to_boundary - known) * touching, system.flow * missing)
         norm = float(np.linalg.norm(right))
         if norm == 0:
-            return FilmStep(pressure, void, 0.0, staged)
+            return FilmStep(pressure, void, 0.0, staged, contact=film.contact)
         start = np.zeros_like(right)
         if self.last is not None and self.last[0].linear is linear:
-            same = self.last[0].cavitated == cavitated
-            start = self.last[1] * np.append(same.ravel(), True)
+            start = system.carried(*self.last)
         unknowns, missed, count = system.solve(right, start, norm)
         at_first = count if staged.iterations_then is None else staged.iterations_then
         slow = count > TUNING.slower * at_first + TUNING.more
@@ -113,12 +134,17 @@ class KrylovStep:
             fourier=None if slow else staged.fourier,
             iterations_then=at_first,
             last=(system, unknowns),
+            inverse=inverse,
         )
-        change, opened, separation = system.split(unknowns)
+        change_of_pressure, opened, asperities, separation = system.split(unknowns)
+        pressure = pressure + change_of_pressure
+        contact = None
+        if film.contact is not None:
+            contact = np.where(touching, asperities - pressure, -film.contact)
         solved = bool(np.isfinite(missed) and missed < TUNING.missed)
-        return FilmStep(pressure + change, void + opened, separation, solver, solved, count)
+        return FilmStep(pressure, void + opened, separation, solver, solved, count, contact)
 
-    def _staged(self, linear: Linearised, cavitated: Mask) -> "KrylovStep":
+    def _staged(self, linear: Linearised, cavitated: Mask, touching: Mask) -> "KrylovStep":
         """Return the solver with a new Fourier stage where the time step has changed, or the last no longer serves."""
         time_step = (
             min(1 / linear.rate, TUNING.longest_step) if linear.rate else TUNING.longest_step
@@ -127,7 +153,7 @@ class KrylovStep:
         if self.fourier is not None and 1 / TUNING.step_ratio < ratio < TUNING.step_ratio:
             return self
         free = ~(cavitated | linear.equation.fixed)
-        fourier = FourierStage.of(linear, free, toeplitz(self.deflection))
+        fourier = FourierStage.of(linear, free, touching, toeplitz(self.deflection))
         return replace(self, fourier=fourier, made_for=time_step, iterations_then=None)
 
 
@@ -135,15 +161,22 @@ class KrylovStep:
 class StepSystem:
     """Linear system of a step, with its preconditioner.
 
-    The unknowns are one for each cell, its pressure or, where it is cavitated, its void fraction, and the separation.
-    The last row is the load, in units of the flow.
+    The unknowns are one for each cell, the pressure of the lubricant or, where it is cavitated, its void fraction; the
+    pressure of lubricant and asperities on each touching cell; and the separation. The rows are the balance of each
+    cell, the film of each touching cell, and the load, in units of the flow.
     """
 
     linear: Linearised
-    free: Mask
     cavitated: Mask
+    touching: Mask
     fourier: "FourierStage"
     local: "LineStage | FactorStage"
+    extension: ExactExtension | FullExtension | None = None
+
+    @cached_property
+    def free(self) -> Mask:
+        """Cells whose lubricant is under pressure."""
+        return ~(self.cavitated | self.linear.equation.fixed)
 
     @cached_property
     def flow(self) -> float:
@@ -155,26 +188,48 @@ class StepSystem:
         """Load of a unit pressure on one cell."""
         return float(self.linear.equation.cell[0] / self.free.shape[1])
 
-    def split(self, values: Array) -> tuple[Array, Array, float]:
-        """Return pressure and void fraction (x, y) and separation of a vector of unknowns."""
-        cells = values[:-1].reshape(self.free.shape)
-        return cells * self.free, cells * self.cavitated, float(values[-1])
+    def joined(self, cells: Array, touching: Array, last: float) -> Array:
+        """Return a vector of values of cells (x, y), of touching cells (x, y), and of the separation or the load."""
+        return np.concatenate((cells.ravel(), touching[self.touching], [last]))
+
+    def parts(self, values: Array) -> tuple[Array, Array, float]:
+        """Return what :meth:`joined` joins; zero where no cell touches."""
+        cells = values[: self.free.size].reshape(self.free.shape)
+        touching = np.zeros_like(cells)
+        touching[self.touching] = values[self.free.size : -1]
+        return cells, touching, float(values[-1])
+
+    def split(self, values: Array) -> tuple[Array, Array, Array, float]:
+        """Return pressure and void fraction (x, y), pressure on touching cells, and separation of the unknowns."""
+        cells, touching, separation = self.parts(values)
+        return cells * self.free, cells * self.cavitated, touching, separation
+
+    def carried(self, other: "StepSystem", values: Array) -> Array:
+        """Return the unknowns of another system where they are those of this one, else zero."""
+        cells, touching, separation = other.parts(values)
+        return self.joined(cells * (self.cavitated == other.cavitated), touching, separation)
 
     def product(self, values: Array) -> Array:
         """Multiply the matrix with a vector of unknowns."""
-        pressure, void, separation = self.split(values)
-        balance = self.linear.change(pressure, void, separation)
-        return np.append(balance.ravel(), self.flow * self.mean * pressure.sum())
+        pressure, void, touching, separation = self.split(values)
+        total = np.where(self.touching, touching, pressure)
+        film = self.linear.equation.deflection(total) + separation
+        balance = self.linear.change_with(pressure, void, np.where(self.touching, 0.0, film))
+        return self.joined(balance, film, self.flow * self.mean * total.sum())
 
     def preconditioned(self, values: Array) -> Array:
         """Apply the Fourier stage, then the local stage to what it leaves."""
-        shape = self.free.shape
-        cells = values[:-1].reshape(shape)
-        coarse, separation = self.fourier.solve(cells * self.free, float(values[-1]) / self.flow)
-        unknowns = np.append((coarse * self.free).ravel(), separation)
-        remainder = (values - self.product(unknowns))[:-1].reshape(shape)
-        unknowns[:-1] += (self.local.solve(remainder) * ~self.linear.equation.fixed).ravel()
-        return unknowns
+        cells, touching, load = self.parts(values)
+        solved = self.free | self.touching
+        rows = np.where(self.touching, touching, cells * self.free)
+        coarse, separation = self.fourier.solve(rows, load / self.flow)
+        coarse = coarse * solved
+        unknowns = self.joined(coarse * (self.free & ~self.touching), coarse, separation)
+        cells, touching, _ = self.parts(values - self.product(unknowns))
+        correction = self.local.solve(cells) * ~self.linear.equation.fixed
+        if self.extension is not None:
+            touching = self.extension.closing(self.extension(touching))
+        return unknowns + self.joined(correction, touching, 0.0)
 
     def solve(self, right: Array, start: Array, norm: float) -> tuple[Array, float, int]:
         """Return unknowns, their residual over ``norm``, and the number of iterations from ``start``."""
@@ -184,6 +239,7 @@ class StepSystem:
             nonlocal count
             count += 1
 
+        reached = TUNING.reached_touching if self.touching.any() else TUNING.reached
         missing = right - self.product(start) if start.any() else right
         system = LinearOperator(
             (right.size, right.size),
@@ -191,7 +247,7 @@ class StepSystem:
             dtype=float,
         )
         solution, _ = gmres(
-            system, missing, rtol=0.0, atol=TUNING.reached * norm, restart=TUNING.basis, maxiter=TUNING.restarts,
+            system, missing, rtol=0.0, atol=reached * norm, restart=TUNING.basis, maxiter=TUNING.restarts,
             callback=counted, callback_type="pr_norm",
         )  # fmt: skip
         unknowns = start + self.preconditioned(solution)
@@ -208,8 +264,11 @@ class FourierStage:
     scale: Array
 
     @classmethod
-    def of(cls, linear: Linearised, free: Mask, influence: Array) -> "FourierStage":
-        """Average over the length, and invert; ``influence`` (wave, x, x) in single precision."""
+    def of(cls, linear: Linearised, free: Mask, touching: Mask, influence: Array) -> "FourierStage":
+        """Average over the length, and invert; ``influence`` (wave, x, x) in single precision.
+
+        Rows of touching cells are those of their film; the film of others changes by elasticity.
+        """
         equation = linear.equation
         nx, ny = free.shape
         number = len(influence)
@@ -217,11 +276,13 @@ class FourierStage:
         index = np.arange(nx)
         by_separation = np.zeros(nx)
         # cells that are not free stay as they are
-        matrices[:, index, index] = 1 - free.mean(axis=1)
+        solved, moves, free = free | touching, ~touching, free & ~touching
+        matrices[:, index, index] = 1 - solved.mean(axis=1)
         turn = np.cos(2 * np.pi * np.arange(number) / ny)
         for bands, elastic in ((linear.pressure, False), (linear.film, True)):
             for (across, along), coefficient in bands.items():
-                average = (coefficient * free).mean(axis=1).astype(np.float32)
+                counted = free & neighbour(moves, (across, along)) if elastic else free
+                average = (coefficient * counted).mean(axis=1).astype(np.float32)
                 rows = index[max(0, -across) : nx - max(0, across)]
                 weight = turn if along else np.ones(number)
                 scaled = weight[:, None].astype(np.float32) * average[rows]
@@ -230,11 +291,14 @@ class FourierStage:
                     by_separation += average
                 else:
                     matrices[:, rows, rows + across] += scaled
+        touched = touching.mean(axis=1)
+        matrices += touched[:, None].astype(np.float32) * influence
+        by_separation += touched
         scale = np.abs(matrices).max(axis=2)
         bordered = np.zeros((nx + 1, nx + 1))
         bordered[:nx, :nx] = matrices[0]
         bordered[:nx, nx] = by_separation
-        bordered[nx, :nx] = equation.cell[0] * free.mean(axis=1)
+        bordered[nx, :nx] = equation.cell[0] * solved.mean(axis=1)
         bordered[:nx] /= scale[0][:, None]
         return cls(
             np.linalg.inv(bordered),
@@ -277,12 +341,12 @@ class LineStage:
     further: Array
 
     @classmethod
-    def of(cls, linear: Linearised, cavitated: Mask) -> "LineStage":
+    def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LineStage":
         """Take from each cell the coefficients of its unknown, the void fraction where it is cavitated."""
         offsets = (0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0)
         return cls(
             *(
-                _coefficient(linear, cavitated, offset, TUNING.film_part, TUNING.own_part)
+                _coefficient(linear, cavitated, touching, offset, TUNING.film_part, TUNING.own_part)
                 for offset in offsets
             )
         )
@@ -299,13 +363,13 @@ class FactorStage:
     factors: SuperLU
 
     @classmethod
-    def of(cls, linear: Linearised, cavitated: Mask) -> "FactorStage":
+    def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "FactorStage":
         """Factorise the coefficients of all neighbours."""
         index = np.arange(cavitated.size).reshape(cavitated.shape)
         rows, columns, values = [], [], []
         for offset in ((0, 0), (0, -1), (0, 1), (1, 0), (-1, 0), (-2, 0)):
             coefficient = _coefficient(
-                linear, cavitated, offset, TUNING.film_part_long, TUNING.own_part_long
+                linear, cavitated, touching, offset, TUNING.film_part_long, TUNING.own_part_long
             )
             inside = neighbour(np.ones_like(cavitated), offset)
             rows.append(index[inside])
@@ -320,15 +384,20 @@ class FactorStage:
         return np.asarray(self.factors.solve(right.ravel()).reshape(right.shape))
 
 
-def local_stage(linear: Linearised, cavitated: Mask) -> LineStage | FactorStage:
-    """Return lines along the length, or sparse factors where cells are too long for lines to couple them."""
+def local_stage(linear: Linearised, cavitated: Mask, touching: Mask) -> LineStage | FactorStage:
+    """Return lines along the length, or sparse factors where cells touch or are too long for lines to couple them.
+
+    The lubricant under asperities has only its own flow, also from downstream, which lines do not know.
+    """
     dx, dy = linear.equation.cell
-    return (FactorStage if dy > TUNING.long_cell * dx else LineStage).of(linear, cavitated)
+    factors = touching.any() or dy > TUNING.long_cell * dx
+    return (FactorStage if factors else LineStage).of(linear, cavitated, touching)
 
 
 def _coefficient(
     linear: Linearised,
     cavitated: Mask,
+    touching: Mask,
     offset: tuple[int, int],
     film_part: float,
     own_part: float,
@@ -336,9 +405,11 @@ def _coefficient(
     """Return the coefficient of the unknown of the neighbour at ``offset``, with a remainder of elasticity."""
     fixed = linear.equation.fixed
     zero = np.zeros(fixed.shape)
-    pressure = linear.pressure.get(offset, zero) + film_part * linear.film.get(offset, zero)
+    moves = neighbour(~touching, offset)
+    pressure = linear.pressure.get(offset, zero)
+    pressure = pressure + film_part * moves * linear.film.get(offset, zero)
     if offset == (0, 0):
-        pressure = pressure + own_part * linear.equation.cell[0]
+        pressure = pressure + own_part * linear.equation.cell[0] * moves
     unknown = np.where(neighbour(cavitated, offset), linear.void.get(offset, zero), pressure)
     return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
 

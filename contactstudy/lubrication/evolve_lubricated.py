@@ -17,7 +17,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import Film, Storage
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose
+from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose, step_solver
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, StepSolver, iterate
 from contactstudy.lubrication.steady_film import (
     TUNING as STEADY,
@@ -25,7 +25,6 @@ from contactstudy.lubrication.steady_film import (
 from contactstudy.lubrication.steady_film import (
     contact_of,
     continued,
-    step_solver,
 )
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.lubrication import ChangingSpeed
@@ -160,6 +159,10 @@ def evolve_lubricated(
         For a scene without lubrication, times that are none, a speed of zero at the first time, and a load of zero at
         any: without a load no film has a thickness.
     """
+    if lubricated_scales(scene).lubrication.thermal is not None:
+        raise InvalidInput(
+            "Lubrication.thermal is known for a steady film only, and this one changes in time: leave it out."
+        )
     instants = _instants(scene, times)
     _check_loaded(scene, instants)
     if step is not None and error is not None:

@@ -123,7 +123,10 @@ class Linearised:
 
     def change(self, pressure: Array, void: Array, separation: float) -> Array:
         """Return the change of the balance under changes of pressure, void fraction and separation."""
-        film = self.equation.deflection(pressure) + separation
+        return self.change_with(pressure, void, self.equation.deflection(pressure) + separation)
+
+    def change_with(self, pressure: Array, void: Array, film: Array) -> Array:
+        """Return the change of the balance under changes of pressure, void fraction and film (x, y)."""
         changed = np.zeros_like(pressure)
         for bands, values in ((self.pressure, pressure), (self.film, film), (self.void, void)):
             for (rows, columns), coefficient in bands.items():

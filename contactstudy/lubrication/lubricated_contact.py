@@ -16,6 +16,8 @@ from contactstudy.solvers.solution import Status
 # The stress that a lubricant bears at most: at rest [Pa], and of the pressure; and the share of the friction that may
 # be above it.
 BORNE_AT_REST, BORNE, UNBORNE = 1e7, 0.15, 0.01
+# The thermal loading up to which an inlet's heating is known, and the residual of temperatures that counts as none.
+LOADING, RESTING = 10.0, 1e-6
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,34 @@ class FilmScales:
 
 
 @dataclass(frozen=True, eq=False)
+class FilmTemperatures:
+    """Rises of temperature [K] over that of the lubricant's supply.
+
+    ``surface`` (body, x, y) is that of the surfaces, ``film`` (x, y) the mean over the thickness, ``reduction`` the film
+    with a heated inlet over that without, ``loading`` the thermal loading of the inlet, ``residual`` the relative
+    disagreement of heat and temperature.
+    """
+
+    surface: Array
+    film: Array
+    reduction: float
+    loading: float
+    residual: float
+
+    @property
+    def reason(self) -> str:
+        """Why temperatures have no bound; empty where they can have one."""
+        if self.residual > RESTING:
+            return f"Heat and temperature of the film disagree by {100 * self.residual:.2g} %."
+        if self.loading <= LOADING:
+            return ""
+        return (
+            f"The inlet's thermal loading is {self.loading:.3g}: its heating is known up to {LOADING:g}. Give a lower "
+            "Lubrication.mean_speed, or leave Lubrication.thermal out."
+        )
+
+
+@dataclass(frozen=True, eq=False)
 class FilmSolution:
     """Fields (x, y) of a lubricated contact: ``pressure`` [Pa], ``film`` [m], ``film_fraction``.
 
@@ -71,7 +101,8 @@ class FilmSolution:
     ``flow`` [m^2/s] is the lubricant that passes per length, at the density of zero pressure, and ``flux_spread`` its
     range over x, with plain cavitation up to the end of the pressure, over its mean. ``linear_iterations`` counts those
     of all linear systems. ``estimate`` is None unless an error was asked for. ``contact_pressure`` (x, y) [Pa] is what
-    asperities bear of the pressure on a boundary film, None without one.
+    asperities bear of the pressure on a boundary film, None without one. ``temperatures`` are those of a film with
+    ``Lubrication.thermal``; pressure and film are isothermal, shear is at these temperatures.
     """
 
     scene: Scene
@@ -92,6 +123,7 @@ class FilmSolution:
     flux_spread: float
     estimate: ErrorEstimate | None = None
     contact_pressure: Array | None = None
+    temperatures: FilmTemperatures | None = None
 
     @property
     def central_film(self) -> float:
@@ -153,6 +185,18 @@ class FilmSolution:
         return float(area / (2 * self.scales.hertz.half_width * self.grid.period))
 
     @property
+    def flash_temperature(self) -> float:
+        """Largest rise of temperature of a surface [K]; 0 without heat."""
+        return 0.0 if self.temperatures is None else float(self.temperatures.surface.max())
+
+    @property
+    def film_temperature(self) -> float:
+        """Rise of temperature of the film [K], mean by the load that it bears; 0 without heat."""
+        if self.temperatures is None:
+            return 0.0
+        return float((self.temperatures.film * self.pressure).sum() / self.pressure.sum())
+
+    @property
     def friction(self) -> float:
         """Friction force over load, negative where the second body is the faster one."""
         return float(self.shear.sum() / self.pressure.sum())
@@ -177,10 +221,7 @@ class FilmSolution:
 
     @property
     def power_loss(self) -> float:
-        """Power lost in the film per length [W/m], by sliding, and by the flow that pressure drives.
-
-        All at one temperature: heating, and with it the flash temperature, is not modelled.
-        """
+        """Power lost in the film per length [W/m], by sliding, and by the flow that pressure drives."""
         oil = self.scales.lubrication.lubricant
         dx, dy = self.grid.cell
         pressure = self.lubricant_pressure
@@ -230,11 +271,13 @@ def shear_stress(
     film: Array,
     film_fraction: Array,
     contact: Array | None = None,
+    thinned: Array | float = 1.0,
 ) -> Array:
     """Return the shear stress [Pa] of sliding in the middle of the film, by the shear law of the lubricant.
 
     Only the share of the film that holds lubricant is sheared. Asperities add their friction on the pressure that they
-    bear in ``contact``; the lubricant beside them has the remainder of it.
+    bear in ``contact``; the lubricant beside them has the remainder of it. ``thinned`` is the viscosity over that at the
+    temperature of the supply.
     """
     motion = scales.lubrication
     oil = motion.lubricant
@@ -242,7 +285,7 @@ def shear_stress(
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
     with np.errstate(over="ignore"):  # Barus' law knows no end
         sliding = mean_speed * motion.slide_roll_ratio
-        newtonian = oil.viscosity * np.exp(log_viscosity) * sliding / film
+        newtonian = thinned * oil.viscosity * np.exp(log_viscosity) * sliding / film
     lubricant = film_fraction * oil.shear.stress(newtonian, pressure)
     if contact is None or motion.boundary is None:
         return lubricant

@@ -14,8 +14,7 @@ import numpy as np
 
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film
-from contactstudy.lubrication.plane_strain import DirectStep
-from contactstudy.lubrication.posed_film import PosedFilm, hertz_start
+from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, step_solver
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.solvers.solve import SolveOptions
 
@@ -33,6 +32,8 @@ class MixedTuning:
         Largest change of ln(eta) in a step from a film.
     rounds
         Rounds that settle the active sets of a step.
+    flips_along
+        Fraction of the cells that may leave the sets unsettled along the length, where refusing steps took longer.
     dry_steps
         Steps from the dry contact: more are spent where there is a film.
     dry_residual
@@ -45,6 +46,7 @@ class MixedTuning:
     from_dry: float = 10.0
     change: float = 6.0
     rounds: int = 12
+    flips_along: float = 5e-3
     dry_steps: int = 30
     dry_residual: float = 1e-10
     speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)  # noqa: RUF009 (a frozen value)
@@ -60,12 +62,15 @@ def solve_mixed(
 
     The dry contact comes before the film where that of Moes is thinner than the boundary film.
     """
+    smooth = posed.upstream.cells[1] == 1
     controls = replace(controls, rounds=TUNING.rounds)
+    if not smooth:
+        controls = replace(controls, flips=TUNING.flips_along)
     film_controls = replace(
         controls,
         time_step=TUNING.from_film,
         viscosity_change=TUNING.change,
-        settled_only=True,
+        settled_only=smooth,
     )
     dry_controls = replace(controls, time_step=TUNING.from_dry, max_iterations=TUNING.dry_steps)
     found: list[FilmIteration] = []
@@ -78,8 +83,8 @@ def solve_mixed(
         if found and found[-1].converged(controls.tolerance):
             return found[-1]
         found.append(_iterated(posed, start(posed), how))
-    if found[-1].converged(controls.tolerance):
-        return found[-1]
+    if found[-1].converged(controls.tolerance) or not smooth:
+        return min(found, key=lambda one: one.residual)
     slowed = from_higher_speeds(
         posed,
         TUNING.speeds,
@@ -109,4 +114,4 @@ def _dry_start(posed: PosedFilm) -> Film:
 
 
 def _iterated(posed: PosedFilm, start: Film, controls: FilmControls) -> FilmIteration:
-    return iterate(posed.equation, start, DirectStep.for_equation(posed.equation), controls)
+    return iterate(posed.equation, start, step_solver(posed), controls)

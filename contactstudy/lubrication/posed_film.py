@@ -12,9 +12,11 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import Convolution, superposed
+from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
 from contactstudy.lubrication.lubricated_contact import FilmScales, FilmSolution
-from contactstudy.lubrication.pseudo_time import FilmIteration
+from contactstudy.lubrication.plane_strain import DirectStep
+from contactstudy.lubrication.pseudo_time import FilmIteration, StepSolver
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response
 from contactstudy.scene.load import ConstantLoad
@@ -162,11 +164,6 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         return value, peak * slope
 
     boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
-    if boundary is not None and grid.cells[1] > 1:
-        raise InvalidInput(
-            f"Grid.cells[1] is {grid.cells[1]}: a boundary film is known in plane strain, give 1 cell along the length, "
-            "or leave Lubrication.boundary out."
-        )
     upstream = Grid((rows, grid.cells[1]), (rows * grid.cell[0], grid.period))
     deflection = operator_on(upstream)
     equation = FilmEquation(
@@ -183,6 +180,13 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     )
     x = grid.x[:rows] / hertz.half_width
     return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem)
+
+
+def step_solver(posed: PosedFilm) -> StepSolver:
+    """Return how steps are solved: directly in plane strain, else by GMRES."""
+    if posed.upstream.cells[1] == 1:
+        return DirectStep.for_equation(posed.equation)
+    return KrylovStep(posed.deflection)
 
 
 def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:

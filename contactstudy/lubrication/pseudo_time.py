@@ -46,8 +46,6 @@ class PseudoTimeTuning:
         points fell from 2883 to 2426.
     refused, least
         Factor of the step in time after a refused step, and the step in time where the iteration ends.
-    flips
-        Fraction of the cells that may leave the sets unsettled far from the answer, from rough films.
     patience
         Whole steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
         steps, most of them shortened.
@@ -66,7 +64,6 @@ class PseudoTimeTuning:
     rises: float = 1.1
     refused: float = 0.25
     least: float = 1e-9
-    flips: float = 1e-3
     patience: int = 30
     touches: float = 1e-9
     coarse: float = 1e-3
@@ -134,9 +131,10 @@ class FilmControls:
     """When the iteration stops, and how it starts.
 
     A step that takes the film or the logarithm of the viscosity too far is shortened to the fraction that does not, and
-    refused below the fraction ``shortest``. The active sets of a step are settled in ``rounds`` at most. A step with
-    sets that are not is taken, or refused if ``settled_only``: near a mixed film it would throw the residual back, from
-    the dry contact there is no near film to lose.
+    refused below the fraction ``shortest``. The active sets of a step are settled in ``rounds`` at most; far from the
+    answer a fraction ``flips`` of the cells may leave them unsettled. A step whose sets are not settled is taken, or
+    refused if ``settled_only``: near a mixed film in plane strain it would throw the residual back, from the dry contact
+    there is no near film to lose.
     """
 
     tolerance: float = 1e-8
@@ -146,6 +144,7 @@ class FilmControls:
     shortest: float = 0.05
     rounds: int = 6
     settled_only: bool = False
+    flips: float = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -271,7 +270,7 @@ def _settled(
     delayed = last.linear.delayed(1 / time_step)
     missing = last.linear.equation.load_missing(film)
     # near the answer every cell counts
-    allowed = TUNING.flips * min(1.0, last.residual) * film.film.size
+    allowed = controls.flips * min(1.0, last.residual) * film.film.size
     for _ in range(controls.rounds):
         active = next_active
         change = solver.step(delayed, film, active, missing)

@@ -330,11 +330,22 @@ def _compared(
         friction = replace(friction, discretisation=inf, reason=growing)
     if contact.friction_reason:
         friction = replace(friction, discretisation=inf, reason=contact.friction_reason)
+    temperatures = contact.temperatures
+    if temperatures is not None and temperatures.reason:
+        friction = replace(friction, discretisation=inf, reason=temperatures.reason)
     smallest = parts("minimum_film")
     hidden = HIDDEN * rise_beside_lowest(contact.film)
     coarse_error = max(smallest.by_cause["discretisation"], hidden)
     smallest = replace(smallest, discretisation=coarse_error)
     estimate = _estimate(pressure, peak, parts("central_film"), smallest, friction)
+    if temperatures is not None:
+        flash, mean = (
+            replace(parts(name), discretisation=inf, reason=temperatures.reason)
+            if temperatures.reason
+            else parts(name)
+            for name in ("flash_temperature", "film_temperature")
+        )
+        estimate = replace(estimate, flash_temperature=flash, film_temperature=mean)
     if contact.contact_pressure is None:
         return estimate
     return replace(

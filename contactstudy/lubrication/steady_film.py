@@ -6,7 +6,6 @@ from math import ceil, inf, log
 import numpy as np
 
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film, Mask
 from contactstudy.lubrication.lubricated_contact import (
@@ -15,12 +14,17 @@ from contactstudy.lubrication.lubricated_contact import (
     shear_stress,
 )
 from contactstudy.lubrication.mixed import solve_mixed
-from contactstudy.lubrication.plane_strain import DirectStep
-from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, pose, refined, restart
+from contactstudy.lubrication.posed_film import (
+    PosedFilm,
+    hertz_start,
+    pose,
+    refined,
+    restart,
+    step_solver,
+)
 from contactstudy.lubrication.pseudo_time import (
     FilmControls,
     FilmIteration,
-    StepSolver,
     iterate,
 )
 from contactstudy.scene.scene import Scene
@@ -126,13 +130,6 @@ def _differs(posed: PosedFilm, one: FilmIteration, other: FilmIteration) -> bool
     return bool(abs(first - second) > TUNING.another * first)
 
 
-def step_solver(posed: PosedFilm) -> StepSolver:
-    """Return how steps are solved: directly in plane strain, else by GMRES."""
-    if posed.upstream.cells[1] == 1:
-        return DirectStep.for_equation(posed.equation)
-    return KrylovStep(posed.deflection)
-
-
 def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     """Iterate from a cold start, or where that fails from the film at higher speeds down to this one."""
     cold = _nested(posed, controls)
@@ -199,6 +196,13 @@ def contact_of(
     if not equation.conserves:  # where the film opens for good, any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     mean_speed = equation.speed * scales.lubrication.largest_speed
+    state = pressure, film, filled, asperities
+    if scales.lubrication.thermal is None:
+        shear, temperatures = shear_stress(scales, mean_speed, *state), None
+    else:
+        from contactstudy.lubrication.film_heat import heated
+
+        shear, temperatures = heated(scales, grid, mean_speed, *state)
     return FilmSolution(
         scene=scene,
         grid=grid,
@@ -207,7 +211,8 @@ def contact_of(
         pressure=pressure,
         film=film,
         film_fraction=filled,
-        shear=shear_stress(scales, mean_speed, pressure, film, filled, asperities),
+        shear=shear,
+        temperatures=temperatures,
         mean_speed=mean_speed,
         separation=separation,
         status=_status(posed, last, tolerance),

@@ -26,6 +26,7 @@ from contactstudy.domain.units import (
     Seconds,
 )
 from contactstudy.scene.bodies import BodyContext
+from contactstudy.scene.film_heat import FilmHeat
 from contactstudy.scene.load import History
 
 
@@ -209,6 +210,42 @@ class Eyring:
 
 @suggest_fields
 @dataclass(frozen=True)
+class Carreau:
+    """Shear stress ``tau = tau_N (1 + (tau_N / tau0)^2)^((n - 1) / 2)`` of the Newtonian stress tau_N (Carreau 1972).
+
+    Parameters
+    ----------
+    reference
+        Newtonian stress tau0 [Pa] where the viscosity begins to fall, above 0.
+    exponent
+        n, above 0 and up to 1, where the law is that of :class:`Newtonian`.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    reference: Pascals = 5e6
+    exponent: Number = 0.5
+
+    def __post_init__(self) -> None:
+        reference = in_range("Carreau.reference", self.reference, "must be above 0 Pa, such as 5e6")
+        remedy = "must be above 0 and at most 1, such as 0.5"
+        exponent = in_range("Carreau.exponent", self.exponent, remedy)
+        if exponent > 1:
+            raise InvalidInput(f"Carreau.exponent is {self.exponent!r}: {remedy}.")
+        set_fields(self, reference=reference, exponent=exponent)
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa]."""
+        # hypot does not overflow
+        thinning = np.hypot(1, newtonian / self.reference) ** (self.exponent - 1)
+        return np.asarray(newtonian * thinning)
+
+
+@suggest_fields
+@dataclass(frozen=True)
 class LimitingShear:
     """Shear stress ``tau = tau_L tanh(eta rate / tau_L)`` with a limit ``tau_L`` in proportion to the pressure.
 
@@ -376,7 +413,8 @@ class Lubricant:
     density
         :class:`DowsonHigginson` or :class:`ConstantDensity`.
     shear
-        :class:`Newtonian`, :class:`Eyring` or :class:`LimitingShear`, which bears on friction only, not on the film.
+        :class:`Newtonian`, :class:`Eyring`, :class:`Carreau` or :class:`LimitingShear`, for the friction and not for
+        the film.
 
     Raises
     ------
@@ -426,9 +464,11 @@ class Lubrication:
     cavitation
         :class:`ElrodAdams`, which conserves mass, or :class:`ReynoldsCavitation`, to compare with.
     boundary
-        :class:`Boundary` on which asperities bear load, in plane strain; None for a film that is as thin as it becomes.
+        :class:`Boundary` on which asperities bear load; None for a film that is as thin as it becomes.
     supply
         Thickness [m] of the layer of lubricant that enters, on both surfaces together, above 0; None floods the inlet.
+    thermal
+        :class:`FilmHeat` of sliding and of the inlet; None for one temperature.
 
     Raises
     ------
@@ -442,6 +482,7 @@ class Lubrication:
     cavitation: Cavitation = ElrodAdams()
     boundary: Boundary | None = None
     supply: Metres | None = None
+    thermal: FilmHeat | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.lubricant, Lubricant):
@@ -467,6 +508,8 @@ class Lubrication:
                 raise InvalidInput(
                     "Lubrication.supply is known with ElrodAdams(), which conserves the lubricant: leave one out."
                 )
+        if self.thermal is not None:
+            self._check_thermal(self.thermal)
         if self.boundary is None:
             return
         if not isinstance(self.boundary, Boundary):
@@ -476,6 +519,20 @@ class Lubrication:
         if not isinstance(self.cavitation, ElrodAdams) or isinstance(speed, ChangingSpeed):
             raise InvalidInput(
                 "Lubrication.boundary is known for a steady film with ElrodAdams() only: leave it out."
+            )
+
+    def _check_thermal(self, thermal: object) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` where temperatures have no meaning."""
+        if not isinstance(thermal, FilmHeat):
+            raise InvalidInput(f"Lubrication.thermal is {thermal!r}: give a FilmHeat(), or None.")
+        if isinstance(self.mean_speed, ChangingSpeed):
+            raise InvalidInput(
+                "Lubrication.thermal is known at a steady speed only: give one, or leave it out."
+            )
+        if abs(self.slide_roll_ratio) == 2:
+            raise InvalidInput(
+                f"Lubrication.slide_roll_ratio is {self.slide_roll_ratio:g}, where a surface stands still and heats up "
+                "for ever: give another one, or leave Lubrication.thermal out."
             )
 
     def check(self, scene: "Flooded") -> None:

@@ -1,4 +1,4 @@
-"""Mixed lubrication: lubricant and asperities bear the load together, in plane strain."""
+"""Mixed lubrication: lubricant and asperities bear the load together."""
 
 from dataclasses import replace
 
@@ -125,10 +125,42 @@ def test_isoviscous_ridges_have_two_films_at_one_speed() -> None:
     assert up.contact_load_fraction == pytest.approx(0.8335, abs=1e-4)
 
 
+@pytest.mark.parametrize("speed", [0.06, 0.01])
+def test_ridges_across_have_the_answer_of_plane_strain_on_cells_along_the_length(
+    speed: float,
+) -> None:
+    one, eight = (
+        solve_lubricated(mixed(0.06, speed), cs.Grid((160, along), (6 * A, A)), tolerance=1e-7)
+        for along in (1, 8)
+    )
+    assert one.contact_load_fraction > 0
+    assert np.ptp(eight.pressure, axis=1).max() < 1e-6 * one.peak_pressure
+    assert eight.pressure[:, :1] == pytest.approx(one.pressure, abs=1e-6 * one.peak_pressure)
+    assert eight.friction == pytest.approx(one.friction, rel=1e-6)
+
+
+def test_a_slow_rough_film_becomes_the_dry_contact_along_the_length() -> None:
+    rough = cs.Roughness(0.03 * UNIT, hurst=0.8, roll_off=A, cut_off=A / 4, seed=1)
+    scene, cells = mixed(0.06, 1.0), cs.Grid((64, 16), (6 * A, 2 * A))
+    scene = replace(scene, shapes=(DRY.shapes[0], rough))
+    dry = cs.solve(replace(scene, lubrication=None), cells, tolerance=1e-10)
+    distances = []
+    for speed in (1e-3, 1e-5):
+        assert scene.lubrication is not None
+        motion = replace(scene.lubrication, mean_speed=speed * scene.lubrication.largest_speed)
+        contact = solve_lubricated(replace(scene, lubrication=motion), cells, tolerance=1e-7)
+        assert contact.status is not cs.Status.FILM_NOT_CONVERGED
+        assert contact.contact_pressure is not None
+        touching = contact.contact_pressure > 0
+        assert contact.film[touching] == pytest.approx(0.004 * UNIT, rel=1e-6)
+        distances.append(float(np.abs(contact.pressure - dry.pressure).sum() / dry.pressure.sum()))
+    # to first order in speed
+    assert distances[0] < 1e-3
+    assert distances[1] == pytest.approx(distances[0] / 100, rel=0.1)
+
+
 def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
     scene = mixed(0.03, 1.0)
-    with pytest.raises(cs.InvalidInput, match="a boundary film is known in plane strain"):
-        solve_lubricated(scene, cs.Grid((64, 8), (6 * A, A)))
     with pytest.raises(cs.InvalidInput, match=r"Boundary\.film is 0\.0"):
         cs.Boundary(0.0)
     assert scene.lubrication is not None

@@ -1,0 +1,158 @@
+"""Temperatures of a sheared film and of the surfaces beside it, and the friction that they leave.
+
+1. Each surface passes under the heat that flows into it. Its flash temperature is the sum of moving line sources
+   (Jaeger 1942), ``dT(x) = 1 / (pi k) int q(x') exp(z) K0(|z|) dx'`` with ``z = u (x - x') rho c / (2 k)``.
+2. The film conducts between the surfaces and makes heat ``q = tau du`` evenly over its thickness, so that it gives
+   ``q / 2 + k_f (T2 - T1) / h`` to the first surface and the remainder to the second: the heat is shared such that film
+   and surfaces agree in each place (Blok 1937, locally). The mean over the film is ``(T1 + T2) / 2 + q h / (12 k_f)``.
+3. The viscosity falls by ``exp(-beta T)`` of that mean. Stress and temperature agree by Newton's method, line by line
+   along the motion: heat along the length is left out.
+4. The inlet is heated by its own shear. The film is thinner by the factor of Gupta et al. (1992), of the load
+   ``p_H / E'``, the slide-roll ratio S and ``L = beta eta0 u_m^2 / k_f``; it is used up to L = 10.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import toeplitz
+from scipy.special import k0e, k1e
+
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.lubrication.lubricated_contact import (
+    FilmScales,
+    FilmTemperatures,
+    shear_stress,
+)
+from contactstudy.scene.film_heat import FilmHeat, ThermalBody
+
+# Newton's steps; where the temperature rests, of the largest; the difference [K] that gives the slope of the heat.
+STEPS, REACHED, DIFFERENCE = 100, 1e-9, 1e-3
+
+
+def heated(
+    scales: FilmScales,
+    grid: Grid,
+    mean_speed: float,
+    pressure: Array,
+    film: Array,
+    film_fraction: Array,
+    contact: Array | None,
+) -> tuple[Array, FilmTemperatures]:
+    """Return the shear stress (x, y) [Pa] at the temperatures of the film, and these; fields as of the shear stress."""
+    motion = scales.lubrication
+    heat = motion.thermal
+    assert heat is not None
+    ratio = motion.slide_roll_ratio
+    reduction = thermal_reduction(scales, heat)
+    sliding = abs(mean_speed * ratio)
+    influence = [
+        moving_source(grid, body, mean_speed * (1 + side * ratio / 2))
+        for side, body in ((1, heat.first), (-1, heat.second))
+    ]
+    shear, surface = np.zeros_like(pressure), np.zeros((2, *pressure.shape))
+    mean, missed = np.zeros_like(pressure), 0.0
+    for column in range(pressure.shape[1]):
+        line = _Line(
+            scales,
+            mean_speed,
+            pressure[:, column],
+            reduction * film[:, column],
+            film_fraction[:, column],
+            None if contact is None else contact[:, column],
+        )
+        surfaces, of_film = _of_heat(influence, heat.conductivity / film[:, column])
+        mean[:, column], rest = _agreeing(of_film, sliding, line)
+        shear[:, column], missed = line.stress(mean[:, column]), max(missed, rest)
+        surface[:, :, column] = surfaces @ (sliding * np.abs(shear[:, column]))
+    loading = thermal_loading(scales, heat)
+    return shear, FilmTemperatures(surface, mean, reduction, loading, missed)
+
+
+class _Line(NamedTuple):
+    """Fields (x,) of a line along the motion, as the shear stress needs them."""
+
+    scales: FilmScales
+    mean_speed: float
+    pressure: Array
+    film: Array
+    film_fraction: Array
+    contact: Array | None
+
+    def stress(self, rise: Array) -> Array:
+        """Return the shear stress at a rise of temperature [K]."""
+        heat = self.scales.lubrication.thermal
+        assert heat is not None
+        return shear_stress(*self, np.exp(-heat.temperature_viscosity * rise))
+
+
+def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
+    """Return the thermal loading ``L = beta eta0 u_m^2 / k_f`` of the inlet."""
+    motion = scales.lubrication
+    power = motion.lubricant.viscosity * motion.largest_speed**2
+    return float(heat.temperature_viscosity * power / heat.conductivity)
+
+
+def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
+    """Return the film with a heated inlet over that without, by Gupta et al. (1992)."""
+    loading = thermal_loading(scales, heat)
+    load = scales.hertz.half_width / (4 * scales.hertz.radius)  # p_H / E'
+    slide = abs(scales.lubrication.slide_roll_ratio)
+    heating = 0.213 * (1 + 2.23 * slide**0.83) * loading**0.64
+    return float(max(1 - 13.2 * load * loading**0.42, 0.1) / (1 + heating))
+
+
+def moving_source(grid: Grid, body: ThermalBody, speed: float) -> Array:
+    """Return the rise of temperature (x, x') [K] at each cell for a unit heat [W/m^2] into each cell.
+
+    The surface moves at ``speed`` [m/s] towards larger x.
+    """
+    nx, cell = grid.cells[0], grid.cell[0]
+    rate = speed * body.heat_capacity / (2 * body.conductivity)
+    edges = (np.arange(-nx, nx) + 0.5) * cell
+    between = np.diff(_source_integral(rate * edges)) / (np.pi * body.conductivity * rate)
+    return np.asarray(toeplitz(between[nx - 1 :], between[nx - 1 :: -1]))
+
+
+def _source_integral(place: Array) -> Array:
+    """Return ``int_0^z exp(t) K0(|t|) dt`` in closed form."""
+    size = np.abs(place)
+    ahead = size * (k0e(size) + k1e(size)) - 1
+    # exp(-s) K0(s) = exp(-2 s) k0e(s)
+    behind = 1 + size * np.exp(-2 * size) * (k0e(size) - k1e(size))
+    return np.asarray(np.where(place > 0, ahead, -behind))
+
+
+def _of_heat(influence: list[Array], conductance: Array) -> tuple[Array, Array]:
+    """Return the rises of both surfaces (2, x, x') and of the mean of the film (x, x') for a unit heat in each cell."""
+    first, second = influence
+    n = len(conductance)
+    # the difference T1 - T2 that heat makes, less what the film conducts back
+    conducted = np.eye(n) + (first + second) * conductance
+    difference = np.linalg.solve(conducted, (first - second) / 2)
+    given_back = conductance[:, None] * difference
+    half = np.eye(n) / 2
+    surfaces = np.stack((first @ (half - given_back), second @ (half + given_back)))
+    return surfaces, surfaces.mean(axis=0) + np.diag(1 / (12 * conductance))
+
+
+def _agreeing(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float]:
+    """Return the rise of temperature (x,) of the heat that sliding [m/s] makes at it, and its relative residual.
+
+    Newton's method from no rise comes from below, as the heat falls ever more slowly.
+    """
+    rise = np.zeros(len(of_film))
+
+    def heat(rise: Array) -> Array:
+        return sliding * np.abs(line.stress(rise))
+
+    for _ in range(STEPS):
+        made = heat(rise)
+        missing = of_film @ made - rise
+        slope = (heat(rise + DIFFERENCE) - made) / DIFFERENCE
+        rise = rise + np.linalg.solve(np.eye(len(rise)) - of_film * slope, missing)
+        largest = float(np.abs(rise).max())
+        if float(np.abs(missing).max()) <= REACHED * largest:
+            break
+    left = float(np.abs(of_film @ heat(rise) - rise).max())
+    return rise, left / largest if largest else 0.0

@@ -1,0 +1,81 @@
+"""Heat that a sheared film makes: what it takes of the lubricant and of the bodies to know temperatures."""
+
+from dataclasses import dataclass
+
+from contactstudy.domain.checks import (
+    InvalidInput,
+    in_range,
+    in_range_from_zero,
+    set_fields,
+    suggest_fields,
+)
+from contactstudy.domain.units import HeatCapacity, PerKelvin, ThermalConductivity
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class ThermalBody:
+    """Thermal properties of a body, those of steel by default.
+
+    Parameters
+    ----------
+    conductivity
+        Thermal conductivity [W/(m K)], above 0.
+    heat_capacity
+        Heat capacity per volume [J/(m^3 K)], density times specific heat, above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    conductivity: ThermalConductivity = 46.0
+    heat_capacity: HeatCapacity = 3.6e6
+
+    def __post_init__(self) -> None:
+        remedy = "must be above 0 W/(m K), such as 46"
+        conductivity = in_range("ThermalBody.conductivity", self.conductivity, remedy)
+        remedy = "must be above 0 J/(m^3 K), such as 3.6e6"
+        capacity = in_range("ThermalBody.heat_capacity", self.heat_capacity, remedy)
+        set_fields(self, conductivity=conductivity, heat_capacity=capacity)
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class FilmHeat:
+    """Heat of a sheared film, which lowers its viscosity, and with it the friction and the film.
+
+    Parameters
+    ----------
+    temperature_viscosity
+        beta [1/K], the relative fall of viscosity with temperature, at least 0 (0: temperatures change nothing).
+    conductivity
+        Thermal conductivity of the lubricant [W/(m K)], above 0.
+    first, second
+        :class:`ThermalBody` of each body.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    temperature_viscosity: PerKelvin = 0.04
+    conductivity: ThermalConductivity = 0.14
+    first: ThermalBody = ThermalBody()
+    second: ThermalBody = ThermalBody()
+
+    def __post_init__(self) -> None:
+        remedy = "must be at least 0 1/K, such as 0.04"
+        coefficient = in_range_from_zero(
+            "FilmHeat.temperature_viscosity", self.temperature_viscosity, remedy
+        )
+        remedy = "must be above 0 W/(m K), such as 0.14"
+        conductivity = in_range("FilmHeat.conductivity", self.conductivity, remedy)
+        set_fields(self, temperature_viscosity=coefficient, conductivity=conductivity)
+        for name in ("first", "second"):
+            if not isinstance(body := getattr(self, name), ThermalBody):
+                raise InvalidInput(
+                    f"FilmHeat.{name} is {body!r}: give a ThermalBody(conductivity=...)."
+                )

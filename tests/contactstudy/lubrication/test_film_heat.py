@@ -1,0 +1,147 @@
+"""Heat of a sheared film: flash temperatures, thinning and friction."""
+
+from dataclasses import replace
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.lubrication.film_heat import moving_source, thermal_reduction
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from tests.contactstudy.lubrication.scenes import by_moes, grid, total
+
+OF_STEEL = cs.FilmHeat()
+
+
+def heated(slide: float = 0.5, heat: cs.FilmHeat | None = OF_STEEL, **laws: object) -> cs.Scene:
+    """A film at M = 20, L = 5 that slides."""
+    scene = by_moes(20, 5, **({"shear": cs.Eyring(5e6)} | laws))
+    assert scene.lubrication is not None
+    return replace(
+        scene, lubrication=replace(scene.lubrication, slide_roll_ratio=slide, thermal=heat)
+    )
+
+
+@pytest.mark.parametrize("peclet", [20.0, 200.0])
+def test_a_fast_even_source_heats_as_blok_and_jaeger_have_it(peclet: float) -> None:
+    """At the trailing edge ``2 q / k sqrt(kappa l / (pi u))``, which Jaeger's law reaches as Peclet numbers grow."""
+    body, cells = cs.ThermalBody(), cs.Grid((400, 1), (2e-3, 1e-3))
+    band = np.abs(cells.x) < 1e-4
+    diffusivity = body.conductivity / body.heat_capacity
+    speed = peclet * 2 * diffusivity / 1e-4
+    rise = moving_source(cells, body, speed) @ band
+    largest = 2 / body.conductivity * sqrt(diffusivity * 2e-4 / (pi * speed))
+    assert rise.max() == pytest.approx(largest, rel=1.5 / peclet)
+    # far downstream all heat has passed: the rise of a line source, 1 / sqrt(x)
+    far = cells.x[-1]
+    assert rise[-1] == pytest.approx(
+        2e-4 / sqrt(pi * body.conductivity * body.heat_capacity * speed * far), rel=0.02
+    )
+
+
+def test_a_surface_that_runs_backwards_is_heated_on_the_other_side() -> None:
+    cells = cs.Grid((40, 1), (1e-3, 1e-3))
+    forwards, backwards = (moving_source(cells, cs.ThermalBody(), speed) for speed in (0.3, -0.3))
+    assert backwards == pytest.approx(forwards[::-1, ::-1], rel=1e-12)
+
+
+def test_pure_rolling_has_no_flash_temperature() -> None:
+    contact = solve_lubricated(heated(slide=0.0), grid(160, 4.5))
+    assert contact.flash_temperature == 0
+    assert contact.film_temperature == 0
+
+
+@pytest.mark.parametrize(
+    "heat",
+    [
+        cs.FilmHeat(0.04, 1e12, cs.ThermalBody(1e12), cs.ThermalBody(1e12)),
+        cs.FilmHeat(temperature_viscosity=0.0),
+    ],
+    ids=["perfect conduction", "no thinning"],
+)
+def test_the_friction_is_isothermal_where_heat_has_no_effect(heat: cs.FilmHeat) -> None:
+    hot, cold = (solve_lubricated(heated(heat=one), grid(160, 4.5)) for one in (heat, None))
+    assert hot.friction == pytest.approx(cold.friction, rel=1e-6)
+    assert cold.temperatures is None
+
+
+def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> None:
+    hot = [solve_lubricated(_at(heated(slide), 40.0), grid(160, 8)) for slide in (0.02, 0.2, 1.9)]
+    cold = solve_lubricated(_at(heated(1.9, heat=None), 40.0), grid(160, 8))
+    small, middle, large = (one.friction for one in hot)
+    assert small < middle
+    assert large < 0.95 * middle < 0.95 * cold.friction
+    assert hot[0].flash_temperature < hot[1].flash_temperature < hot[2].flash_temperature
+
+
+def test_equal_bodies_at_nearly_equal_speeds_share_the_heat_evenly() -> None:
+    contact = solve_lubricated(heated(1e-3), grid(160, 4.5))
+    assert contact.temperatures is not None
+    first, second = contact.temperatures.surface
+    assert first == pytest.approx(second, rel=5e-3, abs=1e-3 * float(first.max()))
+
+
+def test_the_slower_surface_is_the_hotter_one() -> None:
+    contact = solve_lubricated(heated(1.0), grid(160, 4.5))
+    assert contact.temperatures is not None
+    fast, slow = contact.temperatures.surface.max(axis=(1, 2))
+    assert slow > fast
+
+
+def test_a_heated_inlet_thins_the_film_by_more_at_higher_speeds() -> None:
+    slow, fast = (
+        solve_lubricated(by_speed, grid(160, 4.5)).temperatures
+        for by_speed in (_at(heated(), 0.1), _at(heated(), 20.0))
+    )
+    assert slow is not None
+    assert fast is not None
+    assert 0 < fast.reduction < slow.reduction < 1
+    scales = solve_lubricated(heated(), grid(160, 4.5)).scales
+    assert thermal_reduction(scales, cs.FilmHeat(0.0)) == 1
+
+
+def test_an_inlet_beyond_the_range_of_its_factor_leaves_the_friction_without_a_bound() -> None:
+    contact = cs.solve(_at(heated(), 400.0), grid(200, 30))
+    assert isinstance(contact, cs.LubricatedContact)
+    assert contact.quantities["friction_coefficient"].bound == np.inf
+    assert "thermal loading" in contact.quantities["flash_temperature"].reason
+
+
+def test_temperatures_have_bounds_fields_and_a_file(tmp_path: Path) -> None:
+    scene = heated(shear=cs.Carreau(5e6, 0.6))
+    contact = cs.solve(scene, grid(200, 4.5))
+    assert isinstance(contact, cs.LubricatedContact)
+    fine = solve_lubricated(scene, grid(800, 4.5))
+    for name in ("flash_temperature", "film_temperature"):
+        value = getattr(contact, name)
+        assert abs(value - getattr(fine, name)) <= total(getattr(contact.error, name)) * value
+        assert contact.quantities[name].value == value
+    dataset = contact.to_dataset()
+    assert float(dataset["surface_temperature_rise_2"].max()) <= contact.flash_temperature
+    cs.write_scene(scene, tmp_path / "hot.toml")
+    assert cs.read_scene(tmp_path / "hot.toml").scene == scene
+
+
+def test_carreau_thins_as_a_power_of_the_rate_and_not_at_all_at_rest() -> None:
+    law, rates = cs.Carreau(1e6, 0.4), np.array([1e2, 1e10, 1e11])
+    slow, fast, faster = law.stress(rates, np.zeros(3))
+    assert slow == pytest.approx(1e2, rel=1e-6)
+    assert faster / fast == pytest.approx(10**0.4, rel=1e-6)
+
+
+def test_heat_is_refused_where_it_has_no_meaning() -> None:
+    with pytest.raises(cs.InvalidInput, match="where a surface stands still"):
+        heated(slide=2.0)
+    with pytest.raises(cs.InvalidInput, match=r"FilmHeat\.conductivity is 0"):
+        cs.FilmHeat(conductivity=0)
+    with pytest.raises(cs.InvalidInput, match=r"Lubrication\.thermal is 3"):
+        heated(heat=3)  # type: ignore[arg-type]
+
+
+def _at(scene: cs.Scene, factor: float) -> cs.Scene:
+    """Return the scene at a multiple of its speed."""
+    assert scene.lubrication is not None
+    faster = factor * scene.lubrication.largest_speed
+    return replace(scene, lubrication=replace(scene.lubrication, mean_speed=faster))

@@ -228,7 +228,7 @@ class StepSystem:
         cells, touching, _ = self.parts(values - self.product(unknowns))
         correction = self.local.solve(cells) * ~self.linear.equation.fixed
         if self.extension is not None:
-            touching = self.extension.closing(self.extension(touching))
+            touching = self.extension.pressure(self.extension(touching))
         return unknowns + self.joined(correction, touching, 0.0)
 
     def solve(self, right: Array, start: Array, norm: float) -> tuple[Array, float, int]:

@@ -32,8 +32,9 @@ class MixedTuning:
         Largest change of ln(eta) in a step from a film.
     rounds
         Rounds that settle the active sets of a step.
-    flips_along
-        Fraction of the cells that may leave the sets unsettled along the length, where refusing steps took longer.
+    flips_along, steps_along
+        Along the length, the fraction of the cells that may leave the sets unsettled, as refusing steps took longer, and
+        steps at most: films that converge took up to 60. A start where asperities bear more than half is as the dry one.
     dry_steps
         Steps from the dry contact: more are spent where there is a film.
     dry_residual
@@ -47,6 +48,7 @@ class MixedTuning:
     change: float = 6.0
     rounds: int = 12
     flips_along: float = 5e-3
+    steps_along: int = 80
     dry_steps: int = 30
     dry_residual: float = 1e-10
     speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)  # noqa: RUF009 (a frozen value)
@@ -65,7 +67,8 @@ def solve_mixed(
     smooth = posed.upstream.cells[1] == 1
     controls = replace(controls, rounds=TUNING.rounds)
     if not smooth:
-        controls = replace(controls, flips=TUNING.flips_along)
+        most = min(controls.max_iterations, TUNING.steps_along)
+        controls = replace(controls, flips=TUNING.flips_along, max_iterations=most)
     film_controls = replace(
         controls,
         time_step=TUNING.from_film,
@@ -75,7 +78,10 @@ def solve_mixed(
     dry_controls = replace(controls, time_step=TUNING.from_dry, max_iterations=TUNING.dry_steps)
     found: list[FilmIteration] = []
     if warm is not None:
-        found.append(_iterated(posed, warm, film_controls))
+        assert warm.contact is not None
+        near_dry = not smooth and 2 * warm.contact.sum() > warm.total_pressure.sum()
+        how = replace(controls, time_step=TUNING.from_dry) if near_dry else film_controls
+        found.append(_iterated(posed, warm, how))
     starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
     if posed.scales.expected_film < posed.equation.boundary:
         starts.reverse()

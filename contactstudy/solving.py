@@ -342,7 +342,9 @@ class _Request:
                 self.scene,
                 grid,
                 padding,
-                times=steps.instants_of(self.scene.load),
+                times=steps.instants_of(
+                    self.scene.load, getattr(self.scene.friction, "history", None)
+                ),
                 error=steps.error or share,
                 step_error=steps.step_error,
                 scheme=steps.scheme,

@@ -16,6 +16,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Frame
+from contactstudy.evolution.state_variables import HasDifference
 from contactstudy.evolution.steps import FIRST, Breakpoint, StepControl
 from contactstudy.evolution.time_stepper import Instant, TimeStepper
 from contactstudy.solvers.solution import Solution, Status, worst
@@ -198,7 +199,10 @@ class AdaptiveIntegrator:
     def _added(self, main: Instant, doubled: Instant) -> float:
         """Return how much a pair of steps changes the relative L1 difference of the two integrations."""
         before, after = self.main.pressure - self.doubled.pressure, main.pressure - doubled.pressure
-        return self._relative(after - before, main, self.main)
+        grown = self._shear_difference(main, doubled) - self._shear_difference(
+            self.main, self.doubled
+        )
+        return max(self._relative(after - before, main, self.main), grown)
 
     def _start_again(self, control: StepControl) -> None:
         """Start the integration again with shorter steps; the work done so far stays counted."""
@@ -258,8 +262,21 @@ class AdaptiveIntegrator:
         self._finish_frames()
 
     def _difference(self, main: Instant, doubled: Instant) -> float:
-        """Return the L1 difference of two instants' pressures, relative to the first."""
-        return self._relative(main.pressure - doubled.pressure, main)
+        """Return the L1 difference of two instants' pressures, or of their shears, relative to the first."""
+        pressure = self._relative(main.pressure - doubled.pressure, main)
+        return max(pressure, self._shear_difference(main, doubled))
+
+    def _shear_difference(self, main: Instant, doubled: Instant) -> float:
+        """Return the largest difference of two instants' state variables that have an error of their own."""
+        variables = zip(self.stepper.all_state_variables, main.states, doubled.states, strict=True)
+        return max(
+            (
+                variable.difference(fine, coarse)
+                for variable, fine, coarse in variables
+                if isinstance(variable, HasDifference)
+            ),
+            default=0.0,
+        )
 
     def _relative(self, difference: Array, *instants: Instant) -> float:
         """Return the L1 norm of a pressure difference, relative to the largest pressure of `instants`.

@@ -122,6 +122,9 @@ class Trajectory:
 
     def traction(self, frame: Frame) -> Traction | None:
         """Return the shear at the instant of `frame`; None without friction."""
+        if "shear_x" in frame.fields:
+            across, along, stick = (frame.fields[n].values for n in ("shear_x", "shear_y", "stick"))
+            return Traction(np.stack([across, along]), stick > 0, "fretting", 0)
         law = self.problem.friction
         return law.traction(frame.pressure) if isinstance(law, FullSliding) else None
 

@@ -28,11 +28,13 @@ from contactstudy.evolution.steps import (
     StepControl,
     StepError,
     schedule,
+    with_breaks,
     within_periods,
 )
 from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
+from contactstudy.scene.fretting import Fretting
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
@@ -50,14 +52,14 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
     datum
         Distance [m] at which the displacement of a body is zero, as in its ``response``.
     """
-    scene_memories: list[StateVariable] = [
+    scene_variables: list[StateVariable] = [
         CreepState(body.creep.times(1 / pi), Displacement(datum))
         for body in scene.solids
         if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]
     if scene.wear is not None and scene.wear.rate > 0:
-        scene_memories.append(WearState(scene.wear.rate))
-    return tuple(scene_memories)
+        scene_variables.append(WearState(scene.wear.rate))
+    return tuple(scene_variables)
 
 
 def coupled_state_variable(
@@ -165,6 +167,8 @@ def evolve(
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, times)
     breakpoints = schedule(load, times)
+    if isinstance(scene.friction, Fretting) and scene.friction.times is not None:
+        breakpoints = with_breaks(breakpoints, load, scene.friction.times)
     stepper = _time_stepper(scene, grid, padding, load, scheme, options)
     if stepper.all_state_variables:
         breakpoints = within_periods(breakpoints, load)
@@ -206,18 +210,44 @@ def _time_stepper(
 ) -> TimeStepper:
     """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly."""
     solids = sudden(scene.solids)
-    elastic = replace(scene, load=LineLoad(load.largest), solids=solids, wear=None)
+    frets = isinstance(scene.friction, Fretting)
+    friction = None if frets else scene.friction
+    elastic = replace(
+        scene, load=LineLoad(load.largest), solids=solids, wear=None, friction=friction
+    )
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
     solved = partial(solved_or_unloaded, options)
+    variables = state_variables(scene, datum)
+    if frets:
+        variables = (*variables, _shear_state(scene, problem, options))
     return TimeStepper(
         problem=problem,
         load=load,
         weights=dict(response(solids, datum)),
-        state_variables=state_variables(scene, datum),
+        state_variables=variables,
         coupled=coupled_state_variable(scene, problem, solved, options.precision),
         scheme=scheme,
         options=options,
+    )
+
+
+def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> StateVariable:
+    """Return the shear of a scene that frets."""
+    from contactstudy.evolution.shear_state import ShearState  # only where something frets
+
+    fretting, paddings = scene.friction, problem.paddings
+    assert isinstance(fretting, Fretting)
+    assert paddings is not None
+    return ShearState(
+        coefficient=fretting.coefficient,
+        wear=0.0 if scene.wear is None else scene.wear.coefficient,
+        response=fretting.response(scene, problem.grid, paddings, problem.scales.length),
+        forces=None if fretting.forces is None else fretting.history,
+        displacements=None if fretting.displacements is None else fretting.history,
+        grid=problem.grid,
+        tolerance=options.tolerance,
+        max_applications=options.max_iterations,
     )
 
 

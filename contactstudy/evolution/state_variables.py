@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import exp, expm1
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -87,6 +87,15 @@ class AnyStateVariable(Protocol):
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the fields of a state that a user is shown, by name."""
+        ...
+
+
+@runtime_checkable
+class HasDifference(Protocol):
+    """Protocol of a state variable whose own error by the steps is estimated, beside that of the pressure."""
+
+    def difference(self, state: State, other: State) -> float:
+        """Return the relative difference of two states."""
         ...
 
 

@@ -1,7 +1,8 @@
 """Steps in time: the stages of a scheme, the instants that steps end at, and the control of their length."""
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from itertools import pairwise
 from math import ceil, inf, sqrt
@@ -166,6 +167,21 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
         Breakpoint(time, load.before(time), load.at(time), counts[time], time in breaks)
         for time in sorted(breaks | set(counts) | {end})
     )
+
+
+def with_breaks(
+    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
+) -> tuple[Breakpoint, ...]:
+    """Return `breakpoints` and more at `times` [s] between them, where something else than the `load` breaks."""
+    known = {point.time for point in breakpoints}
+    start, end = breakpoints[0].time, breakpoints[-1].time
+    added = (
+        Breakpoint(time, load.before(time), load.at(time), records=0, breaks=True)
+        for time in times
+        if start < time < end and time not in known
+    )
+    broken = (replace(point, breaks=point.breaks or point.time in times) for point in breakpoints)
+    return tuple(sorted((*broken, *added), key=lambda point: point.time))
 
 
 # Steps in a period of a load that repeats, at least.

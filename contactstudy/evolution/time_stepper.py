@@ -239,6 +239,11 @@ class TimeStepper:
             state_variable.update(state, instant.pressure, after, step)
             for state_variable, state in zip(self.state_variables, instant.states, strict=False)
         )
+        unsettled = max(
+            (float(state["residual"][0]) for state in states if "residual" in state), default=0.0
+        )
+        if unsettled > self.options.tolerance and solution.status is Status.CONVERGED:
+            solution = replace(solution, status=Status.STALLED, residual=unsettled)
         return Instant(step.end, step.loads[1], after, states + coupled), [solution]
 
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:

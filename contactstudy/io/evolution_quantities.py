@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Frame
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
 
+OF_SLIP = "No bound: the error of slip by the cells is not estimated; solve again on cells of half the width."
 OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
 
 
@@ -68,13 +69,21 @@ def evolution_quantities(
     if "worn_depth" in fields:
         worn, (area, period) = fields["worn_depth"].values, cell
         volume = float(worn.sum() * area)
-        # what is worn is proportional to the load, which is exact, and to the pressure before
+        # sliding wears in proportion to the load, which is exact, and to the pressure before
+        by_load = replace(error, truncation=None, discretisation=None)
+        by_slip = ErrorParts(discretisation=inf, reason=OF_SLIP)
+        slips = "friction_energy" in fields
         numbers["worn_volume"] = bounded(
-            per_length(volume, "m3", "worn volume", length, period),
-            replace(error, truncation=None, discretisation=None),
+            per_length(volume, "m3", "worn volume", length, period), by_slip if slips else by_load
         )
         deepest = Quantity(float(worn.max()), "m", "largest worn depth")
-        numbers["largest_worn_depth"] = bounded(deepest, error)
+        numbers["largest_worn_depth"] = bounded(deepest, by_slip if slips else error)
+    if "friction_energy" in fields:
+        energy = float(fields["friction_energy"].values.sum() * cell[0])
+        lost = per_length(energy, "J", "energy lost to friction", length, cell[1])
+        slid = float(fields["slip_distance"].values.max())
+        numbers["friction_energy"] = replace(lost, bound=inf, reason=OF_SLIP)
+        numbers["largest_slip"] = Quantity(slid, "m", "largest distance slipped", inf, OF_SLIP)
     if "residual_displacement" in fields:
         dent = float(np.abs(fields["residual_displacement"].values).max())
         numbers["dent_depth"] = Quantity(dent, "m", "depth of the dent at the end", inf, OF_STRAIN)

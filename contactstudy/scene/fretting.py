@@ -1,4 +1,4 @@
-"""Fretting: a tangential force that swings beside a constant load."""
+"""Fretting: a tangential force that swings."""
 
 from dataclasses import dataclass
 
@@ -14,21 +14,26 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import NewtonsPerMetre, Number
-from contactstudy.elasticity.tangential import shear_response
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds
+from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.bodies import HalfSpace
 from contactstudy.scene.friction import ALIKE, FrictionContact, check_still, coefficient, dundurs
+from contactstudy.scene.load import ChangingLoad, LoadHistory
 from contactstudy.solvers.fretting import SwingingShear
+
+# Instants at which a force is compared with what friction bears.
+SAMPLES = 201
 
 
 @suggest_fields
 @dataclass(frozen=True)
 class Fretting:
-    """Partial slip under tangential forces that follow one another, beside a constant load.
+    """Partial slip under tangential forces that follow one another.
 
-    Where a force turns back, slip begins anew at the edge of the contact against the shear that is left there. The
-    answer is the contact under the last force; its traction has the loop of force and displacement, and the slip and
-    the energy lost since the last force acted before.
+    Where a force turns back, slip begins anew at the edge of the contact against the shear that is left there. Beside a
+    constant load the answer is the contact under the last force; its traction has the loop of force and displacement,
+    and the slip and the energy lost since the last force acted before. With `times` the scene changes in time, also its
+    load, and ``Wear(coefficient, speed=0.0)`` wears by the slip.
 
     Parameters
     ----------
@@ -37,24 +42,54 @@ class Fretting:
     forces
         Forces along x on the first body [N/m], of either sign and less than the coefficient times the load, from none
         on; see :meth:`cycle`.
+    times
+        Instants [s] of the forces, which are linear in between; None beside a constant load.
+    displacements
+        Rigid displacements along x [m] of the first against the second body in place of the forces, with `times` and
+        beside a constant load. Beyond some size all of the contact slides: its ``stick_fraction`` is 0. They count from
+        the distance of Hertz's half-width where nothing else says how far the bodies reach.
 
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that are unlike in shear or coated, or a change in time.
+        For other values; in a scene with bodies that are unlike in shear, coated, creep or yield, or that roll.
     """
 
     coefficient: Number
-    forces: tuple[NewtonsPerMetre, ...]
+    forces: tuple[NewtonsPerMetre, ...] | None = None
+    times: tuple[Seconds, ...] | None = None
+    displacements: tuple[Metres, ...] | None = None
 
     def __post_init__(self) -> None:
-        remedy = "give a tuple of forces along x [N/m], such as (1e4, -1e4, 1e4)"
-        if not isinstance(self.forces, tuple | list) or not self.forces:
-            raise InvalidInput(f"Fretting.forces is {self.forces!r}: {remedy}.")
-        forces = each("Fretting.forces", self.forces, finite, "give a force along x [N/m]")
-        set_fields(
-            self, coefficient=coefficient("Fretting", self.coefficient, zero=False), forces=forces
-        )
+        set_fields(self, coefficient=coefficient("Fretting", self.coefficient, zero=False))
+        if (self.forces is None) == (self.displacements is None):
+            raise InvalidInput(
+                "Fretting.forces and Fretting.displacements are both given or both None: give one of them."
+            )
+        name = "forces" if self.displacements is None else "displacements"
+        values = getattr(self, name)
+        remedy = "give a tuple along x, such as (1e4, -1e4, 1e4)"
+        if not isinstance(values, tuple | list) or not values:
+            raise InvalidInput(f"Fretting.{name} is {values!r}: {remedy}.")
+        set_fields(self, **{name: each(f"Fretting.{name}", values, finite, "give a finite number")})
+        if self.times is not None:
+            if len(self.times) != len(values):
+                raise InvalidInput(
+                    f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give as many."
+                )
+            set_fields(self, times=tuple(self.times))
+            assert self.history is not None  # which checks the times
+        elif self.displacements is not None:
+            raise InvalidInput("Fretting.times is None beside displacements: give times [s].")
+
+    @property
+    def history(self) -> LoadHistory | None:
+        """Forces [N/m] or displacements [m] over time; None without times."""
+        if self.times is None:
+            return None
+        values = self.displacements if self.forces is None else self.forces
+        assert values is not None
+        return LoadHistory(self.times, values)
 
     @classmethod
     def cycle(cls, coefficient: float, amplitude: float, steps: int = 1) -> "Fretting":
@@ -69,7 +104,7 @@ class Fretting:
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
-        check_still(scene, "Fretting")
+        self._check_motion(scene)
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(
@@ -81,30 +116,73 @@ class Fretting:
                 f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) beside Fretting: pressing them makes "
                 "them slip already, give bodies of one material."
             )
+        if self.times is not None:
+            self._check_forces(scene)
+            return
         most = self.coefficient * scene.load.largest
-        for number, force in enumerate(self.forces):
+        for number, force in enumerate(self.forces or ()):
             if not abs(force) < most:
                 raise InvalidInput(
                     f"Fretting.forces[{number}] is {force!r}: friction bears less than {most:g} N/m, beyond which "
                     "the bodies slide without end, give less."
                 )
 
+    def _check_motion(self, scene: FrictionContact) -> None:
+        """Raise InvalidInput beside what moves otherwise, or changes while the forces name no times."""
+        if self.times is None or scene.rolling is not None:
+            check_still(scene, "Fretting", "give Fretting.times [s] to its forces")
+        if scene.wear is not None and scene.wear.speed != 0:
+            raise InvalidInput(
+                f"Wear.speed is {scene.wear.speed!r} beside Fretting, whose slip is the sliding that wears: give 0 m/s."
+            )
+        load = scene.load
+        if self.displacements is not None and isinstance(load, ChangingLoad):
+            raise InvalidInput(
+                "Scene.load changes in time beside Fretting.displacements: what a rising pressure locks in is known by "
+                "forces, give Fretting.forces, or a LineLoad."
+            )
+
+    def _check_forces(self, scene: FrictionContact) -> None:
+        """Raise InvalidInput where a force in time is more than friction bears."""
+        history, load = self.history, scene.load
+        if self.forces is None or history is None:
+            return
+        times = np.linspace(history.start, history.end, SAMPLES).tolist()
+        for time in sorted({*times, *history.times, *getattr(load, "times", ())}):
+            pressed = load.at(time) if isinstance(load, ChangingLoad) else load.largest
+            force = history.at(time)
+            if abs(force) > 0 and not abs(force) < self.coefficient * pressed:
+                raise InvalidInput(
+                    f"Fretting.forces are {force:g} N/m at {time:g} s, where friction bears less than "
+                    f"{self.coefficient * pressed:g} N/m: the bodies would slide without end, give less, or "
+                    "displacements."
+                )
+
     def law(
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> SwingingShear:
         """Return the law for this scene on a grid."""
+        assert self.forces is not None
+        shares = np.array(self.forces) / (self.coefficient * scene.load.largest)
+        response = self.response(scene, grid, paddings, datum)
+        return SwingingShear(self.coefficient, tuple(shares.tolist()), response)
+
+    @staticmethod
+    def response(
+        scene: FrictionContact, grid: Grid, paddings: Paddings, datum: float
+    ) -> ShearResponse:
+        """Return the displacement of both bodies of `scene` under shear."""
         bodies = tuple(
             (solid.compliance, solid.poisson_ratio)
             for solid in scene.solids
             if isinstance(solid, HalfSpace)
         )
-        shares = np.array(self.forces) / (self.coefficient * scene.load.largest)
-        response = shear_response(bodies, grid, paddings, datum)
-        return SwingingShear(self.coefficient, tuple(shares.tolist()), response)
+        return shear_response(bodies, grid, paddings, datum)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
+        count = len(self.forces or self.displacements or ())
         return (
-            f"friction: fretting by Newton's method, {len(self.forces)} steps of 20 to 80 applications of the "
+            f"friction: fretting by Newton's method, {count} steps of 20 to 80 applications of the "
             "response, four transforms each, beside the normal solve."
         )

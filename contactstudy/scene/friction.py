@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import inf, isinf, log
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from contactstudy.problem.problem import FrictionLaw
 from contactstudy.scene.bodies import Body, BodyContext, HalfSpace, Homogeneous, is_layered
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.solvers.friction import CoulombDisks, FullSliding, Superposed
+
+if TYPE_CHECKING:
+    from contactstudy.scene.motion import Wear
 
 # Bodies are alike in shear where Dundurs' beta is below this: the difference is rounding.
 ALIKE = 1e-14
@@ -55,6 +58,11 @@ class FrictionContact(BodyContext, Protocol):
     @property
     def changing(self) -> str | None:
         """Name of a field that changes in time, or None."""
+        ...
+
+    @property
+    def wear(self) -> "Wear | None":
+        """Wear of the scene."""
         ...
 
 
@@ -288,15 +296,15 @@ def coefficient(name: str, value: object, *, zero: bool) -> float:
     return number if number == 0 else in_range(field, number, remedy)
 
 
-def check_still(scene: FrictionContact, name: str) -> None:
+def check_still(scene: FrictionContact, name: str, remedy: str = "") -> None:
     """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, beside the law `name`."""
-    if (changing := scene.changing) is not None:
-        raise InvalidInput(
-            f"{changing} changes in time beside {name}: shear in a contact that changes is not defined here, "
-            "leave one of both out."
-        )
     if scene.rolling is not None:
         raise InvalidInput(
-            f"Scene.rolling is {scene.rolling!r} beside {name}: rolling with friction is not defined here, leave "
-            "one of both out."
+            f"Scene.rolling is {scene.rolling!r} beside {name}: shear is carried through a contact that rolls, give "
+            "TractiveRolling without Scene.rolling."
+        )
+    if (changing := scene.changing) is not None:
+        raise InvalidInput(
+            f"{changing} changes in time beside {name}: shear depends on the path of its forces, "
+            f"{remedy or 'give Fretting with times'}."
         )

@@ -455,6 +455,8 @@ class Scene:
             return "Scene.load"
         if self.wear is not None:
             return "Scene.wear"
+        if getattr(self.friction, "times", None) is not None:
+            return "Scene.friction"
         for number, solid in enumerate(self.solids):
             if getattr(solid, "creeps", False) or getattr(solid, "yields", False):
                 return f"Scene.solids[{number}]"

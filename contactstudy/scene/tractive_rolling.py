@@ -93,7 +93,7 @@ class TractiveRolling:
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        check_still(scene, "TractiveRolling")
+        check_still(scene, "TractiveRolling", "and steady rolling has none: leave one of both out")
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(

@@ -23,8 +23,7 @@ EFFECTS: dict[str, dict[str, Any]] = {
     "wear": {"wear": cs.Wear(1e-15, 0.1)},
     "rolling": {"rolling": cs.Rolling(speed=1.0)},
     "sliding": {"friction": cs.Sliding(0.2)},
-    "partial slip": {"friction": cs.PartialSlip(0.3, 1e4)},
-    "fretting": {"friction": cs.Fretting.cycle(0.3, 1e4)},
+    "partial slip": {"friction": cs.Fretting(0.3, (0.0, 1e4, -1e4), times=(0.0, 0.5, 1.0))},
     "tractive rolling": {"friction": cs.TractiveRolling(0.3, longitudinal=1e-3)},
     "film": {"lubrication": cs.Lubrication(cs.Lubricant(0.04, 2e-8), mean_speed=1.0)},
     "adhesion": {"adhesion": cs.Adhesion(work=5.0)},
@@ -36,7 +35,7 @@ HEAD = """# Which effects work together
 
 A scene names its effects, and each pair of them is tried on a small scene: `+` is computed, a number is a pair that is
 refused, with the sentence below. Bodies that yield roll in passes (`Rolling(passes=...)`), bodies that creep roll at a
-speed. This page is written by the test that tries the pairs.
+speed; partial slip is `Fretting` with times. This page is written by the test that tries the pairs.
 
 """
 
@@ -54,6 +53,8 @@ def scene_with(first: str, second: str) -> dict[str, Any]:
         fields["solids"] = one["solids"][0], other["solids"][0]
     if "shapes" in one and "shapes" in other:
         fields["shapes"] = (*one["shapes"], *other["shapes"][1:])
+    if {first, second} == {"partial slip", "wear"}:
+        fields["wear"] = cs.Wear(1e-15, 0.0)
     if {first, second} == {"yielding", "rolling"}:
         fields["rolling"] = cs.Rolling(passes=1, distance=1e-4)
     return fields

@@ -1,0 +1,144 @@
+"""Fretting in time: forces and displacements with times, loads that change, and the wear by slip."""
+
+from dataclasses import replace
+from math import log, pi
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from tests.conftest import STEEL
+
+MU, NU, FORCE = 0.3, 0.3, 0.18
+EXACT = cs.ExactPeriodicity()
+# E* = 1, a load of 1 N/m and a half-width of 1 m
+BODY = cs.HalfSpace(2 * (1 - NU**2), NU)
+LINE = cs.Scene(cs.LineLoad(1.0), (BODY, BODY), (cs.Cylinder(pi / 4),))
+STRIP = cs.Grid((220, 1), (2.2, 1.0))
+CYCLE = cs.Fretting(MU, (0.0, FORCE, -FORCE, FORCE), times=(0.0, 1.0, 2.0, 3.0))
+
+
+def fretted(
+    friction: cs.Fretting, times: object, scene: cs.Scene = LINE, grid: cs.Grid = STRIP
+) -> cs.Evolution:
+    found = cs.solve(replace(scene, friction=friction), grid, EXACT, times=times, tolerance=1e-8)
+    assert isinstance(found, cs.Evolution)
+    return found
+
+
+def energy(frame: cs.Contact) -> float:
+    return float(frame.state["friction_energy"].values.sum() * STRIP.cell_area)
+
+
+def hertz(load: float) -> np.ndarray:
+    """Pressure under a `load`, whose half-width is its root."""
+    return np.sqrt(np.maximum(load - STRIP.x**2, 0)) * 2 / pi
+
+
+def test_a_cycle_in_time_loses_the_energy_of_the_closed_form() -> None:
+    share = FORCE / MU
+    found = fretted(CYCLE, [0.0, 1.0, 3.0])
+    expected = MU**2 / pi * (4 * (1 - share) * log(1 - share) + 4 * share - 2 * share**2)
+    assert energy(found.frames[2]) - energy(found.frames[1]) == pytest.approx(expected, rel=2e-3)
+    # one step a half cycle is exact, and the doubled steps show it
+    assert found.error.l1.steps < 1e-6
+    for frame, force in zip(found.frames, (0.0, FORCE, FORCE), strict=True):
+        assert frame.quantities["traction_coefficient"].value == pytest.approx(force, abs=1e-9)
+
+
+def test_forces_in_time_beside_a_constant_load_are_those_one_after_another() -> None:
+    found = fretted(CYCLE, [0.0, 3.0]).frames[-1]
+    rest = cs.solve(
+        replace(LINE, friction=cs.Fretting.cycle(MU, FORCE)), STRIP, EXACT, tolerance=1e-8
+    )
+    np.testing.assert_allclose(found.shear, rest.shear, atol=1e-5 * rest.shear.max())
+
+
+def test_load_and_force_in_proportion_slip_nowhere() -> None:
+    """Mindlin & Deresiewicz (1953): the shear is that proportion of the pressure."""
+    load = cs.LoadHistory((0.0, 1.0), (1e-3, 1.0))
+    found = fretted(
+        cs.Fretting(MU, (1e-4, 0.1), times=(0.0, 1.0)), [0, 0.5, 1], replace(LINE, load=load)
+    )
+    last = found.frames[-1]
+    assert last.state["slip_distance"].values.max() < 1e-8
+    # beyond the contact of the first load, whose force was not applied in proportion
+    grown = np.abs(STRIP.x) > 0.06
+    shear, pressure = last.shear[0, grown], last.pressure[grown]
+    np.testing.assert_allclose(shear, 0.1 * pressure, atol=1e-6 * pressure.max())
+
+
+def test_a_falling_load_leaves_the_shear_of_the_closed_form() -> None:
+    """``q = mu [p(P) - p(P - T / mu)]`` also where P falls under a constant T."""
+    load = cs.LoadHistory((0.0, 1.0, 2.0), (1.0, 1.0, 0.8))
+    friction = cs.Fretting(MU, (0.0, FORCE, FORCE), times=(0.0, 1.0, 2.0))
+    found = fretted(friction, np.linspace(0, 2, 17), replace(LINE, load=load)).frames[-1]
+    expected = MU * (hertz(0.8) - hertz(0.8 - FORCE / MU))
+    assert np.abs(found.shear[0, :, 0] - expected).mean() < 2e-3 * expected.max()
+
+
+def test_slip_wears_in_proportion_to_the_energy_and_nowhere_else() -> None:
+    forces = (0.0, *(FORCE, -FORCE) * 4, 0.0)
+    friction = cs.Fretting(MU, forces, times=tuple(range(10)))
+    wear = 1.0 / 32
+    found = fretted(friction, [0.0, 9.0], replace(LINE, wear=cs.Wear(wear, 0.0)))
+    worn, lost = (found.quantities[name].value for name in ("worn_volume", "friction_energy"))
+    assert worn == pytest.approx(wear / MU * lost, rel=1e-12)
+    depth = found.frames[-1].state["worn_depth"].values
+    # cells within 0.95 of the stick zone, of half-width (1 - T / (mu P))^(1/2)
+    assert not depth[np.abs(STRIP.x) < 0.95 * (1 - FORCE / MU) ** 0.5].any()
+    # four cycles lose little of the first one's rate, 0.0204 a cycle and unit of wear
+    assert worn == pytest.approx(4 * wear * 0.02043, rel=0.1)
+
+
+def test_a_large_displacement_slides_all_of_the_contact() -> None:
+    """``4 mu P D`` less the energy of the displacement under full shear, counted from a half-width."""
+    far = 1.0
+    friction = cs.Fretting(MU, displacements=(0.0, far, -far, far), times=(0.0, 1.0, 2.0, 3.0))
+    found = fretted(friction, [0.0, 1.0, 3.0])
+    assert found.frames[-1].quantities["stick_fraction"].value == 0
+    # shear along x of a line moves the surface by nu / (1 - nu) more than pressure does
+    elastic = 8 * MU**2 / pi * (log(2) + 0.25 + NU / (1 - NU))
+    cycle = energy(found.frames[2]) - energy(found.frames[1])
+    assert cycle == pytest.approx(4 * MU * far - elastic, rel=1e-4)
+
+
+def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes_none() -> None:
+    assert CYCLE.forces is not None
+    grid = cs.Grid((60, 1), (2.2, 1.0))
+    one, other = (
+        fretted(replace(CYCLE, forces=tuple(sign * f for f in CYCLE.forces)), [0.0, 2.0], grid=grid)
+        for sign in (1, -1)
+    )
+    np.testing.assert_allclose(one.frames[-1].shear, -other.frames[-1].shear, atol=1e-9)
+    tiny = fretted(cs.Fretting(1e-9, (0.0, 1e-10), times=(0.0, 1.0)), [0.0, 1.0], grid=grid)
+    assert np.abs(tiny.frames[-1].shear).max() <= 1e-9
+
+
+@pytest.mark.parametrize(
+    ("given", "changes", "sentence"),
+    [
+        ({"forces": (0.1,), "displacements": (1.0,)}, {}, "give one of them"),
+        ({}, {}, "give one of them"),
+        ({"displacements": (1.0,)}, {}, "give times"),
+        ({"forces": (0.0, 0.1), "times": (0.0,)}, {}, "give as many"),
+        ({"forces": (0.0, 0.4), "times": (0.0, 1.0)}, {}, r"0\.4 N/m at 1 s, where friction bears"),
+        ({"forces": (0.1,)}, {"wear": cs.Wear(1.0, 0.0)}, "give Fretting.times"),
+        ({"forces": (0.0, 0.1), "times": (0.0, 1.0)}, {"wear": cs.Wear(1.0, 1.0)}, "give 0 m/s"),
+        (
+            {"displacements": (0.0, 0.1), "times": (0.0, 1.0)},
+            {"load": cs.LoadHistory((0.0, 1.0), (1.0, 2.0))},
+            "give Fretting.forces",
+        ),
+        (
+            {"forces": (0.0, 0.1), "times": (0.0, 1.0)},
+            {"solids": (cs.CoatedHalfSpace(STEEL, 1e-3, STEEL),) * 2},
+            "response to shear",
+        ),
+    ],
+)
+def test_what_does_not_fret_is_refused_in_a_sentence(
+    given: dict[str, object], changes: dict[str, object], sentence: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        replace(LINE, **{"friction": cs.Fretting(MU, **given)}, **changes)  # type: ignore[arg-type]

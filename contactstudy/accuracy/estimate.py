@@ -180,9 +180,9 @@ def _of_separation(solution: Solution, load: float | None) -> ErrorParts | None:
 
 
 def _spikes(problem: Problem) -> tuple[float, float, str]:
-    """Return the pressure [Pa] at the edges of a contact through a coat of few cells, its width [m], and a sentence.
+    """Return the pressure [Pa] at the edges of a contact through a coating of few cells, its width [m], and a sentence.
 
-    They are 0, and the sentence empty, where no coat is stiffer than its substrate, or the cells show it.
+    They are 0, and the sentence empty, where no coating is stiffer than its substrate, or the cells show it.
     """
     pressure, width, reason = 0.0, 0.0, ""
     if not isinstance(problem.description, PosedScene):
@@ -197,8 +197,8 @@ def _spikes(problem: Problem) -> tuple[float, float, str]:
             pressure = max(pressure, SPIKE * bending / stiffer ** (1 / 3))
             width = max(width, coat.thickness)
             reason = (
-                f"The grid has {cells:.2g} cells in a coat {stiffer:.3g} times as stiff as its substrate, which do not "
-                f"show how the pressure rises at the edges: the peak there is at most about {pressure:.3g} Pa."
+                f"The grid has {cells:.2g} cells in a coating {stiffer:.3g} times as stiff as its substrate, which do "
+                f"not show how the pressure rises at the edges: the peak there is at most about {pressure:.3g} Pa."
             )
     return pressure, width, reason
 

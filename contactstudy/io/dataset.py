@@ -1,4 +1,4 @@
-"""Labelled datasets (xarray) of a solution, of a march in time and of repeated rolling."""
+"""Labelled datasets (xarray) of a solution, of an evolution and of repeated rolling."""
 
 import shlex
 import sys
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
 Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
-# an offset from the start of the march, not a date
+# an offset from the first instant, not a date
 TIME = {"long_name": "time since the start", "units": "s", "axis": "T"}
 
 

@@ -11,7 +11,7 @@ from contactstudy.scene.scene import Scene
 
 # Seconds of a film in plane strain with its estimate on two coarser grids, for the square of its cells, and of any film:
 # medians of 16 films of 320 to 2,700 cells, a third of which are solved again on finer cells. The same of a step in time
-# with its part of the second march, from 9 films of 300 to 2,700 cells.
+# with its part of the integration by double steps, from 9 films of 300 to 2,700 cells.
 OF_SQUARE, FILM, OF_STEP_SQUARE, FILM_STEP = 3.6e-7, 0.03, 7.5e-8, 0.006
 # Steps in time: some to begin with, and at least so many from one recorded instant to the next and in all.
 FIRST, EACH, FEWEST = 5, 2, 30

@@ -94,7 +94,7 @@ class Needs:
 
     @property
     def smooth(self) -> bool:
-        """True for Hertz's contact, with no heights on the cylinder, no end, no coat, no friction."""
+        """True for Hertz's contact, with no heights on the cylinder, no end, no coating, no friction."""
         return not (self.rough or self.roller or self.height or self.coats or self.shear)
 
     @property
@@ -290,7 +290,7 @@ class Needs:
         return width, cell, dimension, padding, *coats, *filter(None, (self.shear,))
 
     def _coat(self, coat: Layered, grid: Grid) -> str:
-        """Return a sentence on what a coat does to the plan."""
+        """Return a sentence on what a coating does to the plan."""
         coating, substrate_compliance = 1 / coat.compliance, coat.substrate.compliance
         substrate = (
             f"{1 / substrate_compliance:.3g} Pa"
@@ -299,10 +299,10 @@ class Needs:
         )
         modulus = 1 / coat.compliance_at(self.hertz.half_width)
         return (
-            f"coat {coat.thickness:.4g} m: {coat.thickness / self.hertz.half_width:.3g} half-widths and "
+            f"coating {coat.thickness:.4g} m: {coat.thickness / self.hertz.half_width:.3g} half-widths and "
             f"{coat.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
             f"a smooth contact feels a modulus of about {modulus:.3g} Pa, between {coating:.3g} Pa of the coating and "
-            f"{substrate}. Width and error are those of small solutions with the coat."
+            f"{substrate}. Width and error are those of small solutions with the coating."
         )
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:
@@ -312,7 +312,7 @@ class Needs:
             stiffer = coat.substrate.compliance / coat.compliance
             if stiffer > STIFF_COAT and grid.cell[0] > coat.thickness / IN_COAT:
                 messages.append(
-                    f"Grid.cells[0] is {grid.cells[0]}: {coat.thickness / grid.cell[0]:.2g} cells in a coat "
+                    f"Grid.cells[0] is {grid.cells[0]}: {coat.thickness / grid.cell[0]:.2g} cells in a coating "
                     f"{stiffer:.3g} times as stiff as its substrate, where little is known of the error, give "
                     f"{int(np.ceil(IN_COAT * grid.extent[0] / coat.thickness))} for a bound."
                 )

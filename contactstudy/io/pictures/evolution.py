@@ -25,7 +25,7 @@ STRAIN, STRESS = "equivalent_plastic_strain", "residual_stress"
 
 
 def evolution_picture(evolved: xr.Dataset) -> Figure:
-    """Draw a march as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
+    """Draw an evolution as ``Evolution.to_dataset`` labels it: profiles, a map over time, numbers and errors."""
     worn = "worn_depth" in evolved
     adheres = "attraction" in evolved
     drawn = [_profiles, _map, _numbers, _loop if adheres else _errors] + [_worn] * worn
@@ -47,7 +47,7 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
 
 
 def film_evolution_picture(evolved: xr.Dataset) -> Figure:
-    """Draw a march of a film: profiles of pressure and film, the film over time and width, and numbers against time."""
+    """Draw a film in time: profiles of pressure and film, the film over time and width, and numbers against time."""
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(4, columns=2, width=5.4, height=3.4)
         reach = FILM_WIDTH * float(evolved["hertz_half_width"][0])

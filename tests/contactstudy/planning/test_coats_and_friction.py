@@ -30,8 +30,8 @@ def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:
     coarse, fine = (
         plan(scene, grid=cs.Grid((cells, 1), (width, width))).warnings for cells in (64, 8192)
     )
-    assert any("cells in a coat" in said for said in coarse)
-    assert not any("cells in a coat" in said for said in fine)
+    assert any("cells in a coating" in said for said in coarse)
+    assert not any("cells in a coating" in said for said in fine)
 
 
 def test_a_coat_and_unlike_bodies_that_slide_are_not_taken_for_hertzs_contact() -> None:

@@ -115,7 +115,7 @@ def coat(stiffer: float) -> Any:
 
 def test_a_coat_is_felt_as_a_modulus_between_its_own_and_the_substrate_s() -> None:
     said = needs(coats=(coat(4.0),)).reasons(cs.Grid((80, 1), (8.0, 4.0)), 0.1)[4]
-    assert "coat 0.4 m: 0.2 half-widths and 4 cells across thick" in said
+    assert "coating 0.4 m: 0.2 half-widths and 4 cells across thick" in said
     assert "about 100 Pa, between 200 Pa of the coating and 50 Pa" in said
 
 

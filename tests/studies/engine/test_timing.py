@@ -1,4 +1,4 @@
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -7,8 +7,7 @@ import pytest
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.timing import time_cases
-from studies.model.outcome import Failure, Sample, is_contended, timing_variables
+from studies.model.outcome import CaseStatus, Sample, is_contended, timing_variables
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 
@@ -76,39 +75,6 @@ def test_stored_times_are_not_taken_again_unless_asked(tmp_path: Path) -> None:
     assert taken == 1 + 2 * 2
 
 
-def test_the_longest_short_case_of_each_kind_is_run_untimed_before_all() -> None:
-    expected = {"tiny": 0.01, "short": 0.1, "long": 9.0, "other": 0.02, "slow": 8.0}
-    kinds = {"tiny": "a", "short": "a", "long": "a", "other": "b", "slow": "c"}
-    clocked: list[str] = []
-    taken: list[str] = []
-
-    def time_once(key: str) -> Sample:
-        clocked.append(key)
-        return sample(1.0)
-
-    once = dict.fromkeys(expected, 1)
-    time_cases(once, expected, kinds, time_once, lambda key, _: taken.append(key), pytest.fail)
-    assert taken == list(expected)
-    assert set(clocked[:2]) == {"short", "other"}
-    assert clocked[2:] == list(expected)
-
-
-def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed() -> None:
-    failure = Failure("Killed", "Killed", "timing")
-    taken: list[str] = []
-    given_up: list[str] = []
-
-    def time_once(key: str) -> Sample | Failure:
-        return failure if key == "bad" else sample(1.0)
-
-    times = {"good": 2, "bad": 2}
-    time_cases(
-        times, dict.fromkeys(times, 9.0), dict.fromkeys(times, ""), time_once,
-        lambda key, _: taken.append(key), lambda key, _: given_up.append(key),
-    )  # fmt: skip
-    assert (taken, given_up) == (["good", "good"], ["bad"])
-
-
 def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:
     log = tmp_path / "log"
     study = replace(trouble.study([1.0, 2.0], log=str(log)), times="none")
@@ -117,3 +83,29 @@ def test_a_study_that_wants_no_times_is_not_timed(tmp_path: Path) -> None:
     assert dataset["contended"].values.tolist() == [2, 2]
     with pytest.raises(InvalidInput, match=r"^times is 'some'"):
         replace(study, times="some")
+
+
+@dataclass(frozen=True)
+class Once(trouble.Trouble):
+    """A case that can be computed once, if it is that of 2."""
+
+    def run(self, prepared: float) -> float:
+        log = Path(self.log)
+        if log.exists() and self.number == 2 and "2.0" in log.read_text(encoding="utf-8"):
+            raise ArithmeticError
+        return super().run(prepared)
+
+
+def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed(tmp_path: Path) -> None:
+    log, said = tmp_path / "log", []
+    study = replace(
+        trouble.study([1.0, 2.0, 4.0]),
+        scene_at=lambda point: Once(float(point["number"]), log=str(log)),
+    )
+    dataset = run(study, tmp_path, options=RunOptions(workers=0, repeats=3), log=said.append)
+    assert (dataset["case_status"] == CaseStatus.OK).all()
+    counts = dataset["solve_time_all"].notnull().sum("repeat")
+    assert counts.values.tolist() == [3, 0, 3]
+    runs = log.read_text(encoding="utf-8").split()
+    assert runs[-6:] == ["1.0", "4.0"] * 3  # in turn
+    assert any("1 cases have no times, the first since ArithmeticError" in line for line in said)

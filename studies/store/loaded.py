@@ -254,7 +254,7 @@ sys.meta_path.insert(0, LOADED)
 
 
 class Present:
-    """What this process would load now, looked up once for each name."""
+    """Sources and versions that this process would load now, looked up once for each name."""
 
     def __init__(self) -> None:
         importlib.invalidate_caches()

@@ -35,7 +35,7 @@ class CaseIdentity:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """What computed a case.
+    """Program that computed a case.
 
     Attributes
     ----------

@@ -103,10 +103,10 @@ def test_both_bases_of_a_wave_agree(depth: float) -> None:
 
 @pytest.mark.parametrize("paddings", ALL)
 def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddings) -> None:
-    grid = cs.Grid((5, 2), (1.0, 0.7))
+    grid = cs.Grid((3, 2), (1.0, 0.7))
     random = np.random.default_rng(5)
     pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
-    depths = 0.0, 0.3, 0.8
+    depths = 0.3, 0.8
     coated, plain = (
         StressBelow(grid, paddings, medium, depths).under(shear)(pressure)
         for medium in (CoatedStress(LayerResponse(1.0, 0.3, 0.3), 0.5), HalfSpaceStress(0.3))

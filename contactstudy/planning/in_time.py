@@ -145,7 +145,11 @@ def extremes(scene: Scene, end: float | None = None) -> Extremes:
         Last time [s]; None ends where the load does.
     """
     load = LineLoad(scene.load.largest)
-    elastic = replace(scene, load=load, solids=sudden(scene.solids), wear=None, rolling=None)
+    # forces in time would be compared with loads of other times, and do not change what the grid has to show
+    friction = None if getattr(scene.friction, "times", None) else scene.friction
+    elastic = replace(
+        scene, load=load, solids=sudden(scene.solids), wear=None, rolling=None, friction=friction
+    )
     bodies = [
         body for body in scene.solids if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]

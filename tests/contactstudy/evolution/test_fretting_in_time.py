@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import log, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -142,3 +143,38 @@ def test_what_does_not_fret_is_refused_in_a_sentence(
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=sentence):
         replace(LINE, **{"friction": cs.Fretting(MU, **given)}, **changes)  # type: ignore[arg-type]
+
+
+def test_a_scene_file_frets_on_a_planned_grid_under_a_load_that_changes(tmp_path: Path) -> None:
+    text = """
+    [load]
+    kind = "LoadHistory"
+    times = [0, 1, 2]
+    per_length = ["50 N/mm", "100 N/mm", "80 N/mm"]
+    [[solids]]
+    youngs_modulus = "210 GPa"
+    poisson_ratio = 0.3
+    [[solids]]
+    youngs_modulus = "210 GPa"
+    poisson_ratio = 0.3
+    [[shapes]]
+    kind = "Cylinder"
+    radius = "10 mm"
+    [friction]
+    kind = "Fretting"
+    coefficient = 0.3
+    forces = ["0 N/mm", "25 N/mm", "-10 N/mm"]
+    times = [0, 1, 2]
+    [wear]
+    coefficient = 1e-13
+    speed = 0.0
+    [evolve]
+    times = [0, 1, 2]
+    """
+    file = tmp_path / "fretting.toml"
+    file.write_text(text)
+    found = cs.read_scene(file).solve()
+    assert found.quantities["worn_volume"].value > 0
+    force = found.frames[-1].shear[0].sum() * found.grid.cell_area / found.grid.period
+    assert force == pytest.approx(-1e4)
+    assert {"shear_x", "slip_distance", "worn_depth"} <= set(found.to_dataset())

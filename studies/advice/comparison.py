@@ -94,7 +94,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Rival:
-    """Another setting that meets the request: how long it takes over the chosen one, and by chance with `p`."""
+    """Setting of another padding that meets the request: its time over the chosen one's, and the chance `p` of that."""
 
     measured: Measured
     ratio: float
@@ -102,12 +102,12 @@ class Rival:
 
     @property
     def is_tie(self) -> bool:
-        """Whether the times differ by less than a tenth."""
+        """True if the times differ by less than a tenth."""
         return 1 / QUICKER <= self.ratio <= QUICKER
 
     @property
     def is_shown(self) -> bool:
-        """Whether the rounds show a difference of more than a tenth."""
+        """True if the rounds show a difference of more than a tenth."""
         return not self.is_tie and self.p < CHANCE
 
 
@@ -138,7 +138,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What was measured of a scene.
+    """Settings of a scene with their measured errors and times.
 
     Attributes
     ----------

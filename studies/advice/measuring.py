@@ -55,7 +55,7 @@ FINE_ENOUGH = 0.02
 # Exponent of the time over the cells, at least and at most.
 GROWTH = 1.0, 1.3
 # Share of the time left that the next solve of the ladder may take, and that it may take where the reference is too
-# coarse for the request; the share of a budget for the paddings on one grid.
+# coarse for the request; the fraction of a budget for the paddings on one grid.
 NEXT, NEXT_FOR_REFERENCE, FOR_PADDINGS = 0.15, 0.45, 0.15
 # Share of a budget after which no further padding is compared: some take far longer than the own boundary.
 MOST_FOR_PADDINGS = 0.3
@@ -203,7 +203,7 @@ class _Comparing:
             )
 
     def _climb(self, wanted: Callable[[int], bool], share: float) -> None:
-        """Solve ever finer rungs that are wanted, until the next one would take a share of the time left.
+        """Solve ever finer rungs that are wanted, until the next one would take a fraction of the time left.
 
         The coarsest rungs are solved in any case.
         """
@@ -247,7 +247,7 @@ class _Comparing:
         return prod(self._cells(multiple))
 
     def _middle(self) -> int:
-        """Return the finest rung on which all paddings can be solved in their share of the budget."""
+        """Return the finest rung on which all paddings can be solved in their fraction of the budget."""
         count = 2.0 * (len(self._candidates()) + len(TOLERANCES))
         affordable = [
             multiple

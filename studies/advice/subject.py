@@ -120,7 +120,7 @@ class Subject:
 
     @property
     def is_free(self) -> bool:
-        """Whether the scene itself ends along its length, so that no image belongs to it."""
+        """True if the scene itself ends along its length, so that no image belongs to it."""
         return isinstance(self.own, tuple)
 
     @cached_property

@@ -44,7 +44,7 @@ def explore(file: Path, out: Path | None) -> None:
 
 
 def page_of(dataset: "xr.Dataset", name: str) -> str:
-    """Return the self-contained HTML page of a stored study, contact, film or march.
+    """Return the self-contained HTML page of a stored study, contact, film or evolution.
 
     Raises :class:`~contactstudy.InvalidInput` for a dataset without numbers over an axis.
     """

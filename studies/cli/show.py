@@ -86,7 +86,7 @@ def show(
 
 
 def _csv(dataset: "xr.Dataset") -> str:
-    """Return a table as CSV, with a row for each point of a study or instant of a march, or one row for a solution."""
+    """Return a table as CSV: a row for each point of a study or instant of an evolution, or one row for a solution."""
     if "case_status" in dataset:
         axes = [str(name) for name in dataset["case_status"].dims]
     else:

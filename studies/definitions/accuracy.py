@@ -73,7 +73,7 @@ class AccuracyRun:
 def scene_at(point: Point) -> AccuracyRun:
     """Return a case by its name and seed."""
     name = one_of("case", point["case"], (*matrix(), *NAMES))
-    return AccuracyRun(name, whole("seed", point["seed"], 0, "give a whole number from 0 on"))
+    return AccuracyRun(name, whole("seed", point["seed"], 0, "must be a whole number, at least 0"))
 
 
 def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:

@@ -33,7 +33,7 @@ times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Return a march under the constant load, with equal steps."""
+    """Return an evolution under the constant load, with equal steps."""
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
     times = tuple(np.linspace(0, END, steps + 1).tolist())

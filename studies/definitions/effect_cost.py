@@ -93,7 +93,7 @@ class SolveWithOutputs(Case):
 
 @dataclass(frozen=True)
 class LastStep(EvolutionCase):
-    """A march whose last step alone is recorded."""
+    """An evolution whose last step alone is recorded."""
 
     def record(self, result: Trajectory) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers of the last step."""
@@ -116,7 +116,7 @@ def scene_at(point: Point) -> SolveWithOutputs | EvolutionCase:
 
 
 def measures(case: Computation, result: cs.Contact | Trajectory) -> Mapping[str, xr.Variable]:
-    """Return the peak memory and the share in contact."""
+    """Return the peak memory and the fraction in contact."""
     peak = peak_bytes(lambda: case.run(case.prepare()))
     pressure = result.pressure if isinstance(result, cs.Contact) else result.frames[-1].pressure
     label = {"units": "MB", "long_name": "peak memory of set-up, solve and outputs"}

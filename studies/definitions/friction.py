@@ -69,7 +69,9 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
             "coefficient", highest, "highest von Mises stress over Hertz's pressure"
         ),
         "depth": _along("coefficient", depth, "its depth over the half-width"),
-        "share": _along("share", SHARES, "tangential force over the largest that friction bears"),
+        "share": _along(
+            "share", SHARES, "tangential force over the largest that friction can carry"
+        ),
         "stick": _along("share", stick, "half-width of the zone that sticks over that in contact"),
         "stick_sphere": _along(
             "share", mindlin, "radius of the zone that sticks under a sphere over that in contact"

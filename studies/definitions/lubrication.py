@@ -43,7 +43,7 @@ times = "none"
 def scene_at(point: Point) -> SceneCase:
     """Return steel cylinders with a Barus lubricant of constant density, solved from a cold start."""
     load = positive("load", point["load"], "give a load parameter M above 0")
-    viscosity = non_negative("viscosity", point["viscosity"], "give a parameter L from 0 on")
+    viscosity = non_negative("viscosity", point["viscosity"], "must be at least 0")
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cavitation = point.get("cavitation", "elrod-adams")
     if cavitation not in CAVITATION:
@@ -100,8 +100,10 @@ def measures(case: SceneCase, solved: Solved) -> Mapping[str, xr.Variable]:
         "film_over_moes": number(flat * units / moes, "film where the pressure is flat over Moes'"),
         "friction": number(contact.friction, "friction force over load at 10 % sliding"),
         "flux_spread": number(contact.flux_spread, "range of the flow over x over its mean"),
-        "thin_area": number(thin_area, "share of Hertz's area with less than half of Moes' film"),
-        "thin_load": number(thin_load, "share of the load on less than half of Moes' film"),
+        "thin_area": number(
+            thin_area, "fraction of Hertz's area with less than half of Moes' film"
+        ),
+        "thin_load": number(thin_load, "fraction of the load on less than half of Moes' film"),
         "peak_pressure": number(
             contact.peak_pressure / HERTZ.peak_pressure, "peak pressure over Hertz's"
         ),

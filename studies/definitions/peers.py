@@ -205,7 +205,7 @@ points = (
 def scene_at(point: Point) -> ProgramRun:
     """Return a program on a problem, with a grid and a number of threads."""
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
-    threads = whole("threads", point["threads"], 1, "give a whole number of threads from 1 on")
+    threads = whole("threads", point["threads"], 1, "must be a whole number of threads, at least 1")
     program = one_of("program", point["program"], PROGRAMS)
     return ProgramRun(program, one_of("boundary", point["boundary"], PADDINGS), cells, threads)
 

@@ -48,9 +48,9 @@ times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Return a march that loads in equal steps and unloads in one step."""
+    """Return an evolution that loads in equal steps and unloads in one step."""
     peak = positive("pressure", point["pressure"], "give a peak pressure above 0 yield stresses")
-    hardening = non_negative("hardening", point["hardening"], "give a modulus from 0 on")
+    hardening = non_negative("hardening", point["hardening"], "must be at least 0")
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole("grid", point["grid"], 16, "give at least 16 cells across the width")
     body = cs.ElasticPlasticHalfSpace(MODULUS, POISSON, 1.0, hardening * MODULUS)

@@ -74,7 +74,7 @@ def scene_at(point: Point) -> PaddingComparison:
         scene=replace(SCENE, shapes=SCENE.shapes + ((shape,) if rms else ())),
         grid=cs.Grid((cells, max(1, round(cells * period / WIDTH))), (WIDTH * A, period * A)),
         padding=cs.ExactPeriodicity(),
-        images=whole("images", point["images"], 0, "give a whole number of periods from 0 on"),
+        images=whole("images", point["images"], 0, "must be a whole number, at least 0"),
     )
 
 

@@ -48,7 +48,7 @@ def scene_at(point: Point) -> Case:
 
 
 def measures(case: Case, result: cs.Contact) -> Mapping[str, xr.Variable]:
-    """Return the share in contact and the peak memory of a solve."""
+    """Return the fraction in contact and the peak memory of a solve."""
     short_case = replace(case, options=replace(case.options, max_iterations=ENOUGH))
     problem = short_case.prepare()
     peak = peak_bytes(lambda: short_case.run(problem))

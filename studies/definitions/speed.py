@@ -85,7 +85,7 @@ def scene_at(point: Point) -> CaseOnDevice:
     """Return a contact on a device: a line contact, or a flat self-affine surface periodic along both axes."""
     surface = one_of("surface", point["surface"], SURFACES)
     cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
-    threads = whole("threads", point["threads"], 1, "give a whole number of threads from 1 on")
+    threads = whole("threads", point["threads"], 1, "must be a whole number of threads, at least 1")
     precision = cs.Precision.named(str(point["precision"]))
     if surface != SELF_AFFINE:
         shape = SMOOTH if surface == LINE else surface
@@ -105,7 +105,7 @@ def scene_at(point: Point) -> CaseOnDevice:
 def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs.Scene:
     """Return a flat surface with waves down to so many cells, under the load of a ``share`` in contact.
 
-    Source: Persson (2001): the share is ``erf(sqrt(2) p / (E* slope))``.
+    Source: Persson (2001): the fraction is ``erf(sqrt(2) p / (E* slope))``.
     """
     side = grid.period
     cut_off = positive("cut_off", cut_off, "give a number of cells above 0")
@@ -124,7 +124,7 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs
 
 
 def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable]:
-    """Return the share in contact, the most memory a solve holds, and its time over that of its transforms."""
+    """Return the fraction in contact, the most memory a solve holds, and its time over that of its transforms."""
     problem = result.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
     seconds = least_seconds(clock_of(case.on), lambda: case.run(problem))

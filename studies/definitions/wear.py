@@ -42,7 +42,7 @@ times = "none"
 
 
 def scene_at(point: Point) -> EvolutionCase:
-    """Return a march in equal steps from the unworn cylinder."""
+    """Return an evolution in equal steps from the unworn cylinder."""
     scheme = one_of("scheme", point["scheme"], SCHEMES)
     steps = whole("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
@@ -50,7 +50,7 @@ def scene_at(point: Point) -> EvolutionCase:
 
 
 def _case(cells: int, steps: int, scheme: str) -> EvolutionCase:
-    """Return a march in equal steps with a scheme."""
+    """Return an evolution in equal steps with a scheme."""
     times = tuple(np.linspace(0, DISTANCE, steps + 1).tolist())
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
     return EvolutionCase(
@@ -60,13 +60,13 @@ def _case(cells: int, steps: int, scheme: str) -> EvolutionCase:
 
 @cache
 def _fine(cells: int) -> Array:
-    """Return the pressure at the end of a march with many short steps."""
+    """Return the pressure at the end of an evolution with many short steps."""
     case = _case(cells, FINE, "TWO_STAGE")
     return case.run(None).frames[-1].pressure
 
 
 def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
-    """Return the half-width over distance, the volume, and the error against a march with many short steps."""
+    """Return the half-width over distance, the volume, and the error against an evolution with many short steps."""
     frames = result.frames
     places = np.linspace(0, len(frames) - 1, RECORDS + 1).round().astype(int)
     cell = case.grid.cell[0]

@@ -148,7 +148,7 @@ class EvolutionCase:
     tolerance: float = 1e-8
 
     def prepare(self) -> None:
-        """Do nothing: a march sets itself up."""
+        """Do nothing: an evolution sets itself up."""
 
     def run(self, prepared: object = None) -> Trajectory:
         """Return what was recorded at the times."""
@@ -233,8 +233,8 @@ def numbers(measured: Mapping[str, tuple[float, str]]) -> dict[str, xr.Variable]
 
 
 def contact_share(pressure: np.ndarray) -> xr.Variable:
-    """Return the share of the cells that bear pressure (x, y)."""
-    return number(float((pressure > 0).mean()), "share of cells in contact")
+    """Return the fraction of the cells under pressure (x, y)."""
+    return number(float((pressure > 0).mean()), "fraction of cells in contact")
 
 
 def error_estimates(estimate: cs.ErrorEstimate) -> dict[str, xr.Variable]:

@@ -21,7 +21,7 @@ EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """``pressure`` (x, y) [Pa] as cell means, the ``highest`` [Pa], the share of the ``area`` in contact.
+    """``pressure`` (x, y) [Pa] as cell means, the ``highest`` [Pa], the fraction of the ``area`` in contact.
 
     ``highest`` is infinite at a sharp edge. ``gap`` is the mean gap [m], nan where it is not known.
     """
@@ -71,7 +71,7 @@ class ClosedForm:
     points: int = 64
 
     def __call__(self, case: "AccuracyCase") -> Truth:
-        """Sample inside the cells, which costs a share of a cell to the power 3/2 and less."""
+        """Sample inside the cells, which costs a fraction of a cell to the power 3/2 and less."""
         (nx, ny), grid = case.grid.cells, case.grid
         along = 1 if ny == 1 else max(self.points // 8, 4)
         across = self.points if ny == 1 else along

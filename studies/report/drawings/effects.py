@@ -179,7 +179,7 @@ def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         "A rigid cylinder pressed suddenly into a viscoelastic half-space, creep 1 + 1.5 (1 - exp(-t)), and held. "
         "Half-width and peak pressure are compared with Lee & Radok's closed form, the half-width to a cell. The "
         "error is the largest over time, after the first tenth. It falls with the steps until the error of the "
-        "cells is larger; the dashed estimate, from a second march with steps twice as long, contains the error of "
+        "cells is larger; the dashed estimate, from a second evolution with steps twice as long, contains the error of "
         "the steps alone."
     )
     return (captioned("creep", fig, caption),)
@@ -268,7 +268,8 @@ def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     return (
         Finding(
             f"With {int(coarse['steps'])} steps of wear the error is {implicit} (implicit) and {explicit} (explicit).",
-            f"An explicit march needs {_stable_from(finest):.3g} steps to be stable on this grid, and twice as many on "
+            f"An explicit evolution needs {_stable_from(finest):.3g} steps to be stable on this grid, and twice as "
+            f"many on "
             "one twice as fine. An implicit step costs the same solve, with a constant in its spectrum, and the worn "
             "volume is exact either way.",
             "How to step wear?",

@@ -105,7 +105,7 @@ def _roughness(dataset: xr.Dataset) -> CaptionedFigure:
     return CaptionedFigure(
         "rough_films",
         fig,
-        "Effect of a stationary random roughness on the smallest film and on the share of the load that is carried "
+        "Effect of a stationary random roughness on the smallest film and on the fraction of the load that is carried "
         "by less than half of Moes' film.",
     )
 

@@ -104,12 +104,12 @@ def _law(dataset: xr.Dataset) -> CaptionedFigure:
     ratio.axhline(1, label="law a²/(8D²)", **LAW_STYLE)
     ratio.set(ylabel="half-width error / law")
     ratio.set_ylim(bottom=0)
-    after.set(ylabel="share of L1 error left", yscale="log")
+    after.set(ylabel="fraction of L1 error left", yscale="log")
     return captioned(
         "law",
         fig,
         "A window that reaches D to each side makes the cylinder more curved by a²/(4D²), which reduces the "
-        "half-width by a²/(8D²). Left: the error divided by this law. Right: the share of the L1 error that "
+        "half-width by a²/(8D²). Left: the error divided by this law. Right: the fraction of the L1 error that "
         "remains when the solution is compared with exact periodicity on a cylinder of this curvature with the "
         "same roughness. Little remains for circular windows. Superposition also has an error along the length, since "
         "its window does not move with the observer; the law does not include this.",

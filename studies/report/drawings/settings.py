@@ -221,8 +221,7 @@ def _front_of(ax: Axes, part: xr.Dataset, padding: str) -> None:
 
 
 def _tables(dataset: xr.Dataset) -> Sequence[Table]:
-    """Return the n or the cells that are needed where several are stored, and the quickest settings of a timed "
-    "study."""
+    """Return the n or the cells that are needed where several are stored; else the quickest settings, if timed."""
     tables = []
     if dataset.sizes["images"] > 2 and "circular" in paddings(dataset):
         tables.append(_needed(_on_one_tolerance(dataset)))

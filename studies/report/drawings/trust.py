@@ -177,7 +177,7 @@ def _accuracy_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 
 def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return the share of bounds that hold, on every kind of surface on which no margin is set."""
+    """Return the fraction of bounds that hold, on every kind of surface on which no margin is set."""
     dataset, by_use = _one_axis(dataset), []
     for number, use in enumerate(USES):
         chosen = dataset.isel(case=dataset["use"].values == number)
@@ -239,7 +239,7 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     ]
     return (
         Table(
-            "Bounds by kind of surface: the share of cases whose bound is no smaller than the error, how many times "
+            "Bounds by kind of surface: the fraction of cases whose bound is no smaller than the error, how many times "
             "larger it is in the median where it is finite, and how many cases have no bound and say why.",
             ("surface", "cases", *heads),
             tuple(rows),
@@ -270,7 +270,7 @@ def _pairs(dataset: xr.Dataset, metric: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _summary(error: np.ndarray, bound: np.ndarray) -> tuple[float, float, int]:
-    """Return the share that is bounded, the median of bound over error, and how many have no bound."""
+    """Return the fraction that is bounded, the median of bound over error, and how many have no bound."""
     is_known = ~np.isnan(error)
     error, bound = error[is_known], bound[is_known]
     finite = np.isfinite(bound) & (error > 0)

@@ -44,7 +44,7 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
     [
         ({"share": 1.0}, r"^share is 1\.0: give a share between 0 and 1\."),
         ({"cut_off": 0.0}, r"^cut_off is 0\.0: give a number of cells above 0\."),
-        ({"threads": 0}, r"^threads is 0: give a whole number of threads from 1 on\."),
+        ({"threads": 0}, r"^threads is 0: must be a whole number of threads, at least 1\."),
         ({"device": "gpu"}, "^Gpu "),
         ({"surface": "smoth"}, "^surface is 'smoth': did you mean 'smooth'"),
         ({"precision": "half"}, "^precision is 'half': give 'single' or 'double'"),

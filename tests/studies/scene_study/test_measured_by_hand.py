@@ -13,7 +13,7 @@ from studies.scene_study.measures import RESIDUAL, normal_stiffness
 class Dense:
     """An operator that is a matrix over six cells."""
 
-    # cells as unlike as these are not levelled in one step
+    # cells as unlike as these are not solved in one step
     matrix = 1.0 + np.diag([1.0, 3.0, 10.0, 2.0, 30.0, 6.0])
 
     def __call__(self, pressure: np.ndarray) -> np.ndarray:
@@ -32,7 +32,7 @@ class Extension:
     def __call__(self, displacement: np.ndarray) -> np.ndarray:
         return displacement
 
-    def closing(self, extended: np.ndarray) -> np.ndarray:
+    def pressure(self, extended: np.ndarray) -> np.ndarray:
         return np.asarray(self.contact * extended / 4)
 
 

@@ -35,6 +35,9 @@ class NewtonConstants:
         Vectors of one GMRES: ten times what was seen on any contact.
     max_halvings
         Halvings of a step that does not reduce F before projections take over.
+    least_shear
+        Fraction of the largest limit below which shear is not resolved in proportion: where a force returns to zero, what
+        is left may be rounding.
     first_projections
         Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps
         fail far from the solution alone, where a few projections find most of the cells that stick.
@@ -43,6 +46,7 @@ class NewtonConstants:
     forcing: float = 0.1
     max_vectors: int = 200
     max_halvings: int = 10
+    least_shear: float = 1e-4
     first_projections: int = 4
 
 
@@ -103,7 +107,7 @@ class CoulombNewton:
         """Return shear and slip (2, cells) from a first `shear`, and the residual.
 
         `free_slip` (component, x, y) is the slip without shear. The residual is the root mean square of F over the
-        largest shear.
+        largest shear, or a ten-thousandth of its largest limit if that is more.
         """
         free, most = self.gathered(free_slip), max_applications + self.applications
         shear = self.project(shear)
@@ -135,8 +139,8 @@ class CoulombNewton:
         projected = self._disks.project(shear - self._rho * slip)
         error = shear - projected
         mean = float(np.einsum("cn,cn->", error, error)) / self._cells.size
-        largest = float(np.hypot(*projected).max())
-        return error, sqrt(mean) / largest if largest else 0.0
+        least = CONSTANTS.least_shear * float(self._disks.radius.max())
+        return error, sqrt(mean) / max(float(np.hypot(*projected).max()), least)
 
     def _newton_step(
         self, shear: Array, slip: Array, error: Array, forcing: float, most: int

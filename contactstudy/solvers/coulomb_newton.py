@@ -36,8 +36,8 @@ class NewtonConstants:
     max_halvings
         Halvings of a step that does not reduce F before projections take over.
     least_shear
-        Fraction of the largest limit below which shear is not resolved in proportion: where a force returns to zero, what
-        is left may be rounding.
+        Fraction of the largest limit below which shear is not resolved in proportion: where a force returns to zero,
+        what is left may be rounding.
     first_projections
         Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps
         fail far from the solution alone, where a few projections find most of the cells that stick.

@@ -18,6 +18,7 @@ from contactstudy.lubrication.posed_film import (
     PosedFilm,
     hertz_start,
     pose,
+    raised,
     refined,
     restart,
     step_solver,
@@ -82,10 +83,17 @@ def solve_on(
     """
     posed = pose(scene, grid, padding)
     if posed.equation.boundary:
-        warm = None
+        warm, before = None, (0, 0)
         if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
             warm = restart(posed, start)[0]
+        elif grid.cells[1] > 1 and posed.scales.expected_film > posed.equation.boundary:
+            warm, before = _without_asperities(posed, controls)
         mixed = solve_mixed(posed, controls, warm)
+        mixed = replace(
+            mixed,
+            iterations=mixed.iterations + before[0],
+            linear_iterations=mixed.linear_iterations + before[1],
+        )
         return contact_of(scene, grid, padding, posed, mixed, controls.tolerance)
     last = cold = None
     if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
@@ -104,6 +112,19 @@ def solve_on(
         one.converged(controls.tolerance) and _differs(posed, last, one) for one in others
     )
     return replace(contact, status=Status.SEVERAL_FILMS) if several else contact
+
+
+def _without_asperities(posed: PosedFilm, controls: FilmControls) -> tuple[Film, tuple[int, int]]:
+    """Return the film on nested grids without a boundary film, raised to it, and the iterations that it took.
+
+    On the finest grid alone the film took ten times as long.
+    """
+    equation = posed.equation
+    bare = replace(posed, equation=replace(equation, boundary=0.0))
+    last = _nested(bare, controls)
+    film, none = last.film, np.zeros_like(last.film.pressure)
+    film = raised(equation, film.pressure, film.void, film.separation, equation.boundary, none)
+    return film, (last.iterations, last.linear_iterations)
 
 
 def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:

@@ -77,13 +77,17 @@ def test_shear_below_a_pressed_cell_is_the_stress_of_cerruti() -> None:
 
 
 def yielding(
-    share: float, place: int, friction: cs.Sliding | None, cells: int = 60
+    share: float,
+    place: int,
+    friction: cs.Sliding | None,
+    cells: int = 60,
+    ratio: float = 0.6093,
 ) -> cs.Evolution:
     """A steel cylinder whose largest von Mises stress is a `share` of the yield stress of one body."""
     stress = 5e8
     modulus = STEEL.youngs_modulus / (1 - 0.3**2) / 2
     # 0.6093 p0 at a coefficient of 0.25: McEwen's stress, maximised
-    peak = share * stress / 0.6093
+    peak = share * stress / ratio
     half_width = 2 * peak * RADIUS / modulus
     solids: list[cs.HalfSpace | cs.ElasticPlasticHalfSpace] = [STEEL, STEEL]
     solids[place] = cs.ElasticPlasticHalfSpace(210e9, 0.3, stress, 1e10)
@@ -111,6 +115,19 @@ def test_sliding_bodies_yield_first_where_the_closed_form_says(place: int) -> No
     ahead = 1 if place == 0 else -1
     assert worst["x"].item() / half_width == pytest.approx(0.676 * ahead, abs=0.06)
     assert worst["z"].item() / half_width == pytest.approx(0.489, abs=0.06)
+
+
+def test_bodies_that_slide_with_much_friction_yield_first_at_the_surface() -> None:
+    """From a coefficient of 0.263 on; at 0.35 under 0.740 of the peak pressure at 0.33 half-widths."""
+    data = yielding(1.05, 0, cs.Sliding(0.35), ratio=0.7397).to_dataset()
+    strain = data["equivalent_plastic_strain"].isel(time=-1, y=0)
+    worst = strain.where(strain == strain.max(), drop=True)
+    assert strain.max() > 0
+    assert worst["z"].item() == data["z"].values[0]
+    half_width = data["x"].max().item() / 1.5 * 60 / 59
+    assert worst["x"].item() / half_width == pytest.approx(0.33, abs=0.1)
+    before = yielding(0.97, 0, cs.Sliding(0.35), ratio=0.7397).to_dataset()
+    assert before["equivalent_plastic_strain"].max() == 0
 
 
 def test_yielding_bodies_that_slide_without_friction_are_those_without_a_law() -> None:

@@ -49,12 +49,13 @@ def parts(measured: Comparison) -> Sequence[Part]:
     claim = Finding(
         verdict_text(measured, verdict), rivals_text(measured, verdict), "Which setting?"
     )
+    costs = _costs(measured)
     price = Part(
         "settings",
         "The price of accuracy",
         [claim],
         [_front(measured, verdict)],
-        [_costs(measured)],
+        [costs] if costs.rows else [],
     )
     about = Part("reference", "What the errors are against", [_reference(measured)], [], [])
     if not measured.paddings:
@@ -86,9 +87,9 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
             continue
         is_own = label == measured.own_label
         style = _style(label) | ({"lw": 3.0, "ms": 7, "zorder": 4} if is_own else {"lw": 1.0})
-        front = measured.front(label)
+        front = measured.front(label) or line
         times, errors = [one.time for one in front], [one.error for one in front]
-        ax.loglog(times, errors, **style)
+        ax.loglog(times, errors, **style, markevery=[one.is_bounded for one in front])
         beaten = [one for one in line if one.is_bounded and one not in front]
         ax.loglog(
             [one.time for one in beaten], [one.error for one in beaten],
@@ -99,10 +100,9 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
             [one.time for one in hollow], [one.error for one in hollow],
             **style | {"ls": "none", "markerfacecolor": "white"},
         )  # fmt: skip
-        last = front[-1] if front else line[-1]
-        ends.append((last.time, last.error, label))
+        ends.append((times[-1], errors[-1], label))
         if is_own:
-            _label_cells(ax, front or line, style["color"])
+            _label_cells(ax, front, style["color"])
     errors = [one.error for one in measured.settings]
     lowest = min(min(errors), verdict.error) / 2
     if isfinite(measured.floor) and measured.floor > 0:

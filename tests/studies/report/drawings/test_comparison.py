@@ -39,7 +39,7 @@ def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> N
     verdict = measured.verdict()
     assert verdict is not None
     text = verdict_text(measured, verdict)
-    assert not parts(measured)[0].tables[0].rows
+    assert not parts(measured)[0].tables
     assert text.startswith("No setting can be shown to meet 3.0\xa0%")
     assert "64 x 64 cells" in text
 

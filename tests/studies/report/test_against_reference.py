@@ -39,6 +39,7 @@ def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_refere
     np.testing.assert_allclose(marks.get_xydata(), [[2.0, 0.1], [8.0, 0.0]], atol=1e-12)
 
 
+@pytest.mark.whole
 def test_a_scene_is_swept_with_errors_and_times(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(ROUGH)

@@ -20,14 +20,15 @@ along is no less than that of the boundary film: extrapolated from upstream it w
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
+from math import inf, pi, sqrt
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contactstudy.analytic import HertzLine, moes_film
 from contactstudy.domain.fields import Array
-from contactstudy.scene.lubrication import Cavitation, ElrodAdams
+from contactstudy.scene.lubrication import Cavitation, ElrodAdams, Lubrication
 
 # Below this half difference of logarithms the mean of two fluidities is a series.
 SERIES = 1e-3
@@ -36,6 +37,48 @@ Mask = NDArray[np.bool_]
 Scalar = TypeVar("Scalar", bound=np.generic)
 # A cell's neighbours, as offsets across and along, and what multiplies a change in them.
 Bands = Mapping[tuple[int, int], Array]
+
+
+@dataclass(frozen=True)
+class FilmScales:
+    """Hertz's units of a lubricated contact and the parameters of Moes (1992), at the largest load and speed."""
+
+    hertz: HertzLine
+    lubrication: Lubrication
+
+    @property
+    def film(self) -> float:
+        """Unit of the film, ``a^2 / R`` [m]."""
+        return self.hertz.half_width**2 / self.hertz.radius
+
+    @property
+    def resistance(self) -> float:
+        """``lambda = 12 eta0 u_m R^2 / (a^3 p_H)``."""
+        hertz, motion = self.hertz, self.lubrication
+        viscous = 12 * motion.lubricant.viscosity * motion.largest_speed * hertz.radius**2
+        return viscous / (hertz.half_width**3 * hertz.peak_pressure)
+
+    @property
+    def load_parameter(self) -> float:
+        """``M = W / (E' R) (eta0 u_s / (E' R))^(-1/2)`` with E' = 2 E* and u_s = 2 u_m (Moes 1992)."""
+        return sqrt(3 * pi**2 / (8 * self.resistance))
+
+    @property
+    def viscosity_parameter(self) -> float:
+        """``L = alpha E' (eta0 u_s / (E' R))^(1/4)`` (Moes 1992)."""
+        alpha = self.lubrication.lubricant.pressure_viscosity
+        return alpha * self.hertz.peak_pressure * sqrt(2 * pi / self.load_parameter)
+
+    @property
+    def expected_film(self) -> float:
+        """Central film over ``a^2 / R`` by the formula of Moes."""
+        film = moes_film(self.load_parameter, self.viscosity_parameter)
+        return film * pi / (8 * self.load_parameter)
+
+    @property
+    def reach(self) -> float:
+        """Half-width of the pressure in units of that of Hertz; a thick film bears it over ``sqrt(2 H)``."""
+        return max(1.0, sqrt(2 * self.expected_film))
 
 
 @dataclass(frozen=True, eq=False)

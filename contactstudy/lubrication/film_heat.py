@@ -19,8 +19,8 @@ from scipy.special import k0e, k1e
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.lubrication.film_equation import FilmScales
 from contactstudy.lubrication.lubricated_contact import (
-    FilmScales,
     FilmTemperatures,
     shear_stress,
 )

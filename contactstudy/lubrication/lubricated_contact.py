@@ -1,15 +1,14 @@
 """The result of a lubricated contact: fields, film, friction, and a status that says how far they can be trusted."""
 
 from dataclasses import dataclass
-from math import pi, sqrt
 
 import numpy as np
 
-from contactstudy.analytic import HertzLine, moes_film
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.scene.lubrication import LimitingShear, Lubrication
+from contactstudy.lubrication.film_equation import FilmScales
+from contactstudy.scene.lubrication import LimitingShear
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
@@ -18,48 +17,6 @@ from contactstudy.solvers.solution import Status
 BORNE_AT_REST, BORNE, UNBORNE = 1e7, 0.15, 0.01
 # The thermal loading up to which an inlet's heating is known, and the residual of temperatures that counts as none.
 LOADING, RESTING = 10.0, 1e-6
-
-
-@dataclass(frozen=True)
-class FilmScales:
-    """Hertz's units of a lubricated contact and the parameters of Moes (1992), at the largest load and speed."""
-
-    hertz: HertzLine
-    lubrication: Lubrication
-
-    @property
-    def film(self) -> float:
-        """Unit of the film, ``a^2 / R`` [m]."""
-        return self.hertz.half_width**2 / self.hertz.radius
-
-    @property
-    def resistance(self) -> float:
-        """``lambda = 12 eta0 u_m R^2 / (a^3 p_H)``."""
-        hertz, motion = self.hertz, self.lubrication
-        viscous = 12 * motion.lubricant.viscosity * motion.largest_speed * hertz.radius**2
-        return viscous / (hertz.half_width**3 * hertz.peak_pressure)
-
-    @property
-    def load_parameter(self) -> float:
-        """``M = W / (E' R) (eta0 u_s / (E' R))^(-1/2)`` with E' = 2 E* and u_s = 2 u_m (Moes 1992)."""
-        return sqrt(3 * pi**2 / (8 * self.resistance))
-
-    @property
-    def viscosity_parameter(self) -> float:
-        """``L = alpha E' (eta0 u_s / (E' R))^(1/4)`` (Moes 1992)."""
-        alpha = self.lubrication.lubricant.pressure_viscosity
-        return alpha * self.hertz.peak_pressure * sqrt(2 * pi / self.load_parameter)
-
-    @property
-    def expected_film(self) -> float:
-        """Central film over ``a^2 / R`` by the formula of Moes."""
-        film = moes_film(self.load_parameter, self.viscosity_parameter)
-        return film * pi / (8 * self.load_parameter)
-
-    @property
-    def reach(self) -> float:
-        """Half-width of the pressure in units of that of Hertz; a thick film bears it over ``sqrt(2 H)``."""
-        return max(1.0, sqrt(2 * self.expected_film))
 
 
 @dataclass(frozen=True, eq=False)

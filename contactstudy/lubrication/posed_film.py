@@ -13,8 +13,8 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.lubrication.along_length import KrylovStep
-from contactstudy.lubrication.film_equation import Film, FilmEquation, Mask
-from contactstudy.lubrication.lubricated_contact import FilmScales, FilmSolution
+from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
+from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.plane_strain import DirectStep
 from contactstudy.lubrication.pseudo_time import FilmIteration, StepSolver
 from contactstudy.problem.problem import Problem

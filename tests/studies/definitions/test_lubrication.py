@@ -4,7 +4,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.analytic import moes_film
-from contactstudy.lubrication.lubricated_contact import FilmScales
+from contactstudy.lubrication.film_equation import FilmScales
 from studies.definitions.lubrication import measures, scene_at
 
 POINT = {"load": 20.0, "viscosity": 5.0, "rms": 0.0, "grid": 128}

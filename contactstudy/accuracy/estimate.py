@@ -51,12 +51,12 @@ STIFF_COAT, IN_COAT, SPIKE = 2.0, 2, 2 / 3
 CHANGE_OF_ATTRACTION = 1e3
 SHARP_EDGE = "a sharp edge or corner"
 UNKNOWN_HEIGHTS = (
-    "No bound by the cells: Problem.source does not say the heights on other grids, so nothing is "
+    "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
     "known of them between the cell centres; make the problem from a Scene."
 )
 STANDING_OUT = (
-    "No bound by the cells: between their centres the surface stands out by more than the contact "
-    "presses it in; give more cells, or the shape a `detail` that names its finest length."
+    "No bound for the discretisation error: between the cell centres the surface protrudes further than "
+    "the contact flattens it; give more cells, or the shape's length scales in its `detail`."
 )
 
 
@@ -116,7 +116,7 @@ def error_estimate(
     problem = solution.problem
     if not 0 < confidence < 1:
         raise InvalidInput(
-            f"error_estimate.confidence is {confidence!r}: give a share between 0 and 1, such as 0.95."
+            f"error_estimate.confidence is {confidence!r}: give a probability between 0 and 1, such as 0.95."
         )
     if problem.paddings is None:
         raise NotDefined(
@@ -237,7 +237,7 @@ def _cells(
     else:
         coarse = coarse or coarse_solution(problem, solution.pressure)
         if coarse is None or coarse.status.is_failure:
-            reason = "No bound by the cells: there is no solution on cells of twice the size to compare with."
+            reason = "No bound for the discretisation error: no solution on cells of twice the size to compare with."
             return _Cells(inf, inf, inf, inf, (reason,))
         changes = change(solution, coarse)
     isolated = _has_isolated_cells(pressure)
@@ -365,8 +365,8 @@ def _unresolved_length(problem: Problem) -> str:
         if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
             count = int(np.ceil(2 * problem.grid.extent[axis] / length))
             return (
-                f"No bound by the cells: Grid.cells[{axis}] is {problem.grid.cells[axis]}, whose cells of "
-                f"{cell:.4g} m do not show lengths of {length:.4g} m, give {count} or more."
+                f"No bound for the discretisation error: Grid.cells[{axis}] is {problem.grid.cells[axis]}, "
+                f"whose cells of {cell:.4g} m do not show lengths of {length:.4g} m, give {count} or more."
             )
     return ""
 

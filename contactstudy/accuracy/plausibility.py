@@ -47,7 +47,7 @@ def implausible(solution: Solution) -> str:
     if 0 < width < grid.extent[0] / WIDE:
         facts.append(f"the grid is {grid.extent[0] / width:.2g} times as wide as the contact")
         hint = hint or "extent"
-    return f"This can hardly be meant: {', '.join(facts)}; {hints[hint]}" if facts else ""
+    return f"The input is implausible: {', '.join(facts)}; {hints[hint]}" if facts else ""
 
 
 def beyond_strength(solution: Solution) -> str:

@@ -44,8 +44,8 @@ def compared(solution: Solution, coarse: Solution | None) -> Compared:
     attraction = None if solution.adhesion is None else solution.adhesion.traction
     coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
     if coarse is None or coarse.status.is_failure or not coarse.pressure.any():
-        why = "there is none" if coarse is None else "its bodies do not touch"
-        reason = f"No bound by the cells: of the contact on cells of twice the size {why}, give more cells."
+        why = "there is no solution" if coarse is None else "the bodies do not touch"
+        reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
         return Compared(inf, inf, inf, inf, inf, (reason,))
     changes = change(solution, coarse)
     own, other = solution.load_per_length, coarse.load_per_length
@@ -67,7 +67,7 @@ def range_warning(solution: Solution) -> tuple[str, ...]:
     return (
         f"The range of the attraction, {adhesion.range:.3g} m, is the shortest that this grid can hold: the pull-off "
         f"load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {short_of_limit(adhesion.tabor):.1%} "
-        "below the limit of short ranges.",
+        "below the JKR limit.",
     )
 
 
@@ -81,7 +81,9 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
         discretisation=load + trapped,
         residual=abs(held - adhesion.lost) / abs(held) if held else inf,
         range=_range_error(solution, adhesion, held),
-        reason="" if load < inf and held else "No bound by the cells: give more cells.",
+        reason=""
+        if load < inf and held
+        else "No bound for the discretisation error: give more cells.",
     )
 
 

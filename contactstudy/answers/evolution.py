@@ -35,11 +35,13 @@ if TYPE_CHECKING:
 
 
 OF_PASSES = (
-    "No bound by the cells: the error of repeated rolling falls in proportion to the cell, solve again on cells of half "
-    "the width."
+    "No bound for the discretisation error: that of repeated rolling falls in proportion to the cell, solve again on "
+    "cells of half the width."
 )
 OF_STATES = "No bound: area, gap and approach of a contact that has crept, worn or yielded are not estimated."
-OF_FILMS = "No bound by the cells: that of a film that changes in time is not known."
+OF_FILMS = (
+    "No bound for the discretisation error: that of a film that changes in time is not estimated."
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,7 +164,7 @@ class Evolution(Answer):
             "steps": (one.steps, "solves"),
             "iterations": (one.iterations, "solver iterations of all steps"),
             "convolutions": (one.convolutions, "transform pairs of the full grid"),
-            "rejected": (one.rejected, "pairs of steps rejected"),
+            "rejected": (one.rejected, "rejected double steps"),
             "restarts": (one.restarts, "restarts with shorter steps"),
             "residual": residual,
         }
@@ -213,7 +215,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     steps = replace(parts, steps=frame.step_error)
     reason = next(iter(frame.warnings), "")
     if frame.step_error == inf:
-        reason = reason or "No bound: the error by the steps in time was not estimated."
+        reason = reason or "No bound: the time-step error was not estimated."
     l1, unknown = replace(steps, reason=reason), ErrorParts(discretisation=inf, reason=OF_STATES)
     return Contact(
         problem=problem,

@@ -132,7 +132,7 @@ def _of_adhesion(
     if adhesion.tabor is not None:
         numbers["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor's parameter", 0.0, "")
     if adhesion.lost is not None:
-        held = Quantity(-solution.load_per_length, "N m-1", "largest pull that is held")
+        held = Quantity(-solution.load_per_length, "N m-1", "pull-off load")
         numbers = {"pull_off": bounded(held, estimate.pull_off, estimate.warnings)} | numbers
     return numbers
 

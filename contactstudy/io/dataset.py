@@ -369,7 +369,7 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
     strain = np.einsum("ct,cl...->tl...", track.operator.basis, track.strain)[..., 0]
     below = "plastic strain below the contact in the last pass"
     stress = rolling.removed.residual_stress()[..., 0]
-    unloaded = "stress where the last contact was lifted off, tension positive"
+    unloaded = "residual stress after unloading, tension positive"
     dataset = xr.Dataset(
         {
             **_after_passes(rolling),
@@ -406,7 +406,11 @@ def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
         ("equivalent_plastic_strain", "1", "equivalent plastic strain", "z"),
         ("residual_stress", "Pa", stress, "component", "z"),
         ("shear", "1", "shear strain added by the pass", "z"),
-        ("forward_displacement", "m", "surface moved against the travel by the pass"),
+        (
+            "forward_displacement",
+            "m",
+            "forward flow of the pass, opposite to the rolling direction",
+        ),
         ("yielding", "1", "largest equivalent plastic strain added by the pass"),
         ("peak_pressure", "Pa", "peak pressure at the end of the pass"),
     ) | {

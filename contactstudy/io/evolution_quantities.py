@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Frame
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
 
-OF_SLIP = "No bound: the error of slip by the cells is not estimated; solve again on cells of half the width."
+OF_SLIP = "No bound: the discretisation error of slip is not estimated; solve again on cells of half the width."
 OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
 
 
@@ -50,8 +50,8 @@ def evolution_quantities(
     numbers: dict[str, Quantity] = {}
     extremes: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
         ("peak_pressure", max, "largest peak pressure in time"),
-        ("central_film", min, "smallest central film in time"),
-        ("minimum_film", min, "smallest film in time"),
+        ("central_film", min, "lowest central film thickness in time"),
+        ("minimum_film", min, "minimum film thickness in time"),
         ("friction_coefficient", max, "largest friction force over load in time"),
     )
     for name, extreme, words in extremes:
@@ -117,7 +117,7 @@ def cycle_quantities(
     numbers = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, reason)}
     if separation is not None:
         held, lost = separation
-        pull = Quantity(-held, "N m-1", "largest pull that is held", abs(held - lost), "")
+        pull = Quantity(-held, "N m-1", "pull-off load", abs(held - lost), "")
         numbers = {"pull_off": pull} | numbers
     if jump_in is not None:
         made, apart = jump_in
@@ -142,5 +142,5 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
         "last_yielding": Quantity(
             float(rolled.yielding[-1]), "1", "largest plastic strain that the last pass adds"
         ),
-        "forward_displacement": Quantity(moved, "m", "surface moved against the travel by the last pass"),
+        "forward_displacement": Quantity(moved, "m", "forward flow of the last pass, opposite to the rolling direction"),
     }  # fmt: skip

@@ -20,8 +20,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
     """Return the numbers of a lubricated contact with the `estimate` of its errors."""
     scales, why = contact.scales, estimate.warnings
     numbers = {
-        "central_film": Quantity(contact.central_film, "m", "central film"),
-        "minimum_film": Quantity(contact.minimum_film, "m", "smallest film"),
+        "central_film": Quantity(contact.central_film, "m", "central film thickness"),
+        "minimum_film": Quantity(contact.minimum_film, "m", "minimum film thickness"),
         "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
         "friction_coefficient": Quantity(contact.friction, "1", "friction force over load"),
         "power_loss": Quantity(contact.power_loss, "W m-1", "power lost in the film per length", inf, OF_FLOW),
@@ -35,10 +35,10 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "load_parameter": Quantity(scales.load_parameter, "1", "Moes' M", 0.0, ""),
         "viscosity_parameter": Quantity(scales.viscosity_parameter, "1", "Moes' L", 0.0, ""),
         "moes_film": Quantity(
-            scales.expected_film * scales.film, "m", "central film by Moes", reason=FORMULA
+            scales.expected_film * scales.film, "m", "central film thickness by Moes", reason=FORMULA
         ),
         **_of_formulas(contact),
-        "flux_spread": Quantity(contact.flux_spread, "1", "flow that the cells do not conserve, relative"),
+        "flux_spread": Quantity(contact.flux_spread, "1", "relative imbalance of the mass flow"),
     }  # fmt: skip
     if scales.lubrication.supply is not None:
         numbers["meniscus"] = Quantity(
@@ -70,11 +70,11 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
 
 
 def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
-    """Return the smallest film by Dowson and Higginson, the asymptotes of Moes' film, and the lambda ratio if rough."""
+    """Return the film thickness by Dowson and Higginson, the asymptotes of Moes' film, and the lambda ratio if rough."""
     scales = contact.scales
     load, viscosity = scales.load_parameter, scales.viscosity_parameter
     unit = pi / (8 * load) * scales.film
-    label = "smallest film by Dowson and Higginson"
+    label = "minimum film thickness by Dowson and Higginson"
     film = dowson_higginson_film(load, viscosity) * unit
     numbers = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}
     for regime, asymptote in film_asymptotes(load, viscosity).items():

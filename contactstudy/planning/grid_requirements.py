@@ -301,8 +301,8 @@ class Needs:
         return (
             f"coating {coat.thickness:.4g} m: {coat.thickness / self.hertz.half_width:.3g} half-widths and "
             f"{coat.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
-            f"a smooth contact feels a modulus of about {modulus:.3g} Pa, between {coating:.3g} Pa of the coating and "
-            f"{substrate}. Width and error are those of small solutions with the coating."
+            f"the effective modulus of a smooth contact is about {modulus:.3g} Pa, between {coating:.3g} Pa of the "
+            f"coating and {substrate}. Width and error are those of small solutions with the coating."
         )
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:

@@ -199,7 +199,7 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
     returns = bool((loads[times > after] < least).any())
     return least, (
         f"The load is below {least:.3g} N/m {'at times' if returns else f'until {after:.3g} s'}, where the contact is "
-        "so narrow that the error by the cells is larger than planned: give a finer grid, or a larger first load.",
+        "so narrow that the discretisation error is larger than planned: give a finer grid, or a larger first load.",
     )
 
 

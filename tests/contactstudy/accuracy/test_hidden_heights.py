@@ -65,7 +65,7 @@ def test_what_stands_out_of_the_cells_of_an_unknown_shape_leaves_no_bound(
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, own))
     estimate = estimate_of(scene, line_contact.grid((96, 1), 1.0, width=3.0))
     assert estimate.l1.total == estimate.contact_area.total == inf
-    assert "between their centres" in estimate.warnings[0]
+    assert "between the cell centres" in estimate.warnings[0]
 
 
 @pytest.mark.parametrize("place", [0.1, 0.3])
@@ -134,7 +134,7 @@ def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
     estimate = estimate_of(scene, grid)
     assert estimate.l1.total == estimate.peak_pressure.total == inf
-    assert "stands out" in estimate.warnings[0]
+    assert "protrudes" in estimate.warnings[0]
 
 
 def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineContact) -> None:
@@ -164,7 +164,9 @@ def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> No
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert error_estimate(solution, confidence=0.5).l1.total < inf
     assert error_estimate(solution, confidence=1 - 1e-15).l1.total == inf
-    with pytest.raises(cs.InvalidInput, match=r"confidence is 1\.0: give a share between 0 and 1"):
+    with pytest.raises(
+        cs.InvalidInput, match=r"confidence is 1\.0: give a probability between 0 and 1"
+    ):
         error_estimate(solution, confidence=1.0)
 
 

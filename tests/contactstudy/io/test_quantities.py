@@ -84,7 +84,9 @@ def test_a_bound_that_is_not_known_has_a_reason() -> None:
     )
     contact = cs.solve(replace(problem, source=None))
     assert contact.quantities["peak_pressure"].bound == inf
-    assert contact.quantities["peak_pressure"].reason.startswith("No bound by the cells")
+    assert contact.quantities["peak_pressure"].reason.startswith(
+        "No bound for the discretisation error"
+    )
     assert contact.met is None
 
 

@@ -198,7 +198,7 @@ def test_a_film_that_changes_in_time_is_marched_and_drawn(tmp_path: Path) -> Non
     (tmp_path / "start.toml").write_text(text, encoding="utf-8")
     result = run("solve", str(tmp_path / "start.toml"), "--out", str(tmp_path / "out"))
     assert result.exit_code == 0, result.output
-    assert "central film at the end" in result.output
+    assert "central film thickness at the end" in result.output
     dataset = xr.load_dataset(tmp_path / "out" / "start.nc")
     assert dataset["film"].dims == ("time", "x", "y")
     assert dataset["mean_speed"].values == pytest.approx([0.5, 0.75, 1.0])

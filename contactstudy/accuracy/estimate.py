@@ -20,7 +20,7 @@ from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import LARGE, Array, in_blocks, inner
-from contactstudy.domain.reuse import ArrayStore, open_store, reusing
+from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import is_layered
@@ -139,7 +139,7 @@ def error_estimate(
     ):  # the change of the attraction that counts as much as this residual
         l1_residual += CHANGE_OF_ATTRACTION * solution.residual
     # the heights on several grids have the same waves
-    with reusing(open_store() or ArrayStore(problem.undeformed_gap.nbytes)):
+    with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
         cells = _cells(solution, coarse, heights, confidence)
     spike, width, reason = _spikes(problem)
     if reason:

@@ -1,7 +1,7 @@
 """Passes over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
 
 They do what array operations do elsewhere in several passes. Fields (x, y) are C-contiguous: others would be compiled
-for anew. ``results`` (x, results) takes what a pass finds in each row, so that sums do not depend on the number of
+again. ``results`` (x, results) takes what a pass finds in each row, so that sums do not depend on the number of
 threads. ``limit`` is the upper limit of the pressure, infinite where there is none. Results differ by rounding from
 those of array operations.
 """

@@ -22,7 +22,7 @@ from typing import Any, BinaryIO
 from contactstudy.domain.checks import InvalidInput
 
 PARTIAL = re.compile(r"^\..+\.(\d+)\.partial(\.\w+)?$")
-ROOM = (
+MIN_FREE_BYTES = (
     2**20
 )  # bytes: with less free space, an unspecific error of a library means that the disk is full
 # one of the two exists: the first on Linux and macOS, the other on Windows
@@ -34,10 +34,9 @@ ALWAYS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOL
 LOCKED_BYTE = 2**30
 POLL = 0.1  # seconds between two tries of a lock on Windows
 UNSUPPORTED = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
-SEAL = (
-    b"\ncontactstudy "  # at the end of a sealed file, before the digits of a digest of its content
-)
+MAGIC = b"\ncontactstudy "  # at the end of a file with a checksum, before the digits of a digest of its content
 DIGEST = 32
+CHUNK = 2**20  # bytes read at a time
 
 
 def open_descriptor(path: Path, flags: int) -> int:
@@ -94,44 +93,47 @@ def remove_partial_files(folder: Path) -> None:
                 path.unlink(missing_ok=True)
 
 
-def seal(path: Path) -> None:
+def append_checksum(path: Path) -> None:
     """Append a checksum of its content to the file at ``path``; readers of netCDF ignore it."""
     with path.open("r+b") as file:
         digest = _digest(file, path.stat().st_size)
         file.seek(0, os.SEEK_END)
-        file.write(SEAL + digest)
+        file.write(MAGIC + digest)
 
 
 def is_damaged(path: Path) -> bool:
     """Return whether the content of a file differs from its checksum; False for a file without one."""
-    size = path.stat().st_size - len(SEAL) - DIGEST
+    size = path.stat().st_size - len(MAGIC) - DIGEST
     if size < 0:
         return False
     with path.open("rb") as file:
         file.seek(size)
-        mark, digest = file.read(len(SEAL)), file.read()
+        magic, digest = file.read(len(MAGIC)), file.read()
         file.seek(0)
-        return mark == SEAL and digest != _digest(file, size)
+        return magic == MAGIC and digest != _digest(file, size)
 
 
-def write_sealed(path: Path, content: bytes) -> None:
+def write_with_checksum(path: Path, content: bytes) -> None:
     """Replace the file at ``path`` by ``content`` and its checksum, synced to the disk."""
     with replacing(path) as partial:
         partial.write_bytes(content)
-        seal(partial)
+        append_checksum(partial)
 
 
-def read_sealed(path: Path) -> bytes | None:
-    """Return the content written by :func:`write_sealed`, or None if it is damaged; raises OSError without a file."""
+def read_verified(path: Path) -> bytes | None:
+    """Return the content written by :func:`write_with_checksum`, or None if it is damaged.
+
+    Raises OSError without a file.
+    """
     raw = path.read_bytes()
-    content, mark = raw[: -len(SEAL) - DIGEST], raw[-len(SEAL) - DIGEST : -DIGEST]
-    return content if mark == SEAL and not is_damaged(path) else None
+    content, magic = raw[: -len(MAGIC) - DIGEST], raw[-len(MAGIC) - DIGEST : -DIGEST]
+    return content if magic == MAGIC and not is_damaged(path) else None
 
 
 def _digest(file: BinaryIO, size: int) -> bytes:
     """Return the digest of the next ``size`` bytes of a file."""
     digest = hashlib.blake2b(digest_size=DIGEST // 2)
-    while size and (part := file.read(min(size, ROOM))):
+    while size and (part := file.read(min(size, CHUNK))):
         digest.update(part)
         size -= len(part)
     return digest.hexdigest().encode()
@@ -163,7 +165,7 @@ def reason(error: Exception, path: Path | None = None) -> str:
         if folder != path.parent:
             return "its folder was removed"
         with suppress(OSError):
-            if shutil.disk_usage(folder).free < ROOM:
+            if shutil.disk_usage(folder).free < MIN_FREE_BYTES:
                 return "No space left on device"
             if _lacks_inodes(folder):
                 return "the disk holds as many files as it can: no inode is left"
@@ -216,7 +218,7 @@ def _acquire(path: Path, log: Callable[[str], object]) -> int:
             holder = _holder(descriptor, path, wait=wait)
             # the last holder may have removed the file between the opening and the locking of it
             if holder is None and _is_at(descriptor, path):
-                _sign(descriptor)
+                _write_holder(descriptor)
                 return descriptor
         except BaseException:
             os.close(descriptor)
@@ -232,14 +234,14 @@ def _holder(descriptor: int, path: Path, *, wait: bool) -> str | None:
     try:
         lock_descriptor(descriptor, wait=wait)
     except BlockingIOError:
-        return _in_words(_signature(descriptor))
+        return _in_words(_read_holder(descriptor))
     except OSError as error:
         if error.errno not in UNSUPPORTED:
             raise
-        signature = _signature(descriptor)
-        if signature is not None and _may_be_alive(signature):
+        holder = _read_holder(descriptor)
+        if holder is not None and _may_be_alive(holder):
             raise InvalidInput(
-                f"Lock {str(path)!r} is held by {_in_words(signature)}, and this file system cannot tell whether "
+                f"Lock {str(path)!r} is held by {_in_words(holder)}, and this file system cannot tell whether "
                 "that still runs: if it does not, remove the file."
             ) from None
     return None
@@ -273,17 +275,17 @@ def _is_at(descriptor: int, path: Path) -> bool:
     return (at_path.st_ino, at_path.st_dev) == (opened.st_ino, opened.st_dev)
 
 
-def _sign(descriptor: int) -> None:
+def _write_holder(descriptor: int) -> None:
     """Write this process, its machine and the time as the whole content of the open file."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
-    signature = {"pid": os.getpid(), "host": socket.gethostname(), "since": now}
+    holder = {"pid": os.getpid(), "host": socket.gethostname(), "since": now}
     with suppress(OSError):  # on a full disk the file is a lock without a name
         os.ftruncate(descriptor, 0)
         os.lseek(descriptor, 0, os.SEEK_SET)
-        os.write(descriptor, json.dumps(signature).encode())
+        os.write(descriptor, json.dumps(holder).encode())
 
 
-def _signature(descriptor: int) -> dict[str, object] | None:
+def _read_holder(descriptor: int) -> dict[str, object] | None:
     """Return process, machine and time from the open lock file; None for a new file."""
     try:
         signed = json.loads(read_at(descriptor, 1000, 0))
@@ -296,15 +298,15 @@ def _signature(descriptor: int) -> dict[str, object] | None:
         return None
 
 
-def _in_words(signature: dict[str, object] | None) -> str:
-    """Return the name of the process that signed a lock."""
-    if signature is None:
+def _in_words(holder: dict[str, object] | None) -> str:
+    """Return the name of the process that holds a lock."""
+    if holder is None:
         return "another process"
-    return f"process {signature['pid']} on {signature['host']} (since {signature['since']})"
+    return f"process {holder['pid']} on {holder['host']} (since {holder['since']})"
 
 
-def _may_be_alive(signature: dict[str, object]) -> bool:
+def _may_be_alive(holder: dict[str, object]) -> bool:
     """Return whether the process in a lock file may be running; on another machine this is unknown, so True."""
-    if signature["host"] != socket.gethostname():
+    if holder["host"] != socket.gethostname():
         return True
-    return is_alive(int(str(signature["pid"])))
+    return is_alive(int(str(holder["pid"])))

@@ -23,7 +23,7 @@ DEFAULTS = "="
 
 
 @dataclass(eq=False)
-class IdentityRecord:
+class CanonicalMemo:
     """Record of the cases of one request: dataclasses that they share, and classes by their names."""
 
     records: dict[int, tuple[object, Tree]] = field(default_factory=dict)
@@ -40,7 +40,7 @@ class IdentityRecord:
         return name
 
 
-def canonical(value: object, memory: IdentityRecord | None = None) -> Tree:
+def canonical(value: object, memory: CanonicalMemo | None = None) -> Tree:
     """Return ``value`` as a tree that is unique to it: exact numbers with their types, dataclasses by their fields.
 
     Numbers have all their digits and text is in quotes: 1, 1.0, True, "1" and numpy's 1 differ, as do 0.0 and -0.0.
@@ -52,7 +52,7 @@ def canonical(value: object, memory: IdentityRecord | None = None) -> Tree:
     InvalidInput
         For an object that is identified by its address alone, or that may keep more than can be seen.
     """
-    memory = memory or IdentityRecord()
+    memory = memory or CanonicalMemo()
     if is_dataclass(value) and not isinstance(value, type):
         if id(value) not in memory.records:
             memory.records[id(value)] = value, _record(value, memory)
@@ -93,7 +93,7 @@ TRANSPARENT = (
 )
 
 
-def _content(value: object, memory: IdentityRecord) -> Tree:
+def _content(value: object, memory: CanonicalMemo) -> Tree:
     """Return what a number, a text, a path or a container shows, of whatever subclass; None for any other object."""
     match value:
         case PurePath():
@@ -172,7 +172,7 @@ def _unknown(value: object) -> InvalidInput:
     )
 
 
-def _record(value: Any, memory: IdentityRecord) -> Tree:
+def _record(value: Any, memory: CanonicalMemo) -> Tree:
     """Return the tree of a dataclass, with the fields at their defaults under ``DEFAULTS``."""
     tree: dict[str, Tree] = {"": memory.name(type(value))}
     defaults: dict[str, Tree] = {}

@@ -1,4 +1,4 @@
-"""Arrays kept for equal arguments, in a store that a caller opens; without one, nothing is kept."""
+"""Least-recently-used cache of arrays, which a caller provides; without one, nothing is kept."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator
@@ -9,17 +9,17 @@ from threading import Lock
 from contactstudy.domain.device import Numbers
 
 
-class ArrayStore:
+class ArrayCache:
     """Arrays by the values that they follow from, the last ones used, up to a number of bytes.
 
     Parameters
     ----------
-    most_bytes
+    max_bytes
         Largest size of all arrays together [bytes].
     """
 
-    def __init__(self, most_bytes: int) -> None:
-        self.most_bytes, self._lock = most_bytes, Lock()
+    def __init__(self, max_bytes: int) -> None:
+        self.max_bytes, self._lock = max_bytes, Lock()
         self._arrays: OrderedDict[Hashable, Numbers] = OrderedDict()
 
     def array(self, key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
@@ -29,37 +29,37 @@ class ArrayStore:
                 self._arrays.move_to_end(key)
                 return self._arrays[key]
         array = compute()
-        if array.nbytes <= self.most_bytes:
+        if array.nbytes <= self.max_bytes:
             array.flags.writeable = False
             with self._lock:
                 self._arrays[key] = array
-                while sum(stored.nbytes for stored in self._arrays.values()) > self.most_bytes:
+                while sum(stored.nbytes for stored in self._arrays.values()) > self.max_bytes:
                     self._arrays.popitem(last=False)
         return array
 
 
-_STORE: ContextVar[ArrayStore | None] = ContextVar("array_store", default=None)
+_CACHE: ContextVar[ArrayCache | None] = ContextVar("array_cache", default=None)
 
 
-def open_store() -> ArrayStore | None:
-    """Return the store in use, or None."""
-    return _STORE.get()
+def current_cache() -> ArrayCache | None:
+    """Return the cache in use, or None."""
+    return _CACHE.get()
 
 
 @contextmanager
-def reusing(store: ArrayStore | None) -> Iterator[None]:
-    """Take equal arrays from `store` within a ``with`` block; None computes all of them anew."""
-    token = _STORE.set(store)
+def caching(cache: ArrayCache | None) -> Iterator[None]:
+    """Take equal arrays from `cache` within a ``with`` block; None recomputes all of them."""
+    token = _CACHE.set(cache)
     try:
         yield
     finally:
-        _STORE.reset(token)
+        _CACHE.reset(token)
 
 
-def reused(key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
-    """Return the array stored for an equal `key` where a store is open, else that of `compute`.
+def cached_array(key: Hashable, compute: Callable[[], Numbers]) -> Numbers:
+    """Return the array stored for an equal `key` in the cache in use, else that of `compute`.
 
     The key holds all that the array depends on. The array must not be changed.
     """
-    store = open_store()
-    return compute() if store is None else store.array(key, compute)
+    cache = current_cache()
+    return compute() if cache is None else cache.array(key, compute)

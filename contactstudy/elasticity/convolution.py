@@ -13,7 +13,7 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
-from contactstudy.domain.reuse import reused
+from contactstudy.domain.reuse import cached_array
 from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse, sampled
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel, without_shift
 from contactstudy.elasticity.transforms import Waves, even_waves, scale, transforms
@@ -255,7 +255,7 @@ def superposed(
     for coefficients, weight in response.items():
         unshifted, shift = without_shift(coefficients, grid, paddings)
         key = unshifted, grid, paddings
-        transform = reused(key, partial(_spectrum, *key))
+        transform = cached_array(key, partial(_spectrum, *key))
         # an array that is not kept for others is changed in place
         target = transform if transform.flags.writeable else None
         spectrum = np.multiply(transform, weight, out=target)

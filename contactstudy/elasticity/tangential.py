@@ -81,14 +81,14 @@ class SurfaceField:
 
 
 @dataclass(frozen=True, eq=False)
-class Correlated:
-    """Convolution of fields (x, y) with coefficients of any parity, by their `spectrum` on the padded grid."""
+class GeneralConvolution:
+    """Convolution of fields (x, y) with coefficients that are even or odd, by their `spectrum` on the padded grid."""
 
     spectrum: Waves
     cells: tuple[int, int]
     padded: tuple[int, int]
 
-    def times(self, factors: float | Waves) -> "Correlated":
+    def times(self, factors: float | Waves) -> "GeneralConvolution":
         """Return the convolution whose waves are multiplied by `factors`."""
         return replace(self, spectrum=self.spectrum * factors)
 
@@ -99,11 +99,13 @@ class Correlated:
         return TRANSFORMS.backward(waves, self.cells, self.padded)
 
 
-def correlated(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Correlated:
+def general_convolution(
+    coefficients: Coefficients, grid: Grid, paddings: Paddings
+) -> GeneralConvolution:
     """Return the convolution with `coefficients` on `grid`."""
     padded = padded_cells(grid, paddings)
     around = spread(kernel(grid, paddings, coefficients), padded, coefficients.parity)
-    return Correlated(TRANSFORMS.forward(around, padded), grid.cells, padded)
+    return GeneralConvolution(TRANSFORMS.forward(around, padded), grid.cells, padded)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +116,9 @@ class ShearResponse:
     / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b.
     """
 
-    xx: Correlated
-    yy: Correlated
-    xy: Correlated
+    xx: GeneralConvolution
+    yy: GeneralConvolution
+    xy: GeneralConvolution
 
     def __call__(self, shear: Array) -> Array:
         """Return the displacement [m] under `shear` [Pa], both (component, x, y), by four transforms."""
@@ -148,7 +150,7 @@ def shear_response(
     compliance_sum = sum(compliance for compliance, _ in bodies) / np.pi
     shear_part = sum(compliance * nu / (1 - nu) for compliance, nu in bodies) / np.pi
     spectra = {
-        name: correlated(coefficients, grid, paddings).spectrum
+        name: general_convolution(coefficients, grid, paddings).spectrum
         for name, coefficients in (
             ("all", Displacement(datum)),
             ("xx", SurfaceField("xx", datum)),
@@ -158,7 +160,7 @@ def shear_response(
     padded = padded_cells(grid, paddings)
     return ShearResponse(
         *(
-            Correlated(spectrum, grid.cells, padded)
+            GeneralConvolution(spectrum, grid.cells, padded)
             for spectrum in (
                 compliance_sum * spectra["all"] + shear_part * spectra["xx"],
                 (compliance_sum + shear_part) * spectra["all"] - shear_part * spectra["xx"],

@@ -1,6 +1,7 @@
 """Viscoelastic bodies: relaxation and creep as sums of exponentials, and the coefficients of a body that rolls.
 
-In steady rolling a memory in time becomes one in space: :class:`Trailing` has its influence coefficients.
+In steady rolling the hereditary integral over time becomes one along x, the direction of motion:
+:class:`RetardedCoefficients` has its influence coefficients.
 """
 
 from collections.abc import Callable
@@ -115,14 +116,14 @@ POINTS = 8
 # Number of times that panels are halved towards the kink.
 HALVINGS = 10
 # A pressure older than this multiple of the time constant has no effect left.
-FORGOTTEN = 40.0
+NEGLIGIBLE_AGE = 40.0
 
 Field = Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
-class Trailing:
-    """Influence coefficients of a displacement that lags behind a moving pressure.
+class RetardedCoefficients:
+    """Influence coefficients of the retarded displacement under a moving pressure.
 
     They are a part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with the coefficients K of
     `inner`: the displacement behind a pressure that moves to larger x at a speed v, in a body with the time constant
@@ -150,7 +151,7 @@ class Trailing:
         """Parity along each axis, that of the part along the axis of motion, else 1."""
         return (self.sign, 1) if self.axis == 0 else (1, self.sign)
 
-    def turned(self) -> "Trailing":
+    def turned(self) -> "RetardedCoefficients":
         """Return the coefficients of motion along the other axis."""
         return replace(self, inner=self.inner.turned(), axis=1 - self.axis)
 
@@ -278,7 +279,7 @@ def _integral(kernel: Field, start: float, edges: Array, length: float, sign: in
 
 def _beyond(kernel: Field, start: float, step: float, length: float) -> Array:
     """Return V at `start`, by panels that grow with their distance."""
-    reach = FORGOTTEN * length
+    reach = NEGLIGIBLE_AGE * length
     edges = [0.0, step]
     while edges[-1] < reach:
         edges.append(2 * edges[-1])

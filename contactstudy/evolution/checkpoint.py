@@ -15,9 +15,9 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.files import (
     locked,
-    read_sealed,
+    read_verified,
     remove_partial_files,
-    write_sealed,
+    write_with_checksum,
 )
 from contactstudy.domain.identity import canonical, key
 from contactstudy.domain.imports import import_for
@@ -73,13 +73,13 @@ class Checkpoint:
                     f"evolve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
                 )
             else:
-                write_sealed(path, json.dumps(tree, indent=1).encode())
+                write_with_checksum(path, json.dumps(tree, indent=1).encode())
             yield
 
     def _check(self, tree: Mapping[str, Any]) -> None:
         """Raise InvalidInput if the folder belongs to another request."""
         with self._blamed():
-            content = read_sealed(self.folder / "request.json")
+            content = read_verified(self.folder / "request.json")
             stored = json.loads(content or b"")
             identity = [stored[name] for name in tree]
         what = "an integration of another version of this program"
@@ -140,11 +140,11 @@ class Checkpoint:
         about = json.dumps({"request": self.request, "file": path.name, "value": tree})
         content = BytesIO()
         np.savez(content, about=np.array(about), **arrays)  # type: ignore[arg-type]
-        write_sealed(path, content.getvalue())
+        write_with_checksum(path, content.getvalue())
 
     def _read(self, path: Path, kind: type[T]) -> T:
         """Return the value of that `kind` in a file."""
-        with self._blamed(), np.load(BytesIO(read_sealed(path) or b"")) as file:
+        with self._blamed(), np.load(BytesIO(read_verified(path) or b"")) as file:
             arrays = {name: file[name] for name in file.files}
             about = json.loads(str(arrays.pop("about")))
             if (about["request"], about["file"]) != (self.request, path.name):

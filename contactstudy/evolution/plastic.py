@@ -411,9 +411,9 @@ def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
     if volume.grid.cells[1] == 1:
         return PlaneStrainOperator(volume, moduli)
     # imported only for scenes that vary along the length
-    from contactstudy.elasticity.eigenstrain.rows import RowOperator
+    from contactstudy.elasticity.eigenstrain.periodic import PeriodicOperator
 
-    return RowOperator(volume, moduli)
+    return PeriodicOperator(volume, moduli)
 
 
 def _body_state(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:

@@ -15,7 +15,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
-from contactstudy.elasticity.viscoelastic import Trailing
+from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
@@ -214,9 +214,9 @@ def _trailing(
             )
         for size, time in body.creep.terms:
             still = Displacement(datum)
-            delayed = still if speed == 0 else Trailing(still, speed * time, 1)
+            delayed = still if speed == 0 else RetardedCoefficients(still, speed * time, 1)
             even[delayed] = even.get(delayed, 0.0) + size / pi
-            if isinstance(delayed, Trailing):
+            if isinstance(delayed, RetardedCoefficients):
                 opposed = replace(delayed, sign=-1)
                 odd[opposed] = odd.get(opposed, 0.0) + size / pi
     return even, odd

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.plane_strain import HalfLines, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import embedded, enlarged
 from contactstudy.evolution.time_stepper import (
@@ -137,7 +137,7 @@ class Track:
         The half-space on the right of the window.
     """
 
-    surroundings: HalfLines
+    surroundings: OuterStrain
     hardening: Hardening
     strain: Array
     equivalent: Array
@@ -150,7 +150,7 @@ class Track:
         cells = operator.volume.shape
         strain, equivalent = np.zeros((len(operator.basis), *cells)), np.zeros(cells)
         profile = DepthProfile(strain[:, :, 0, 0], equivalent[:, 0, 0])
-        return cls(HalfLines(operator), hardening, strain, equivalent, profile.strain, profile)
+        return cls(OuterStrain(operator), hardening, strain, equivalent, profile.strain, profile)
 
     @property
     def operator(self) -> PlaneStrainOperator:
@@ -228,7 +228,7 @@ class Track:
         """Return the track in a larger `volume`, whose added layers have not yielded."""
         layers = volume.shape[0]
         return Track(
-            HalfLines(PlaneStrainOperator(volume, self.operator.moduli)),
+            OuterStrain(PlaneStrainOperator(volume, self.operator.moduli)),
             self.hardening,
             embedded(self.strain, 0, volume),
             embedded(self.equivalent, 0, volume),

@@ -15,7 +15,7 @@ from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
-from contactstudy.domain.reuse import ArrayStore, open_store, reusing
+from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.planning.grid_requirements import ROOM, Needs, needs_of
 from contactstudy.planning.grid_search import GridForecast, affordable, contact_width
 from contactstudy.scene.scene import Scene
@@ -208,7 +208,7 @@ class Climb:
         grid: Grid | None = self.first(extent)
         solved: list[Solution] = []
         is_last, widths = False, 0
-        with reusing(open_store() or ArrayStore(32 * self.most_cells)):
+        with caching(current_cache() or ArrayCache(32 * self.most_cells)):
             while grid is not None:
                 if not solved:
                     solved.append(self._solved(halved(grid), start, self._loose))

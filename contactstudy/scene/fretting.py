@@ -19,7 +19,7 @@ from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.bodies import HalfSpace
 from contactstudy.scene.friction import ALIKE, FrictionContact, check_still, coefficient, dundurs
 from contactstudy.scene.load import ChangingLoad, LoadHistory
-from contactstudy.solvers.fretting import SwingingShear
+from contactstudy.solvers.fretting import FrettingShear
 
 # Instants at which a force is compared with what friction bears.
 SAMPLES = 201
@@ -160,12 +160,12 @@ class Fretting:
 
     def law(
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> SwingingShear:
+    ) -> FrettingShear:
         """Return the law for this scene on a grid."""
         assert self.forces is not None
         shares = np.array(self.forces) / (self.coefficient * scene.load.largest)
         response = self.response(scene, grid, paddings, datum)
-        return SwingingShear(self.coefficient, tuple(shares.tolist()), response)
+        return FrettingShear(self.coefficient, tuple(shares.tolist()), response)
 
     @staticmethod
     def response(

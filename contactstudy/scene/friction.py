@@ -11,15 +11,15 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number
 from contactstudy.elasticity.tangential import (
-    Correlated,
+    GeneralConvolution,
     SurfaceField,
-    correlated,
+    general_convolution,
     shear_response,
 )
 from contactstudy.problem.problem import FrictionLaw
 from contactstudy.scene.bodies import Body, BodyContext, HalfSpace, Homogeneous, is_layered
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.solvers.friction import CoulombDisks, FullSliding, Superposed
+from contactstudy.solvers.friction import CiavarellaJaeger, CoulombDisks, FullSliding
 
 if TYPE_CHECKING:
     from contactstudy.scene.motion import Wear
@@ -137,9 +137,9 @@ class Sliding:
         beta = dundurs(scene.solids)
         if abs(beta) <= ALIKE or self.coefficient == 0:
             return FullSliding(self.coefficient, None)
-        field = correlated(SurfaceField("x", datum), grid, paddings)
+        field = general_convolution(SurfaceField("x", datum), grid, paddings)
         weight = beta / (np.pi * scene.contact_modulus)
-        coupling = Correlated(field.spectrum * weight, field.cells, field.padded)
+        coupling = GeneralConvolution(field.spectrum * weight, field.cells, field.padded)
         return FullSliding(self.coefficient, coupling)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
@@ -212,11 +212,11 @@ class PartialSlip:
 
     def law(
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> Superposed | CoulombDisks:
+    ) -> CiavarellaJaeger | CoulombDisks:
         """Return superposition where it is exact for this gap, else the problem of two components."""
         share = self.tangential / (self.coefficient * scene.load.largest)
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
-            return Superposed(self.coefficient, share)
+            return CiavarellaJaeger(self.coefficient, share)
         bodies = tuple(
             (solid.compliance, solid.poisson_ratio)
             for solid in scene.solids

@@ -18,7 +18,7 @@ from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, 
 from contactstudy.elasticity.tangential import (
     ShearResponse,
     SurfaceField,
-    correlated,
+    general_convolution,
     shear_response,
 )
 from contactstudy.scene.bodies import HalfSpace
@@ -138,7 +138,7 @@ class TractiveRolling:
             weight = beta / (np.pi * scene.contact_modulus)
             coupling = Coupling(
                 *(
-                    correlated(SurfaceField(axis, datum), grid, paddings).times(weight)
+                    general_convolution(SurfaceField(axis, datum), grid, paddings).times(weight)
                     for axis in "xy"
                 )
             )

@@ -83,9 +83,9 @@ class Adhesive:
         assert solution.adhesion is not None
         return self.continued(solution.adhesion.traction)
 
-    def separated(self, error: float) -> "Separation":
+    def separated(self, error: float) -> "PullOffSearch":
         """Return the search for the load of separation to a relative `error`."""
-        return Separation(self, error)
+        return PullOffSearch(self, error)
 
     def solved(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
@@ -108,7 +108,7 @@ PULL = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Separation:
+class PullOffSearch:
     """Search for the largest pull that a contact with adhesion holds, from the load of its problem on.
 
     The load is lowered until it is lost, and bisected between the last load held and the first lost. Each of them begins
@@ -125,7 +125,7 @@ class Separation:
     adhesive: Adhesive
     error: float
 
-    def continued(self, traction: Array) -> "Separation":
+    def continued(self, traction: Array) -> "PullOffSearch":
         """Return this search, which begins with the load of its problem in any case."""
         return self
 

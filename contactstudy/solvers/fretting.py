@@ -1,4 +1,4 @@
-"""Fretting: shear under a tangential force that swings, each step from the shear before it.
+"""Fretting: shear under an oscillating tangential force, each step from the shear before it.
 
 Under a constant pressure a step from one reversal to the next is exact in plane strain, as slip does not turn back in
 it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
@@ -19,7 +19,7 @@ from contactstudy.solvers.solve import SolveOptions
 
 
 @dataclass(frozen=True, eq=False)
-class SwingingShear:
+class FrettingShear:
     """Shear under tangential forces that follow one another, added to the pressure of a frictionless contact.
 
     Parameters

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.tangential import Correlated, ShearResponse
+from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.partial_slip import slip_step
@@ -26,7 +26,7 @@ class FullSliding:
     """
 
     coefficient: float
-    coupling: Correlated | None
+    coupling: GeneralConvolution | None
 
     def solved(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
@@ -62,7 +62,7 @@ class FullSliding:
 
 
 @dataclass(frozen=True, eq=False)
-class Superposed:
+class CiavarellaJaeger:
     """Shear as a difference of two normal contacts: ``q = mu (p(P) - p(P - Q / mu))``.
 
     Cells stick where the second contact presses. It is exact where the surface gives way along x as it does along z up

@@ -132,7 +132,7 @@ def solve_coupled(
     added: Array = np.zeros_like(solution.gap)
     while True:
         displacement = lagged(solution.pressure)
-        change = uneven_change(displacement - added, solution.pressure) / problem.scales.gap
+        change = deviation_in_contact(displacement - added, solution.pressure) / problem.scales.gap
         if change <= options.tolerance or passes == max_passes or not np.isfinite(change):
             break
         added = displacement
@@ -156,7 +156,7 @@ def solve_coupled(
     )
 
 
-def uneven_change(change: Array, pressure: Array) -> float:
+def deviation_in_contact(change: Array, pressure: Array) -> float:
     """Return the effect of a `change` of the gap: its largest deviation in the contact from its mean there."""
     touching = pressure > 0
     if not touching.any():

@@ -5,7 +5,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.tangential import Correlated, ShearResponse
+from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.elasticity.transforms import TRANSFORMS
 
 
@@ -74,7 +74,7 @@ class RollingSlip:
         return self._length * _divided(summed, self._inverse, self._response.xx)
 
 
-def _coefficients(part: Correlated) -> Array:
+def _coefficients(part: GeneralConvolution) -> Array:
     """Return the convolution (x, y) of a unit in the first cell."""
     return TRANSFORMS.backward(part.spectrum.copy(), part.cells, part.padded)
 
@@ -89,7 +89,7 @@ def _inverses(response: ShearResponse) -> tuple[Array, Array]:
     return 1 / xx, 1 / yy
 
 
-def _divided(field: Array, inverses: tuple[Array, Array], part: Correlated) -> Array:
+def _divided(field: Array, inverses: tuple[Array, Array], part: GeneralConvolution) -> Array:
     """Return a `field` (component, x, y) whose waves on the padded grid are multiplied by the `inverses`, in place."""
     for component, inverse in zip(field, inverses, strict=True):
         waves = TRANSFORMS.forward(component, part.padded)

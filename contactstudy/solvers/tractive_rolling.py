@@ -22,7 +22,7 @@ import numpy as np
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
-from contactstudy.elasticity.tangential import Correlated, ShearResponse
+from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.coulomb_newton import CoulombNewton
 from contactstudy.solvers.lagged import solve_coupled
@@ -47,8 +47,8 @@ STICKING = 1e-6
 class Coupling:
     """Normal displacement by shear [m/Pa], along both axes: odd, and the reverse for displacement by pressure."""
 
-    across: Correlated
-    along: Correlated
+    across: GeneralConvolution
+    along: GeneralConvolution
 
     def gap(self, shear: Array) -> Array:
         """Return the change of the gap (x, y) [m] by `shear` (component, x, y) [Pa]."""

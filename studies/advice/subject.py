@@ -10,7 +10,7 @@ from contactstudy.domain.device import available_bytes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.identity import canonical, key
-from contactstudy.domain.reuse import reusing
+from contactstudy.domain.reuse import caching
 from contactstudy.io.contact_quantities import contact_quantities
 from contactstudy.io.film_quantities import film_quantities
 from contactstudy.planning.cost import memory
@@ -105,7 +105,7 @@ class Subject:
 
     def solve(self, setting: Setting) -> Answer:
         """Return the answer at a setting, posed and solved anew."""
-        with reusing(None):
+        with caching(None):
             return cs.solve(
                 self.scene,
                 self.grid(setting.cells),

@@ -11,7 +11,7 @@ from contactstudy.domain.checks import finite, whole
 from contactstudy.domain.fields import Array
 from contactstudy.scene.friction import PartialSlip
 from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
-from contactstudy.solvers.friction import Superposed
+from contactstudy.solvers.friction import CiavarellaJaeger
 from studies.model.axis import Axis
 from studies.model.case import Case, number
 from studies.model.study import Point
@@ -137,7 +137,7 @@ def _superposition(case: Rough) -> tuple[float, float]:
     n = case.cells_rough
     problem = scene.problem(cs.Grid((n, n), (3.2 * A, 3.2 * A)), cs.ExactPeriodicity())
     exact = cs.solve(problem, tolerance=1e-6)
-    quick = cs.solve(replace(problem, friction=Superposed(MU, 0.5)), tolerance=1e-6)
+    quick = cs.solve(replace(problem, friction=CiavarellaJaeger(MU, 0.5)), tolerance=1e-6)
     size = np.abs(exact.shear)
     error = np.abs(exact.shear - quick.shear).sum() / size.sum()
     return float(error), float(size[1].max() / size.max())

@@ -14,7 +14,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import positive, whole
 from contactstudy.domain.fields import Array
-from contactstudy.domain.reuse import reusing
+from contactstudy.domain.reuse import caching
 from studies.advice.ladder import MULTIPLES, cells_at, is_reference
 from studies.advice.subject import (
     REPORTED,
@@ -67,7 +67,7 @@ class SettingCase(SceneCase):
 
     def run(self, prepared: None = None) -> Solved:  # type: ignore[override]
         """Return the answer with its wall time, set up anew: a time that is compared includes the set-up."""
-        with reusing(None):
+        with caching(None):
             return super().run()
 
 

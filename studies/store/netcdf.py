@@ -12,7 +12,7 @@ from typing import Literal
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import is_damaged, reason, replacing, seal, set_aside
+from contactstudy.domain.files import append_checksum, is_damaged, reason, replacing, set_aside
 from studies.model.plain_text import one_line
 
 
@@ -62,7 +62,7 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
                 group.to_netcdf(
                     partial, engine="netcdf4", group=name, mode="a", encoding=_encoding(group)
                 )
-            seal(partial)
+            append_checksum(partial)
     except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError
         raise InvalidInput(
             f"Study file {_shortened(path)} cannot be written ({reason(error, path)}): what was stored is kept; "

@@ -9,7 +9,7 @@ from pathlib import Path
 import cloudpickle
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import IdentityRecord, Tree, canonical, keys, text
+from contactstudy.domain.identity import CanonicalMemo, Tree, canonical, keys, text
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
@@ -56,7 +56,7 @@ class Request:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(reserved)}: these names are taken, choose others."
             )
-        memory, states = IdentityRecord(), CaseStates()
+        memory, states = CanonicalMemo(), CaseStates()
         keys, cases, identities = [], {}, {}
         for point, case in study.visits():
             if not all(hasattr(case, part) for part in ("prepare", "run", "record")):
@@ -75,7 +75,7 @@ class CaseStates:
         self.states = States()
         self._digests: dict[frozenset[str], str] = {}
 
-    def identity(self, point: Point, case: object, memory: IdentityRecord) -> CaseIdentity:
+    def identity(self, point: Point, case: object, memory: CanonicalMemo) -> CaseIdentity:
         """Return the identity of the case at a point."""
         tree = canonical(case, memory)
         names = frozenset(_classes(tree))

@@ -13,7 +13,7 @@ from time import monotonic
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import read_sealed, reason, set_aside, write_sealed
+from contactstudy.domain.files import read_verified, reason, set_aside, write_with_checksum
 from contactstudy.domain.identity import key
 from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
@@ -30,7 +30,7 @@ def save_fields(folder: Path, key: str, stamp: str, variables: Mapping[str, xr.V
     fields = {name: encoded_variable(variable) for name, variable in variables.items()}
     content = {"program": stamp, "fields": fields}
     try:
-        write_sealed(folder / f"{key}.json", json.dumps(content).encode())
+        write_with_checksum(folder / f"{key}.json", json.dumps(content).encode())
     except OSError as error:
         raise InvalidInput(
             f"Fields in {str(folder)!r} cannot be written ({reason(error, folder / key)}): what was stored is "
@@ -43,7 +43,7 @@ def has_fields(folder: Path, key: str, stamp: str, log: Callable[[str], object])
     path = folder / f"{key}.json"
     if not path.is_file():
         return False
-    content = read_sealed(path)
+    content = read_verified(path)
     if content is None:
         log(
             f"{path} is damaged: it is set aside as {set_aside(path).name}, and its case is computed anew"
@@ -57,7 +57,7 @@ def load_fields(folder: Path, key: str, stamp: str) -> xr.Dataset | None:
 
     A variable named like its dimension is its coordinate.
     """
-    content = read_sealed(folder / f"{key}.json")
+    content = read_verified(folder / f"{key}.json")
     stored = {} if content is None else json.loads(content)
     if stored.get("program") != stamp:
         return None

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.identity import IdentityRecord
+from contactstudy.domain.identity import CanonicalMemo
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, Value
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
@@ -234,7 +234,7 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
     requested = dict(
         zip(product(*(axis.values for axis in study.points)), request.keys, strict=True)
     )
-    memory, states = IdentityRecord(), CaseStates()
+    memory, states = CanonicalMemo(), CaseStates()
     keys: list[str] = []
     is_kept = np.zeros(prod(shape), dtype=bool)
     for place, values in enumerate(product(*(axis.values for axis in axes))):
@@ -257,7 +257,7 @@ def _stored(
     study: Study,
     values: Sequence[Value],
     contents: Contents,
-    memory: IdentityRecord,
+    memory: CanonicalMemo,
     states: CaseStates,
 ) -> tuple[str, bool]:
     """Return the key of the case at these values, and whether it is stored."""

@@ -367,7 +367,7 @@ POWERS = np.array([3.0, 5.0])
 
 
 @dataclass(frozen=True, eq=False)
-class HalfLines:
+class OuterStrain:
     """Influence of uniform strain profiles (component, layers) on the left and on the right of an operator's volume.
 
     Coefficients are summed over all cells of either side. Sums of terms that are even across follow from the closed form
@@ -388,7 +388,7 @@ class HalfLines:
     def residual_displacement(self, left: Array, right: Array) -> Array:
         """Return the surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
         thicknesses, cells = self.operator.volume.thicknesses, self.operator.volume.grid.cells[0]
-        sums = self._lifts[..., :cells]
+        sums = self._surface_displacements[..., :cells]
         by_left, by_right = (
             np.einsum("al,alx->x", self.operator.in_plane(profile) * thicknesses, signs * sums)
             for profile, signs in ((left, MIRRORED[:, None, None]), (right, 1.0))
@@ -422,7 +422,7 @@ class HalfLines:
         return stresses
 
     @cached_property
-    def _lifts(self) -> Array:
+    def _surface_displacements(self) -> Array:
         """Sums of in-plane stress (3, layers, x) by pressure in a cell, over all cells more than x to its right."""
         xx, zz, xz = pressed(np.arange(float(self._count)), self.operator.edges_in_cells)
         # under pressure that is the same everywhere, xx = zz = -1

@@ -19,7 +19,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.reuse import reused
+from contactstudy.domain.reuse import cached_array
 from contactstudy.domain.units import Metres, Number
 from contactstudy.scene.shapes.shape import Detail
 
@@ -218,7 +218,7 @@ class Roughness:
         """Return complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
         extent = self.extent or grid.extent
         divides("Roughness.extent[1]", extent[1], grid.period)
-        amplitudes = reused((self, extent), partial(self._amplitudes, extent))
+        amplitudes = cached_array((self, extent), partial(self._amplitudes, extent))
         return amplitudes, self._wave_numbers(extent)
 
     def _wave_numbers(self, extent: tuple[float, float]) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ from time import perf_counter, process_time
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.reuse import ArrayStore, reusing
+from contactstudy.domain.reuse import ArrayCache, caching
 from studies.engine import time_limit
 from studies.engine.time_limit import TimeLimitError, alarm, timed_out, too_late
 from studies.model import measured
@@ -24,7 +24,7 @@ from studies.model.plain_text import one_line, place_of
 
 # Arrays that cases of this process share, such as the coefficients of equal grids: up to so many bytes. Timed runs
 # compute their own.
-SHARED = ArrayStore(2**26)
+SHARED = ArrayCache(2**26)
 WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
@@ -36,7 +36,7 @@ def compute(case: Computation, work: Work) -> Outcome:
     """Return the outcome of a case, computed and measured; errors of the case are outcomes, too."""
     stage, start, cpu = "setup", perf_counter(), process_time()
     try:
-        with alarm(work.time_limit), reusing(SHARED):
+        with alarm(work.time_limit), caching(SHARED):
             prepared = case.prepare()
             stage = "solve"
             result = case.run(prepared)

@@ -19,12 +19,12 @@ from contactstudy.domain.files import (
     locked,
     open_descriptor,
     read_at,
-    read_sealed,
+    read_verified,
     reason,
     remove_partial_files,
     replacing,
     set_aside,
-    write_sealed,
+    write_with_checksum,
 )
 from tests.conftest import HANGS
 from tests.studies.conftest import NEVER, POSIX, quiet
@@ -92,14 +92,14 @@ def test_bytes_are_read_at_a_place(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 def test_a_sealed_file_gives_its_content_back_or_shows_that_it_is_damaged(tmp_path: Path) -> None:
     path = tmp_path / "state"
     for content in (b"", b"\n", bytes(range(256))):
-        write_sealed(path, content)
-        assert read_sealed(path) == content
+        write_with_checksum(path, content)
+        assert read_verified(path) == content
     raw = path.read_bytes()
     for place in range(len(raw)):
         path.write_bytes(raw[:place] + bytes([raw[place] ^ 1]) + raw[place + 1 :])
-        assert read_sealed(path) is None
+        assert read_verified(path) is None
         path.write_bytes(raw[:place])
-        assert read_sealed(path) is None
+        assert read_verified(path) is None
     aside = set_aside(path)
     assert (path.exists(), aside.read_bytes()) == (False, raw[:-1])
 
@@ -173,12 +173,12 @@ def test_who_comes_second_says_who_is_first_and_waits(tmp_path: Path) -> None:
 def test_who_signed_is_read_to_the_letter(tmp_path: Path) -> None:
     path = signed(tmp_path / "lock", pid=17, host="there")
     with path.open() as file:
-        held = module._signature(file.fileno())
+        held = module._read_holder(file.fileno())
     assert held == {"pid": 17, "host": "there", "since": "2026-01-02T03:04:05"}
     assert module._in_words(held) == "process 17 on there (since 2026-01-02T03:04:05)"
     path.write_text("{", encoding="utf-8")
     with path.open() as file:
-        assert module._signature(file.fileno()) is None
+        assert module._read_holder(file.fileno()) is None
     assert module._in_words(None) == "another process"
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import IdentityRecord, canonical, differences, key
+from contactstudy.domain.identity import CanonicalMemo, canonical, differences, key
 from studies.reference.line_contact import scene_at
 
 CASE = scene_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})
@@ -47,7 +47,7 @@ def test_two_classes_of_one_name_are_refused() -> None:
 
         return Model
 
-    memory = IdentityRecord()
+    memory = CanonicalMemo()
     canonical(made(1)(), memory)
     with pytest.raises(InvalidInput, match="give each a name of its own"):
         canonical(made(2)(), memory)

@@ -3,7 +3,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.domain.reuse import ArrayStore, reusing
+from contactstudy.domain.reuse import ArrayCache, caching
 from contactstudy.elasticity import convolution
 
 ALONG = [
@@ -166,7 +166,7 @@ def test_coefficients_are_shared_by_operators_of_one_grid(
     monkeypatch.setattr(
         convolution, "kernel", lambda *given: computed.append(given) or computing(*given)
     )
-    with reusing(ArrayStore(10**6)):
+    with caching(ArrayCache(10**6)):
         for datum, expected in zip((0.5, 2.0), alone, strict=True):
             shared = convolution.superposed(coat.response(datum), grid, padding)
             np.testing.assert_array_equal(shared.spectrum, expected.spectrum)

@@ -11,7 +11,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
-from contactstudy.elasticity.viscoelastic import Trailing
+from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.rolling import SteadyRolling, _trailing, solve_rolling
 from contactstudy.solvers.lagged import solve_lagged
@@ -106,7 +106,7 @@ def test_trailing_coefficients_are_their_integral(name: str, length: float) -> N
     x, y = np.arange(41) * dx, np.array([0.0, 0.3])
     more = {"cell": (), "row": (period,), "lattice": (width, period)}[name]
     even, odd = (
-        getattr(Trailing(inner, length, sign), name)(x[:, None], y, dx, dy, *more)
+        getattr(RetardedCoefficients(inner, length, sign), name)(x[:, None], y, dx, dy, *more)
         for sign in (1, -1)
     )
     exact = getattr(inner, name)(x[:, None], y, dx, dy, *more)
@@ -131,7 +131,7 @@ def test_an_odd_trail_is_odd_in_every_padding() -> None:
 
     generator = np.random.default_rng(0)
     grid = cs.Grid((24, 12), (1.0, 0.6))
-    odd = {Trailing(Displacement(0.1), 0.2, -1): 1.0}
+    odd = {RetardedCoefficients(Displacement(0.1), 0.2, -1): 1.0}
     for padding in (
         (cs.ZeroPadding(), cs.ZeroPadding()),
         EXACT,
@@ -220,7 +220,7 @@ def test_each_term_trails_by_its_own_length_and_bodies_add_up() -> None:
         even, odd = trails(0.3, *bodies)
         for sign, found in ((1, even), (-1, odd)):
             assert found == {
-                Trailing(still, 0.3 * time, sign): pytest.approx(times * size / pi)
+                RetardedCoefficients(still, 0.3 * time, sign): pytest.approx(times * size / pi)
                 for size, time in TWO.creep.terms
             }
     even, odd = trails(0.0, TWO, TWO)

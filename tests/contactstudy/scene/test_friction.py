@@ -12,7 +12,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import _passes, dundurs
-from contactstudy.solvers.friction import CoulombDisks, Superposed
+from contactstudy.solvers.friction import CiavarellaJaeger, CoulombDisks
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(infinite, 0.3)
@@ -129,7 +129,7 @@ def test_without_poissons_ratio_disks_give_the_superposition(padding: cs.Padding
     one = scene(cs.PartialSlip(0.3, 1.2e4), solids=(cork, cork), shapes=ROUGH)
     grid = cs.Grid((48, 48), (3e-4, 3e-4))
     problem = one.problem(grid, padding)
-    assert isinstance(problem.friction, Superposed)
+    assert isinstance(problem.friction, CiavarellaJaeger)
     bodies = ((cork.compliance, 0.0),) * 2
     response = shear_response(bodies, grid, problem.paddings, 1e-4)
     disks = replace(problem, friction=CoulombDisks(0.3, problem.friction.fraction, response))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contactstudy.domain.reuse import ArrayStore, reused
+from contactstudy.domain.reuse import ArrayCache, cached_array
 from studies.engine.workers import compute
 from studies.engine.workers.compute import time_once, timed
 from studies.model.outcome import CaseStatus, Failure, Work
@@ -81,13 +81,13 @@ def test_an_alarm_ends_a_case_that_hangs_and_is_off_afterwards() -> None:
 @dataclass(frozen=True)
 class Sharing(Square):
     def prepare(self) -> float:
-        return float(reused("number", lambda: np.array(self.number)))
+        return float(cached_array("number", lambda: np.array(self.number)))
 
 
 def test_cases_share_arrays_and_timed_runs_compute_their_own(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(compute, "SHARED", ArrayStore(100))
+    monkeypatch.setattr(compute, "SHARED", ArrayCache(100))
     squares = [compute.compute(Sharing(number), WORK).variables["square"] for number in (2.0, 3.0)]
     assert [float(square) for square in squares] == [4.0, 4.0]
     prepared = []

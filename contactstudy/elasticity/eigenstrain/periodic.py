@@ -116,7 +116,7 @@ TOGETHER = 2**15
 
 
 @dataclass(frozen=True, eq=False)
-class RowOperator:
+class PeriodicOperator:
     """Linear maps on plastic strain that varies along a period, for more than one cell along.
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
@@ -286,10 +286,10 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
     last = ny // 2
     order = 1
     while order <= last:
-        fading = ceil(-log(WRAP) * volume.grid.period / (2 * pi * order * dx))
-        window = slice(max(volume.first - fading, 0), min(volume.last + fading, nx))
+        decay_cells = ceil(-log(WRAP) * volume.grid.period / (2 * pi * order * dx))
+        window = slice(max(volume.first - decay_cells, 0), min(volume.last + decay_cells, nx))
         reach = max(volume.last - window.start, window.stop - volume.first)
-        period = _odd(max(reach + fading, window.stop - window.start))
+        period = _odd(max(reach + decay_cells, window.stop - window.start))
         # shorter waves decay over a shorter distance and may use the same period
         count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
         orders = slice(order, min(order + count, last + 1))

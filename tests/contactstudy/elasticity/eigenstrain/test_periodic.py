@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.grid import Grid
+from contactstudy.elasticity.eigenstrain.periodic import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.rows import AntiplaneOperator, RowOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import Components, Layer, Sources, by_layers
 from contactstudy.elasticity.eigenstrain.waves import Waves
@@ -20,17 +20,17 @@ TENSOR = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 @cache
-def small() -> RowOperator:
+def small() -> PeriodicOperator:
     """Graded layers from a thin one on, an odd and an even number of cells, cells longer than wide."""
     grid = Grid((9, 6), (9.0, 8.0))
-    return RowOperator(Volume(grid, 3, 7, (0.0, 0.05, 0.1, 1.5)), STEEL)
+    return PeriodicOperator(Volume(grid, 3, 7, (0.0, 0.05, 0.1, 1.5)), STEEL)
 
 
 def noise(operator: EigenstrainOperator, seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).normal(size=(len(operator.basis), *operator.volume.shape))
 
 
-def dense(operator: RowOperator) -> np.ndarray:
+def dense(operator: PeriodicOperator) -> np.ndarray:
     """B in cells of unit volume."""
     shape = 5, *operator.volume.shape
     root = np.sqrt(np.broadcast_to(operator.volume.cell_volumes, shape)).ravel()
@@ -105,7 +105,7 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
 
 def test_a_pressed_cell_makes_the_stress_of_its_point_formulas() -> None:
     grid, edges = Grid((16, 8), (16.0, 12.0)), (0.0, 1.0, 2.0, 4.0)
-    operator = RowOperator(Volume(grid, 5, 11, edges), STEEL)
+    operator = PeriodicOperator(Volume(grid, 5, 11, edges), STEEL)
     pressure = np.zeros(grid.cells)
     pressure[7, 3] = 1
     found = operator.tensor_of_pressure(pressure)
@@ -152,7 +152,7 @@ def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:
     edges = (0.0, 6.0, 12.0, 18.0, *np.arange(19.0, 30.0))
     grid = Grid((30, 32), (30.0, 32.0))
     volume = Volume(grid, 10, 20, edges)
-    operator = RowOperator(volume, STEEL)
+    operator = PeriodicOperator(volume, STEEL)
     x, y = grid.x[10:20, None], grid.y
     inside = x**2 + y**2 + (volume.depths[:, None, None] - middle) ** 2 < radius**2
     inside[:3] = False
@@ -171,7 +171,7 @@ def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:
 def test_the_surface_is_free_of_traction() -> None:
     grid = Grid((16, 16), (16.0, 16.0))
     edges = (0.0, 1e-3, 1.0, 2.0, 3.0, 4.0)
-    operator = RowOperator(Volume(grid, 0, 16, edges), STEEL)
+    operator = PeriodicOperator(Volume(grid, 0, 16, edges), STEEL)
     volume = operator.volume
     x, y, z = grid.x[:, None], grid.y, volume.depths[:, None, None]
     shape = np.exp(-((x**2 + y**2) + (z - 3) ** 2) / 4)
@@ -186,7 +186,7 @@ def test_a_source_turned_by_a_right_angle_makes_the_field_turned_but_for_its_nei
     difference = {}
     for cells in (12, 24):
         grid = Grid((cells, cells), (float(cells), float(cells)))
-        operator = RowOperator(Volume(grid, 0, cells, (0.0, 1.0, 2.0, 3.0)), STEEL)
+        operator = PeriodicOperator(Volume(grid, 0, cells, (0.0, 1.0, 2.0, 3.0)), STEEL)
         x, y = grid.x[:, None], grid.y
         along, across = np.exp(-(x**2) - y**2 / 2), np.exp(-(x**2) / 2 - y**2)
         # xx - zz and xz, turned into yy - zz and yz

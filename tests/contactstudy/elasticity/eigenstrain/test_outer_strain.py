@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.eigenstrain.plane_strain import BASIS, HalfLines, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain import BASIS, OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 MODULI = Moduli(2.0, 0.3)
@@ -23,7 +23,7 @@ def test_strain_that_is_the_same_everywhere_leaves_stress_in_its_own_layer_and_a
     operator = PlaneStrainOperator(volume(14, 0, 14), MODULI)
     strain = np.random.default_rng(0).normal(size=(3, 4))
     cells = np.broadcast_to(strain[:, :, None, None], (3, *operator.volume.shape)).copy()
-    around = HalfLines(operator)
+    around = OuterStrain(operator)
     stress = operator.tensor_of_strain(cells) + around.tensor(strain, strain)
     xx, yy, *_ = np.einsum("ct,cl->tl", BASIS, strain)
     expected = -MODULI.plane_strain * (xx + 0.3 * yy)
@@ -40,7 +40,7 @@ def test_half_lines_are_what_ever_longer_ones_come_to() -> None:
     """What a cut one lacks falls like one over its length: by 4, but for 14 cells in 200."""
     generator = np.random.default_rng(1)
     left, right = generator.normal(size=(2, 3, 4))
-    inner = HalfLines(PlaneStrainOperator(volume(14, 0, 14), MODULI))
+    inner = OuterStrain(PlaneStrainOperator(volume(14, 0, 14), MODULI))
     stress, wrong = inner.tensor(left, right), []
     for more in (200, 800):
         cells = 14 + 2 * more

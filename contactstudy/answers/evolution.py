@@ -217,6 +217,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     if frame.step_error == inf:
         reason = reason or "No bound: the time-step error was not estimated."
     l1, unknown = replace(steps, reason=reason), ErrorParts(discretisation=inf, reason=OF_STATES)
+    area = unknown if frame.pressure.any() else l1  # bodies that are apart have no area
     return Contact(
         problem=problem,
         pressure=frame.pressure,
@@ -228,7 +229,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         convolutions=frame.convolutions,
         residual=frame.residual,
         traction=trajectory.traction(frame),
-        estimate=ErrorEstimate(l1, l1, unknown, unknown, unknown, warnings=frame.warnings),
+        estimate=ErrorEstimate(l1, l1, area, unknown, unknown, warnings=frame.warnings),
         time=frame.time,
         state=frame.fields,
     )

@@ -6,7 +6,7 @@ import json
 import os
 import sys
 from dataclasses import asdict
-from math import inf
+from math import inf, isinf
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -55,8 +55,13 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
         click.echo(f"  {reason}")
     click.echo(f"  period: {planned.period_check}")
     on = thread_count(planned.on.threads) if isinstance(planned.on, cs.Cpu) else repr(planned.on)
+    error = (
+        "the error is known after the solve"
+        if isinf(planned.error)
+        else f"error {planned.error:.1g}"
+    )
     click.echo(
-        f"  estimated: error {planned.error:.1g}, {planned.seconds:.2g} s on {on}, {planned.bytes / 1e6:.3g} MB"
+        f"  estimated: {error}, {planned.seconds:.2g} s on {on}, {planned.bytes / 1e6:.3g} MB"
     )
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")

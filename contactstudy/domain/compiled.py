@@ -57,24 +57,26 @@ def measured(
     """
     columns = height.shape[1]
     # column by column: the largest of a row is found one by one
-    worst, farthest = np.zeros(columns), np.zeros(columns)
+    largest_violation, largest_displacement = np.zeros(columns), np.zeros(columns)
     for i in range(height.shape[0]):
-        carried, moment, free_borne = 0.0, 0.0, 0.0
+        load, moment, free_load = 0.0, 0.0, 0.0
         for j in range(columns):
             loaded, moved = pressure[i, j], displacement[i, j]
             gap = undeformed[i, j] + moved - approach
             height[i, j] = gap
             empty, full = loaded == 0, loaded >= limit
             free = 0.0 if empty | full else loaded
-            carried += loaded
+            load += loaded
             moment += free * abs(gap)
-            free_borne += free
+            free_load += free
             violation = -gap if empty else (gap if full else 0.0)
-            worst[j] = violation if violation > worst[j] else worst[j]
-            farthest[j] = abs(moved) if abs(moved) > farthest[j] else farthest[j]
-        results[i, 0], results[i, 1], results[i, 2] = carried, moment, free_borne
+            highest = largest_violation[j]
+            largest_violation[j] = violation if violation > highest else highest
+            farthest = largest_displacement[j]
+            largest_displacement[j] = abs(moved) if abs(moved) > farthest else farthest
+        results[i, 0], results[i, 1], results[i, 2] = load, moment, free_load
         results[i, 3], results[i, 4] = 0.0, 0.0
-    results[0, 3], results[0, 4] = worst.max(), farthest.max()
+    results[0, 3], results[0, 4] = largest_violation.max(), largest_displacement.max()
 
 
 @exact
@@ -113,11 +115,11 @@ def enter(
 def totals(cells: Array, residual: Array, results: Array) -> None:
     """Write for each row the number of `cells`, and the sum of the preconditioned `residual`."""
     for i in range(cells.shape[0]):
-        count = closed = 0.0
+        count = residual_sum = 0.0
         for j in range(cells.shape[1]):
             count += cells[i, j]
-            closed += residual[i, j]
-        results[i, 0], results[i, 1] = count, closed
+            residual_sum += residual[i, j]
+        results[i, 0], results[i, 1] = count, residual_sum
 
 
 @summing
@@ -132,18 +134,19 @@ def products(
     response, cells and response, gap of the cells and step, cells and step.
     """
     for i in range(gap.shape[0]):
-        count = closed = downhill = along = over = along_gap = shifted = 0.0
+        count = residual_sum = downhill = along = over = along_gap = shifted = 0.0
         for j in range(gap.shape[1]):
             change = cells[i, j] * (before[i, j] - after[i, j])
             response = moved_before[i, j] - moved_after[i, j]
             count += cells[i, j]
-            closed += residual[i, j]
+            residual_sum += residual[i, j]
             downhill += gap[i, j] * residual[i, j]
             along += residual[i, j] * response
             over += cells[i, j] * response
             along_gap += gap[i, j] * change
             shifted += change
-        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = count, closed, downhill, along
+        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = (
+            count, residual_sum, downhill, along)
         results[i, 4], results[i, 5], results[i, 6] = over, along_gap, shifted
 
 
@@ -194,7 +197,7 @@ def load_above(trial: Array, shift: float, results: Array) -> None:
 
 
 @summing
-def shift_down(
+def project(
     trial: Array, shift: float, scale: float, pressure: Array, height: Array, results: Array
 ) -> None:
     """Subtract a shift from a trial pressure, cut it off at zero and multiply it by a factor, in place.

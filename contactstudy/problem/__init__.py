@@ -1,1 +1,1 @@
-"""The waist: arrays, one operator, one constraint, one load. Knows no effect. May import `elasticity` and `domain`."""
+"""The dimensionless problem: arrays, operator, constraint, resultant. Independent of any physical model. May import `elasticity` and `domain`."""

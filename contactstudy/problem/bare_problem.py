@@ -12,8 +12,8 @@ from contactstudy.problem.passes import Passes, passes_for
 
 # A gap is uncertain by this number of roundings of the largest displacement: residuals stop falling at half of it.
 ROUNDINGS = 2.0
-# Softness of the first Winkler foundation over that of a cell; the second differs little, whatever it is.
-SOFTNESS = 4.0
+# Compliance of the first Winkler foundation over that of a cell; the second differs little, whatever it is.
+RELATIVE_COMPLIANCE = 4.0
 # Ratio of the sides of cells from which a Winkler foundation is no start.
 ELONGATED = 30.0
 
@@ -34,7 +34,7 @@ class BareProblem:
     constraint
         Limits of the pressure of each cell.
     resultant
-        What the pressures of all cells carry together.
+        Condition on the sum of the pressure, such as a given load.
     elongation
         Length of a cell over its width.
     chosen_passes
@@ -59,23 +59,23 @@ class BareProblem:
         return arrays().full_like(gap, self.resultant.uniform(prod(gap.shape)))
 
     def winkler_start(self) -> Array:
-        """Return the pressure (x, y) of a Winkler foundation that is as soft as the operator under such a pressure.
+        """Return the pressure (x, y) of a Winkler foundation with the compliance of the operator under such a pressure.
 
-        It is uniform where no softness follows, and on elongated cells: there waves along the shorter side are much
+        It is uniform where no compliance follows, and on elongated cells: there waves along the shorter side are much
         stiffer than others.
         """
         if not 1 / ELONGATED < self.elongation < ELONGATED:
             return self.uniform()
-        softness = SOFTNESS * self.operator.self_compliance
-        pressure = self.project(-self.undeformed_gap / softness)
+        compliance = RELATIVE_COMPLIANCE * self.operator.self_compliance
+        pressure = self.project(-self.undeformed_gap / compliance)
         free = self.constraint.free(pressure)
         cells = total(free)
         deviation = (pressure - inner(free, pressure) / cells) * free if cells else free
         variance = inner(deviation, pressure)
-        softness = inner(deviation, self.operator(pressure)) / variance if variance > 0 else 0.0
-        if not 0 < softness < inf:
+        compliance = inner(deviation, self.operator(pressure)) / variance if variance > 0 else 0.0
+        if not 0 < compliance < inf:
             return self.uniform()
-        return self.project(-self.undeformed_gap / softness)
+        return self.project(-self.undeformed_gap / compliance)
 
     def make_admissible(self, trial: Array) -> Array:
         """Cut a `trial` pressure off at the limits and scale it to meet the resultant, in place."""
@@ -90,11 +90,11 @@ class BareProblem:
 
         `gap` is the gap under `pressure`. See :func:`~contactstudy.solve`.
         """
-        carried = total(pressure) if gap.load is None else gap.load
+        load = total(pressure) if gap.load is None else gap.load
         measured = gap.measured
         if measured is None:
-            measured = self.constraint.residual(pressure, gap, carried)
-        return largest(measured, self.resultant.error(carried))
+            measured = self.constraint.residual(pressure, gap, load)
+        return largest(measured, self.resultant.error(load))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """Return the gap under a `pressure` that makes this `displacement`, both (x, y).

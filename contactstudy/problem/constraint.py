@@ -62,7 +62,7 @@ def largest(*measures: float) -> float:
 
 
 class Constraint(Protocol):
-    """Convex set of pressures (x, y), cell by cell: cells at a limit are bound, the others are free."""
+    """Convex set of pressures (x, y), cell by cell: the limits of some cells are active, the other cells are free."""
 
     def scaled(self, pressure: float) -> Self:
         """Return the set of pressures of this one times `pressure`: the same set in another unit."""
@@ -106,7 +106,7 @@ class Constraint(Protocol):
         """Replace a `trial` pressure by the nearest one of this set that has the sum `total`, in place."""
         ...
 
-    def shift_to_load(self, trial: Array, cells: Array, total: float) -> Array:
+    def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Cut a `trial` pressure off at the limits and shift its `cells` (1, others 0) to the sum `total`, in place.
 
         Where these cells alone cannot carry it, all cells do.
@@ -117,10 +117,10 @@ class Constraint(Protocol):
         """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
         ...
 
-    def residual(self, pressure: Array, gap: Gap, carried: float) -> float:
+    def residual(self, pressure: Array, gap: Gap, load: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale.
 
-        `carried` is the sum of `pressure`. See :func:`~contactstudy.solve`.
+        `load` is the sum of `pressure`. See :func:`~contactstudy.solve`.
         """
         ...
 
@@ -128,29 +128,29 @@ class Constraint(Protocol):
 def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     """Shift a `trial` pressure by one value such that, cut off at 0 and `limit`, it has the sum `total`, in place.
 
-    The sum is piecewise linear in the shift, with a bend where a cell comes into contact and where it reaches `limit`.
+    The sum is piecewise linear in the shift, with a breakpoint where a cell comes into contact and where it reaches `limit`.
     Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
     xp = arrays()
     # counted from the highest cell, so that the numbers have the size of the load where the pressure is
     depths = xp.astype(trial, xp.float64, copy=False)
     depths -= float(xp.max(depths))
-    bends = xp.sort(xp.reshape(-depths, (-1,)))
-    cells = bends.shape[0]
+    breakpoints = xp.sort(xp.reshape(-depths, (-1,)))
+    cells = breakpoints.shape[0]
     loaded = xp.arange(1, cells + 1, dtype=xp.float64)
     if limit < inf:
-        bends = xp.concat([bends, bends + limit])
-        order = xp.argsort(bends, stable=True)
-        bends = xp.take(bends, order, axis=0)
+        breakpoints = xp.concat([breakpoints, breakpoints + limit])
+        order = xp.argsort(breakpoints, stable=True)
+        breakpoints = xp.take(breakpoints, order, axis=0)
         loaded = xp.cumulative_sum(1 - 2 * xp.astype(order >= cells, xp.float64))
-    carried = xp.diff(bends)
+    carried = xp.diff(breakpoints)
     carried *= loaded[:-1]
     carried = xp.cumulative_sum(carried)
-    segment = int(xp.searchsorted(carried, xp.full_like(bends[:1], total))[0])
+    segment = int(xp.searchsorted(carried, xp.full_like(breakpoints[:1], total))[0])
     missing = total - (float(carried[segment - 1]) if segment else 0.0)
     count = max(float(loaded[segment]), 1.0)
-    shift = float(bends[segment]) + missing / count
-    del bends, loaded, carried
+    shift = float(breakpoints[segment]) + missing / count
+    del breakpoints, loaded, carried
     # a second correction, for the rounding of a cumulative sum
     shift += (total - float(xp.sum(xp.clip(depths + shift, 0.0, limit)))) / count
     depths += shift
@@ -200,7 +200,7 @@ class Compressive:
         """Shift a `trial` pressure, cut off at zero, to the sum `total`, in place."""
         return project_capped_simplex(trial, total, inf)
 
-    def shift_to_load(self, trial: Array, cells: Array, total: float) -> Array:
+    def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Shift the `cells` of a `trial` pressure to the sum `total`, with tension set to zero, in place.
 
         The shift is found in Newton's steps, each of which cuts off more: the sum is convex in the shift.
@@ -221,14 +221,14 @@ class Compressive:
             return float(xp.sum(above)) - shift * above.shape[0], above.shape[0]
 
         epsilon = float(xp.finfo(trial.dtype).eps)
-        shift, factor = shift_to_load(total, carried, loaded.shape[0], load_above, epsilon)
+        shift, factor = load_multiplier(total, carried, loaded.shape[0], load_above, epsilon)
         return replaced(trial, lambda block: xp.maximum(block - shift, 0) * factor)
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells without pressure that penetrate, and 0 for the others."""
         return arrays().astype((pressure == 0) & (height < 0), height.dtype)
 
-    def residual(self, pressure: Array, gap: Gap, carried: float) -> float:
+    def residual(self, pressure: Array, gap: Gap, load: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale."""
         xp = arrays()
 
@@ -237,18 +237,18 @@ class Compressive:
             return dot(block, xp.abs(height)), -float(xp.min(overlap))
 
         moments, deepest = zip(*in_blocks(measure, pressure, gap.height), strict=True)
-        complementarity = sum(moments) / carried if carried else 0.0
+        complementarity = sum(moments) / load if load else 0.0
         return largest(complementarity, *deepest)
 
 
-def shift_to_load(
+def load_multiplier(
     load: float,
     carried: float,
     loaded: float,
     load_above: Callable[[float], tuple[float, float]],
     epsilon: float,
 ) -> tuple[float, float]:
-    """Return the shift and the factor that make a pressure carry `load`.
+    """Return the shift, the Lagrange multiplier of the load, and the factor that make a pressure carry `load`.
 
     The pressure has the sum `carried` in a number of `loaded` cells; `load_above` returns both for a shift. The factor
     makes up for what no shift can reach, and is 1 within some roundings `epsilon`.
@@ -264,7 +264,7 @@ def shift_to_load(
 class HardnessLimited:
     """Constraint of a perfectly plastic contact: ``0 <= p <= hardness``.
 
-    Where the pressure is at the hardness the bodies may overlap, by what the softer one gives way. `hardness` is in the
+    Where the pressure is at the hardness the bodies may overlap, by the plastic indentation of the softer one. `hardness` is in the
     unit of the pressure, above 0. Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
     """
 
@@ -332,7 +332,7 @@ class HardnessLimited:
         """Shift a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place."""
         return project_capped_simplex(trial, total, self.hardness)
 
-    def shift_to_load(self, trial: Array, cells: Array, total: float) -> Array:
+    def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Shift the `cells` of a `trial` pressure to the sum `total`, if they can make up for the others, in place."""
         xp = arrays()
         self.clip(trial)
@@ -348,7 +348,7 @@ class HardnessLimited:
         violations = violation(pressure, height, self.free(pressure))
         return arrays().astype(violations > 0, height.dtype)
 
-    def residual(self, pressure: Array, gap: Gap, carried: float) -> float:
+    def residual(self, pressure: Array, gap: Gap, load: float) -> float:
         """Return the largest of complementarity in free cells, penetration, and open gaps of yielding cells."""
         xp = arrays()
         free = self.free(pressure)
@@ -358,7 +358,7 @@ class HardnessLimited:
 
 
 class Resultant(Protocol):
-    """Condition on the pressures of all cells together, which closes the problem."""
+    """Condition on the sum of the pressure, such as a given load, which closes the problem."""
 
     @property
     def approach(self) -> float | None:
@@ -388,12 +388,12 @@ class Resultant(Protocol):
         """
         ...
 
-    def shift_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+    def project_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits and shift its `cells` to meet the condition, in place."""
         ...
 
-    def error(self, carried: float) -> float:
-        """Return how far a pressure with the sum `carried` is from meeting the condition, dimensionless."""
+    def error(self, load: float) -> float:
+        """Return how far a pressure with the sum `load` is from meeting the condition, dimensionless."""
         ...
 
 
@@ -427,13 +427,13 @@ class PrescribedLoad:
         """Shift a `trial` pressure within the limits of `constraint` to the load, in place."""
         return constraint.project(trial, self.total)
 
-    def shift_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+    def project_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
         """Shift the `cells` of a `trial` pressure within the limits of `constraint` to the load, in place."""
-        return constraint.shift_to_load(trial, cells, self.total)
+        return constraint.project_to_load(trial, cells, self.total)
 
-    def error(self, carried: float) -> float:
-        """Return the relative error of the load, ``|carried / total - 1|``."""
-        return abs(carried / self.total - 1)
+    def error(self, load: float) -> float:
+        """Return the relative error of the load, ``|load / total - 1|``."""
+        return abs(load / self.total - 1)
 
 
 @dataclass(frozen=True)
@@ -462,10 +462,10 @@ class PrescribedApproach:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 
-    def shift_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+    def project_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 
-    def error(self, carried: float) -> float:
+    def error(self, load: float) -> float:
         """Return 0: no load is asked for."""
         return 0.0

@@ -30,7 +30,7 @@ from contactstudy.problem.constraint import (
     PrescribedLoad,
     Resultant,
     largest,
-    shift_to_load,
+    load_multiplier,
 )
 
 # Heights beyond this need double precision: in single precision their squares and sums would overflow.
@@ -204,7 +204,7 @@ class ArrayPasses:
 
         `trial_sums` are those of the trial. Returns the slope of the energy along the step from `pressure`.
         """
-        resultant.shift_to_load(trial, cells, self.constraint)
+        resultant.project_to_load(trial, cells, self.constraint)
         return self.slope(trial, pressure, height)
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
@@ -318,7 +318,7 @@ class CompiledPasses:
             or not isinstance(resultant, PrescribedLoad)
             or trial_sums.largest > resultant.total  # numbers of this size would drown the load
         ):
-            resultant.shift_to_load(trial, cells, self.constraint)
+            resultant.project_to_load(trial, cells, self.constraint)
             return self.slope(trial, pressure, height)
 
         def load_above(shift: float) -> tuple[float, float]:
@@ -328,11 +328,11 @@ class CompiledPasses:
             return carried, loaded
 
         epsilon = float(np.finfo(trial.dtype).eps)
-        shift, factor = shift_to_load(
+        shift, factor = load_multiplier(
             resultant.total, trial_sums.load, trial_sums.loaded, load_above, epsilon
         )
         fields = trial, shift, factor, pressure, height
-        return float(_rows(self._loops.shift_down, *fields, results=1).sum())
+        return float(_rows(self._loops.project, *fields, results=1).sum())
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
         """Return how fast the energy grows along the step to `trial`."""

@@ -58,11 +58,11 @@ class Scales:
 
 
 class Source(Protocol):
-    """Origin of a problem, which can pose it again on another grid of the same extent."""
+    """Origin of a problem, which can discretise it again on another grid of the same extent."""
 
     @property
     def finest(self) -> tuple[float, float]:
-        """Shortest lengths (across, along) over which the heights change [m]; infinite if unknown."""
+        """Shortest wavelengths (across, along) of the heights [m]; infinite if unknown."""
         ...
 
     @property
@@ -121,13 +121,14 @@ class Problem:
     constraint
         Limits of the pressure of each cell.
     resultant
-        What the pressures of all cells carry together.
+        Condition on the sum of the pressure, such as a given load.
     scales
         Units that the solver works in.
     open_edges, open_ends
-        Rows, counted across and along, that contact should not reach, because the surface goes on beyond them.
+        Indices along x, and along y, of boundary cells that contact should not reach, because the surface goes on beyond
+        them.
     source
-        Poses the problem again on another grid.
+        Discretises the problem on another grid.
     paddings
         Paddings (across, along) of the operator, where it has any.
     outputs
@@ -139,8 +140,8 @@ class Problem:
     adhesion
         Law that adds attraction to a solution.
     row_lengths
-        Length of both bodies that each row of cells along the length stands for, over that of a cell (y,); None where
-        the bodies are as long as the grid.
+        Weights (y,) of the cells along y: the length of both bodies that each represents, over that of a cell; None
+        where the bodies are as long as the grid.
     """
 
     grid: Grid

@@ -35,7 +35,7 @@ class PolonskyKeer:
         initial = problem.uniform() if start is None else xp.asarray(start, copy=True)
         pressure = problem.make_admissible(initial)
         direction = xp.zeros_like(pressure)
-        previous, conjugate = 1.0, 0.0
+        previous_squared_norm, conjugate = 1.0, 0.0
         stall = Stall(self.patience)
         compliance = problem.operator.self_compliance
         iteration = 0
@@ -50,21 +50,21 @@ class PolonskyKeer:
             iteration += 1
             free = constraint.free(pressure)
             contact_gap = gap.height * free
-            steepness = inner(contact_gap, contact_gap)
-            beta = conjugate * steepness / previous if previous > 0 else 0.0
+            squared_norm = inner(contact_gap, contact_gap)
+            beta = conjugate * squared_norm / previous_squared_norm if previous_squared_norm > 0 else 0.0
             direction = contact_gap + beta * direction * free
-            previous = steepness
+            previous_squared_norm = squared_norm
             if inner(contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
                 direction = contact_gap
             response = problem.operator(direction)
             if problem.resultant.approach is None:
                 response -= mean_over(free, response)
             curvature = inner(response, direction)
-            # the gap of a single cell in contact is its own mean: the others then close their own gaps
+            # the gap of a single cell deviates by nothing from its own mean: the other cells then close their own gaps
             step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance
             before, pressure = pressure, constraint.clip(pressure - step * direction)
-            bound = 1 - constraint.free(pressure)
-            trial = xp.maximum(pressure - step * gap.height * bound, 0)
+            at_limit = 1 - constraint.free(pressure)
+            trial = xp.maximum(pressure - step * gap.height * at_limit, 0)
             conjugate = 1.0 if xp.all(trial == pressure) else 0.0
             pressure = problem.make_admissible(trial)
             # not a descent direction after projection

@@ -33,7 +33,7 @@ GROUPS = {
     "accuracy": "Errors",
     "planning": "Plans",
     "io": "Files and datasets",
-    "problem": "The waist: problems, constraints, loads",
+    "problem": "Problems, constraints, resultants",
     "elasticity": "Operators and influence coefficients",
     "": "Other names",
 }

@@ -183,13 +183,13 @@ def test_what_a_constraint_admits_is_the_same(which: Constraint, device: Device)
     expected = (
         which.scale_to_load(trial.copy(), 10.0),
         which.project(trial.copy(), 10.0),
-        which.shift_to_load(trial.copy(), cells, 10.0),
+        which.project_to_load(trial.copy(), cells, 10.0),
     )
     with using(device):
         found = (
             which.scale_to_load(device.put(trial.copy()), 10.0),
             which.project(device.put(trial.copy()), 10.0),
-            which.shift_to_load(device.put(trial.copy()), device.put(cells), 10.0),
+            which.project_to_load(device.put(trial.copy()), device.put(cells), 10.0),
         )
     for one, two in zip(found, expected, strict=True):
         np.testing.assert_allclose(device.take(one), two, rtol=1e-14, atol=1e-15)

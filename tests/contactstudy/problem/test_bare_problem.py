@@ -96,7 +96,7 @@ def test_a_winkler_foundation_is_solved_by_its_start(scale: float) -> None:
     assert bed.residual(pressure, gap) < 1e-14
     for other in (replace(bed, elongation=31.0), replace(bed, elongation=1 / 31)):
         np.testing.assert_array_equal(other.winkler_start(), bed.uniform())
-    # springs tell nothing of their softness where all are equally high
+    # springs tell nothing of their compliance where all are equally high
     level = replace(bed, undeformed_gap=np.ones((2, 4)))
     np.testing.assert_allclose(level.winkler_start(), bed.uniform())
 

@@ -34,11 +34,11 @@ def test_the_chosen_cells_are_lowered_alike_or_scaled(
     total: float, shifted: tuple[float, ...]
 ) -> None:
     trial, cells = row(3.0, -1.0, 2.0, 0.5, 7.0), row(1.0, 1, 1, 1, 0)
-    assert WHICH.shift_to_load(trial, cells, total) == pytest.approx(row(*shifted), abs=1e-14)
+    assert WHICH.project_to_load(trial, cells, total) == pytest.approx(row(*shifted), abs=1e-14)
 
 
 def test_a_load_is_not_drowned_by_numbers_far_above_it() -> None:
-    found = WHICH.shift_to_load(row(1e20, 1.0, 2.0, -5.0), row(1.0, 1, 0, 1), 3.0)
+    found = WHICH.project_to_load(row(1e20, 1.0, 2.0, -5.0), row(1.0, 1, 0, 1), 3.0)
     # what is not chosen bears nothing
     assert found.tolist() == [[3, 0, 0, 0]]
 

@@ -61,7 +61,7 @@ def test_a_trial_carries_the_load_by_one_factor_up_to_the_hardness(
 def test_the_chosen_cells_are_shifted_where_they_can_make_up_for_the_others(
     total: float, levelled: tuple[float, ...]
 ) -> None:
-    found = WHICH.shift_to_load(row(5.0, 1.0, 2.0, -1.0), row(0.0, 1, 1, 0), total)
+    found = WHICH.project_to_load(row(5.0, 1.0, 2.0, -1.0), row(0.0, 1, 1, 0), total)
     assert found == pytest.approx(row(*levelled), abs=1e-12)
 
 

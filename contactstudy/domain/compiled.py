@@ -146,7 +146,11 @@ def products(
             along_gap += gap[i, j] * change
             shifted += change
         results[i, 0], results[i, 1], results[i, 2], results[i, 3] = (
-            count, residual_sum, downhill, along)
+            count,
+            residual_sum,
+            downhill,
+            along,
+        )
         results[i, 4], results[i, 5], results[i, 6] = over, along_gap, shifted
 
 

@@ -51,7 +51,11 @@ class PolonskyKeer:
             free = constraint.free(pressure)
             contact_gap = gap.height * free
             squared_norm = inner(contact_gap, contact_gap)
-            beta = conjugate * squared_norm / previous_squared_norm if previous_squared_norm > 0 else 0.0
+            beta = (
+                conjugate * squared_norm / previous_squared_norm
+                if previous_squared_norm > 0
+                else 0.0
+            )
             direction = contact_gap + beta * direction * free
             previous_squared_norm = squared_norm
             if inner(contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost

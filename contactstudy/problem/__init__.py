@@ -1,1 +1,3 @@
-"""The dimensionless problem: arrays, operator, constraint, resultant. Independent of any physical model. May import `elasticity` and `domain`."""
+"""The dimensionless problem: arrays, operator, constraint, resultant. Knows no physical model.
+
+May import `elasticity` and `domain`."""

@@ -128,8 +128,8 @@ class Constraint(Protocol):
 def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     """Shift a `trial` pressure by one value such that, cut off at 0 and `limit`, it has the sum `total`, in place.
 
-    The sum is piecewise linear in the shift, with a breakpoint where a cell comes into contact and where it reaches `limit`.
-    Source: Held, Wolfe & Crowder (1974), here with an upper limit.
+    The sum is piecewise linear in the shift, with a breakpoint where a cell comes into contact and where it reaches
+    `limit`. Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
     xp = arrays()
     # counted from the highest cell, so that the numbers have the size of the load where the pressure is
@@ -264,8 +264,8 @@ def load_multiplier(
 class HardnessLimited:
     """Constraint of a perfectly plastic contact: ``0 <= p <= hardness``.
 
-    Where the pressure is at the hardness the bodies may overlap, by the plastic indentation of the softer one. `hardness` is in the
-    unit of the pressure, above 0. Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
+    Where the pressure is at the hardness the bodies may overlap, by the plastic indentation of the softer one.
+    `hardness` is in the unit of the pressure, above 0. Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
     """
 
     hardness: float

@@ -1,4 +1,4 @@
-"""The verb: what a scene names decides, here and nowhere else, which method is imported and called."""
+"""Function solve, which chooses the method from the scene: static, time-dependent, rolling or lubricated."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,12 +19,12 @@ from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions
 
 if TYPE_CHECKING:
-    from contactstudy.accuracy.evidence import Judged
+    from contactstudy.accuracy.evidence import BoundedSolution
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.steps import TimeSteps
 
-# Iterations of a film at most, and the share of the accuracy asked for that its steps in time may take.
+# Iterations of a film at most, and the fraction of the accuracy asked for that its steps in time may take.
 FILM_ITERATIONS, STEPS = 300, 0.5
 # Rounds of refinement of a scene that is not at rest, whose error falls as its cells at least, the largest factor on the
 # cells along an axis in a round, and the most cells of its grid.
@@ -38,7 +38,7 @@ class Progress:
     Attributes
     ----------
     done
-        Share that is done, from 0 to 1.
+        Fraction that is done, from 0 to 1.
     text
         What has been reached, in words.
     pressure
@@ -292,16 +292,16 @@ class _Request:
         return contact_of(refined.solution, estimate=refined.estimate, requested=requested)
 
     @property
-    def _grid_shown(self) -> "Callable[[Judged], None] | None":
+    def _grid_shown(self) -> "Callable[[BoundedSolution], None] | None":
         """Function of the solution on a grid that reports it as progress; None if nobody asks."""
         report, requested = self.progress, self.requested
         if report is None or requested is None:
             return None
 
-        def show(rung: "Judged") -> None:
-            done, bound = min(requested / rung.bound, 1.0), f"{100 * rung.bound:.2g} % in L1"
-            text = f"{' x '.join(map(str, rung.grid.cells))} cells: {bound}"
-            report(Progress(done, text, rung.solution.pressure, rung.grid))
+        def show(level: "BoundedSolution") -> None:
+            done, bound = min(requested / level.bound, 1.0), f"{100 * level.bound:.2g} % in L1"
+            text = f"{' x '.join(map(str, level.grid.cells))} cells: {bound}"
+            report(Progress(done, text, level.solution.pressure, level.grid))
 
         return show
 

@@ -117,7 +117,7 @@ def _cells(solution: Solution) -> list[float]:
 
 
 def _finite(parts: ErrorParts | None) -> float:
-    """Return the error by the cells; 1 where it has no bound."""
+    """Return the discretisation error; 1 where it has no bound."""
     error = 1.0 if parts is None or parts.discretisation is None else parts.discretisation
     return error if error < inf else 1.0
 

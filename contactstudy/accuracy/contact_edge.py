@@ -1,4 +1,4 @@
-"""Edges of a smooth contact on cells of constant pressure: their place, and their error, by a law without parameters.
+"""Edges of a smooth contact on cells of constant pressure: their position, and their error, by a law without parameters.
 
 Beside a straight edge and many cells from any other, the cells see the half-plane's logarithm
 alone. In units of a cell, its coefficients ``K_j = -int ln|x| dx`` over cell j have the transform
@@ -54,7 +54,7 @@ def modes(count: int) -> Array:
 
 @cache
 def offset() -> float:
-    """Return the place of d = 0, in cells outward of the centre of the outermost touching cell."""
+    """Return the position of d = 0, in cells outward of the centre of the outermost touching cell."""
     slope = 0.0
     for node, weight in gauss(200):
         angle = np.pi * (node + 1) / 2
@@ -104,8 +104,8 @@ def edge_error(last: Array, inner: Array) -> Array:
     return np.asarray(np.interp(last / inner, ratio, error) * inner)
 
 
-def edge_place(last: Array, inner: Array) -> Array:
-    """Return the place of each edge, in cells outward of the centre of the last touching cell.
+def edge_position(last: Array, inner: Array) -> Array:
+    """Return the position of each edge, in cells outward of the centre of the last touching cell.
 
     Where a single cell touches, it is half-way between the innermost and the outermost place possible.
 
@@ -116,7 +116,7 @@ def edge_place(last: Array, inner: Array) -> Array:
     inner
         Pressure of the next cell inward; 0 where it does not touch.
     """
-    edge, _, _, outer, second = edge_renderings()
+    edge, _, _, outer, second = edge_discretisations()
     ratio = np.where(inner > 0, last / np.where(inner > 0, inner, 1), np.nan)
     place = np.interp(ratio, outer / second, edge)
     return np.asarray(np.where(inner > 0, place, sum(EDGE_RANGE) / 2))
@@ -124,25 +124,26 @@ def edge_place(last: Array, inner: Array) -> Array:
 
 def worst_edge_error() -> float:
     """Return the largest L1 error of an edge over cell^1.5, where the pressure is the root of the distance from it."""
-    _, at_centres, of_means, _, _ = edge_renderings()
+    _, at_centres, of_means, _, _ = edge_discretisations()
     return float(np.maximum(at_centres, of_means).max())
 
 
 @cache
 def _edge_errors() -> tuple[Array, Array]:
     """Return the ratio of the last two cells, and the L1 error over the inner one, for edges from inside outwards."""
-    edge, at_centres, of_means, last, inner = edge_renderings()
+    edge, at_centres, of_means, last, inner = edge_discretisations()
     error = np.maximum(at_centres, of_means)
     near = np.abs(edge[:, None] - edge) <= LEAP
     return last / inner, np.where(near, error / inner, 0).max(axis=1)
 
 
 @cache
-def edge_renderings() -> tuple[Array, Array, Array, Array, Array]:
-    """Return how the cells show an edge at several places, for a pressure like the root of the depth.
+def edge_discretisations() -> tuple[Array, Array, Array, Array, Array]:
+    """Return the pressure of the cells beside an edge at several positions, and its error.
 
-    Places of the edge, in cells outward of the last touching centre; L1 errors against the pressure at the centres, and
-    against its means in the cells; the pressures of the last touching cell, and of the next one inward.
+    The continuous pressure is the root of the distance from the edge. Returned are positions of the edge, in cells
+    outward of the last touching centre; L1 errors against the pressure at the centres, and against its means in the
+    cells; the pressures of the last touching cell, and of the next one inward.
     """
     amplitudes = powers()[1:3, :2]
     edge = np.linspace(*EDGE_RANGE, EDGE_STEPS)  # from the last centre
@@ -196,7 +197,7 @@ class _Edges:
     touching
         Number of cells that touch without a break, in each row.
     outward
-        Place of the edge, in cells outward of the centre of the last touching cell.
+        Position of the edge, in cells outward of the centre of the last touching cell.
     shape
         Coefficients (A, B, G) of the pressure ``sqrt(D) (A + B D + G D^2)`` at D cells inside the edge.
     strength

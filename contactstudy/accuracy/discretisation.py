@@ -1,9 +1,9 @@
-"""Errors by the cells of constant pressure, from the pressure found on them."""
+"""Discretisation errors of cells of constant pressure, from the pressure found on them."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.contact_edge import edge_error, edge_place
+from contactstudy.accuracy.contact_edge import edge_error, edge_position
 from contactstudy.domain.fields import Array
 
 # Change of a maximum over its second difference with the places of the edges in their cells: 1/16 between two
@@ -60,22 +60,22 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         # at an open end the cell stands for its own neighbour
         padded = with_ends(along, 1, wraps=is_periodic)
         before, after = padded[:-2], padded[2:]
-        bend = before + after
-        bend -= 2 * along
-        np.abs(bend, out=bend)
+        second_difference = before + after
+        second_difference -= 2 * along
+        np.abs(second_difference, out=second_difference)
         touching = padded > 0
-        l1 += (bend * (touching[:-2] & touching[1:-1] & touching[2:])).sum() / 12
+        l1 += (second_difference * (touching[:-2] & touching[1:-1] & touching[2:])).sum() / 12
         last, second = _ends(padded, touching)
         l1 += edge_error(last, second).sum()
         # a plateau ends half-way in its last cell, which has the mean pressure
         plateau = last[second >= level]
         l1 += np.minimum(plateau, level - plateau).sum()
         place = highest[::-1] if axis else highest
-        slope, bent = float(after[place] - before[place]) / 2, float(bend[place])
+        slope, curvature = float(after[place] - before[place]) / 2, float(second_difference[place])
         # the parabola's vertex is slope / bent cells away
-        beside += slope**2 / bent / 2 - bent / 24 if bent > 0 else 0.0
+        beside += slope**2 / curvature / 2 - curvature / 24 if curvature > 0 else 0.0
         around = touching[max(place[0] - 1, 0) : place[0] + 4, place[1]]
-        edges = max(edges, (EDGES if around.all() else BESIDE_EDGE) * bent)
+        edges = max(edges, (EDGES if around.all() else BESIDE_EDGE) * curvature)
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
 
 
@@ -118,7 +118,7 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
         # a plateau ends anywhere in its last cell; a straight one at the same place in every row
         smooth = second < highest
         ends = int(np.count_nonzero(smooth))
-        beyond = float((0.5 - edge_place(last[smooth], second[smooth])).sum())
+        beyond = float((0.5 - edge_position(last[smooth], second[smooth])).sum())
         uncertain = ALL * ends + EACH * ends**0.5 + HALF * (len(last) - ends)
         excess = max(excess, abs(beyond) + uncertain)
     share = excess / cells

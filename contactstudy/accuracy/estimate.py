@@ -13,8 +13,8 @@ from contactstudy.accuracy.discretisation import (
     discretisation,
 )
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
-from contactstudy.accuracy.sought_load import compared, pull_off_error
-from contactstudy.accuracy.subcell import CONFIDENCE, HeightsInside, Subcell
+from contactstudy.accuracy.sought_load import compare_grids, pull_off_error
+from contactstudy.accuracy.subcell import CONFIDENCE, Subcell, SubgridHeights
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
@@ -29,12 +29,12 @@ from contactstudy.solvers.solution import Solution, Status
 
 # Largest factor by which the approximate inverse is wrong, where the padding is a short window.
 MARGIN = 2.0
-# Ratio of the hidden share of the load to the error of smooth edges below which no coarser solution is needed.
+# Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed.
 SMOOTH = 0.25
-# Largest error in L1 over the hidden share of the load, and of the area over the share that may open. Two pressures of
-# one load differ by LARGEST at most.
+# Largest error in L1 over the hidden fraction of the load, and of the area over the fraction that may open. Two
+# pressures of one load differ by LARGEST at most.
 HIDDEN, LARGEST = 0.8, 2.0
-# Share of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
+# Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
 SHARP = 1e-3
 # Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement, whichever is
 # larger; and over the L1 error by images left out.
@@ -43,10 +43,10 @@ GAP, GAP_IMAGES = 0.12, 8.0
 FEW = 5
 # Pressure at a roller's end over the peak pressure, from which that end may have the peak.
 AT_END = 0.5
-# Under a coat more than STIFF_COAT times as stiff as its substrate, the pressure rises at the edges over a share of the
-# thickness t, up to SPIKE times that of a plate bent over the radius R, ``E t / R``, over the cube root of that ratio.
-# With IN_COAT cells in the thickness, the cells show it.
-STIFF_COAT, IN_COAT, SPIKE = 2.0, 2, 2 / 3
+# Under a coating more than STIFF_COATING times as stiff as its substrate, the pressure rises at the edges over part of
+# the thickness t, up to SPIKE times that of a plate bent over the radius R, ``E t / R``, over the cube root of that
+# ratio. With CELLS_IN_COATING cells in the thickness, the cells show it.
+STIFF_COATING, CELLS_IN_COATING, SPIKE = 2.0, 2, 2 / 3
 # Relative change of the attraction in the last pass, over the residual of a contact with adhesion at most.
 CHANGE_OF_ATTRACTION = 1e3
 SHARP_EDGE = "a sharp edge or corner"
@@ -54,7 +54,7 @@ UNKNOWN_HEIGHTS = (
     "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
     "known of them between the cell centres; make the problem from a Scene."
 )
-STANDING_OUT = (
+PROTRUDING = (
     "No bound for the discretisation error: between the cell centres the surface protrudes further than "
     "the contact flattens it; give more cells, or the shape's length scales in its `detail`."
 )
@@ -76,13 +76,13 @@ def error_estimate(
     solution: Solution,
     *,
     coarse: Solution | None = None,
-    heights: HeightsInside | None = None,
+    heights: SubgridHeights | None = None,
     confidence: float = CONFIDENCE,
 ) -> ErrorEstimate:
     """Estimate the errors of `solution`.
 
     Where heights and edges are smooth, the solution itself shows them. Otherwise the same contact is solved once more
-    on cells of twice the size, its heights sampled anew, and the heights are examined inside the cells. That costs
+    on cells of twice the size, its heights sampled again, and the heights are examined inside the cells. That costs
     up to two solves of a hundred cells a side, and half of one of some hundred. An error is infinite, with the
     reason in ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge,
     heights finer than the cells.
@@ -158,7 +158,7 @@ def error_estimate(
         ErrorParts(l1_images, cells.contact_area, l1_residual),
         ErrorParts(GAP_IMAGES * l1_images, cells.mean_gap, l1_residual),
         load=ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None,
-        pull_off=_of_separation(solution, cells.load),
+        pull_off=_at_pull_off(solution, cells.load),
         warnings=(
             *filter(None, (beyond_strength(solution),)),
             *cells.warnings,
@@ -167,14 +167,14 @@ def error_estimate(
     )
 
 
-def _is_separation(solution: Solution) -> bool:
-    """Return whether the solution is the last state before separation."""
+def _is_pull_off(solution: Solution) -> bool:
+    """Return whether the solution is the last stable state before pull-off."""
     return solution.adhesion is not None and solution.adhesion.lost is not None
 
 
-def _of_separation(solution: Solution, load: float | None) -> ErrorParts | None:
-    """Return the error of the load of separation; None where it was not sought."""
-    if load is None or not _is_separation(solution):
+def _at_pull_off(solution: Solution, load: float | None) -> ErrorParts | None:
+    """Return the error of the pull-off load; None where it was not sought."""
+    if load is None or not _is_pull_off(solution):
         return None
     return pull_off_error(solution, load)
 
@@ -188,14 +188,14 @@ def _spikes(problem: Problem) -> tuple[float, float, str]:
     if not isinstance(problem.description, PosedScene):
         return pressure, width, reason
     scene = problem.description.scene
-    for coat in filter(is_layered, scene.solids):
-        stiffer = coat.substrate.compliance / coat.compliance
-        cells = coat.thickness / problem.grid.cell[0]
-        if stiffer > STIFF_COAT and cells < IN_COAT:
+    for coating in filter(is_layered, scene.solids):
+        stiffer = coating.substrate.compliance / coating.compliance
+        cells = coating.thickness / problem.grid.cell[0]
+        if stiffer > STIFF_COATING and cells < CELLS_IN_COATING:
             curvature = 1 / scene.hertz.radius if scene.hertz is not None else 0.0
-            bending = coat.thickness * curvature / coat.compliance
+            bending = coating.thickness * curvature / coating.compliance
             pressure = max(pressure, SPIKE * bending / stiffer ** (1 / 3))
-            width = max(width, coat.thickness)
+            width = max(width, coating.thickness)
             reason = (
                 f"The grid has {cells:.2g} cells in a coating {stiffer:.3g} times as stiff as its substrate, which do "
                 f"not show how the pressure rises at the edges: the peak there is at most about {pressure:.3g} Pa."
@@ -204,7 +204,7 @@ def _spikes(problem: Problem) -> tuple[float, float, str]:
 
 
 def _cells(
-    solution: Solution, coarse: Solution | None, heights: HeightsInside | None, confidence: float
+    solution: Solution, coarse: Solution | None, heights: SubgridHeights | None, confidence: float
 ) -> _Cells:
     """Return the errors that the cells cause."""
     problem = solution.problem
@@ -214,23 +214,23 @@ def _cells(
     if reason := _cut_off(solution) or _unresolved_length(problem):
         return _Cells(inf, inf, inf, inf, (reason,))
     if solution.adhesion is not None or problem.resultant.approach is not None:
-        found = compared(solution, coarse)
+        found = compare_grids(solution, coarse)
         parts = found.peak_pressure, found.l1, found.contact_area, found.mean_gap
-        is_sought = problem.resultant.approach is not None or _is_separation(solution)
+        is_sought = problem.resultant.approach is not None or _is_pull_off(solution)
         return _Cells(*parts, found.warnings, found.load if is_sought else None)
-    heights = heights or HeightsInside.from_problem(problem, confidence)
+    heights = heights or SubgridHeights.from_problem(problem, confidence)
     if heights is None:
         return _Cells(inf, inf, inf, inf, (UNKNOWN_HEIGHTS,))
-    inside = heights.under(problem, solution.pressure)
-    if inside.stands_out:
-        return _Cells(inf, inf, inf, inf, (STANDING_OUT,))
+    inside = heights.effect_under(problem, solution.pressure)
+    if inside.protrudes:
+        return _Cells(inf, inf, inf, inf, (PROTRUDING,))
     peak, l1 = discretisation(pressure, wraps)
     area = contact_area(pressure, wraps)
-    yields = _at_hardness(solution)
+    at_hardness = _at_hardness(solution)
     ends = problem.source is not None and problem.source.ends_along
     regular = (
-        not (yields or (ends and pressure[:, [0, -1]].any()))
-        and _spot_width(pressure, wraps) >= FEW
+        not (at_hardness or (ends and pressure[:, [0, -1]].any()))
+        and _contact_width(pressure, wraps) >= FEW
     )
     if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
         changes = Change(0.0, 0.0, 0.0, 0.0)
@@ -243,7 +243,7 @@ def _cells(
     isolated = _has_isolated_cells(pressure)
     l1 = LARGEST if isolated else min(LARGEST, max(l1, changes.l1, HIDDEN * inside.uncertain))
     reason = ""
-    if yields:  # the peak pressure is the hardness
+    if at_hardness:  # the peak pressure is the hardness
         peak = 0.0
     elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
         peak = inf
@@ -253,7 +253,7 @@ def _cells(
         _Cells(
             peak,
             l1,
-            max(area, changes.contact_area, _relative_loss(HIDDEN * inside.opens)),
+            max(area, changes.contact_area, _relative_loss(HIDDEN * inside.area_loss)),
             _gap_error(solution, l1, changes.mean_gap, inside.mean),
             (reason,) if reason else (),
         )
@@ -270,22 +270,22 @@ def _cut_off(solution: Solution) -> str:
 
 
 def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> float:
-    """Return the relative error of the mean gap; infinite where that is no more than a rest of the iteration.
+    """Return the relative error of the mean gap; infinite where that is no more than the residual of the iteration.
 
     Parameters
     ----------
     solution
         The solution.
     l1
-        Error of the pressure in L1, by the cells.
+        Discretisation error of the pressure in L1.
     change
         Relative change of the gap from cells of twice the size.
     hidden
         Mean of the heights inside the cells below that at their centres [m].
     """
     touching, gap = solution.pressure > 0, solution.mean_gap
-    rest = float(np.abs(solution.gap[touching]).sum()) / touching.size
-    if not gap > 2 * rest:
+    residual = float(np.abs(solution.gap[touching]).sum()) / touching.size
+    if not gap > 2 * residual:
         return inf
     moved = GAP * l1 * max(float(solution.displacement.std()), gap)
     return max(change, moved / gap) + hidden / gap
@@ -314,12 +314,12 @@ def _has_isolated_cells(pressure: np.ndarray) -> bool:
     )
 
 
-def _relative_loss(share: float) -> float:
-    """Return the relative error of a quantity that may have lost or gained the given share of itself."""
-    return share / (1 - share) if share < 1 else inf
+def _relative_loss(fraction: float) -> float:
+    """Return the relative error of a quantity that may have lost or gained the given fraction of itself."""
+    return fraction / (1 - fraction) if fraction < 1 else inf
 
 
-def _spot_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
+def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
     """Return the number of cells that touch in a row through the peak pressure, along the axis with the fewest."""
     peak = np.unravel_index(np.argmax(pressure), pressure.shape)
     fewest = pressure.size
@@ -397,25 +397,27 @@ def _residual(solution: Solution) -> tuple[float, float]:
     # half as many digits take half the time
     inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= LARGE else None)
     cells = solution.problem.constraint.free(pressure).astype(inverse.real, copy=False)
-    closing, level = np.empty_like(cells), 0.0
+    correction, level = np.empty_like(cells), 0.0
 
     def of_cells(height: Array, gap: Array, cells: Array) -> None:
         np.multiply(gap / scales.gap, cells, out=height, casting="same_kind")
 
-    in_blocks(of_cells, closing, gap, cells)
+    in_blocks(of_cells, correction, gap, cells)
     if count := np.count_nonzero(cells):  # not where all pressures are at a limit
         extension = inverse.extension(cells)
-        closing = extension.pressure(extension(closing))
-        level = inner(closing, cells) / count
+        correction = extension.pressure(extension(correction))
+        level = inner(correction, cells) / count
 
-    def missing(pressure: Array, gap: Array, cells: Array, closing: Array) -> tuple[float, ...]:
+    def errors_in_block(
+        pressure: Array, gap: Array, cells: Array, correction: Array
+    ) -> tuple[float, ...]:
         # cells at a limit that should not be there, and the pressure that closes the others
-        bound = violation(pressure, gap, cells) / (scales.gap * compliance)
-        bound += np.abs((closing - level) * cells)
-        bound *= MARGIN * scales.pressure
-        return float(bound.sum()), float((pressure + bound).max())
+        pressure_error = violation(pressure, gap, cells) / (scales.gap * compliance)
+        pressure_error += np.abs((correction - level) * cells)
+        pressure_error *= MARGIN * scales.pressure
+        return float(pressure_error.sum()), float((pressure + pressure_error).max())
 
-    sums, peaks = zip(*in_blocks(missing, pressure, gap, cells, closing), strict=True)
+    sums, peaks = zip(*in_blocks(errors_in_block, pressure, gap, cells, correction), strict=True)
     l1 = float(sum(sums) / pressure.sum())
     # another cell may have the peak; and the inverse, which ignores the ends of a length that does not wrap, is more
     # accurate for the sum than for a single cell

@@ -1,4 +1,4 @@
-"""Error by the cells from several grids: changes between solutions beside the law of the cells."""
+"""Discretisation error from several grids: changes between solutions, and the errors that their cells show."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,26 +7,28 @@ from math import inf, log, sqrt
 import numpy as np
 
 from contactstudy.accuracy.coarser import change, halved
-from contactstudy.accuracy.contact_edge import edge_renderings
+from contactstudy.accuracy.contact_edge import edge_discretisations
 from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.subcell import HeightsInside
+from contactstudy.accuracy.subcell import SubgridHeights
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution
 
-# Powers of the cell with which errors fall: least, of smooth edges, and where a corner or a roller's end bears pressure.
-LEAST, SMOOTH, STEP = 0.5, 1.5, 1.0
-# Share of a coarser grid's error that remains, up to which its change tells of the error.
+# Orders of convergence: the least, of smooth edges, and where a corner or a roller's end is in contact.
+MIN_ORDER, SMOOTH_ORDER, STEP_ORDER = 0.5, 1.5, 1.0
+# Fraction of a coarser grid's error that remains, up to which its change is used to estimate the error.
 COARSER = 0.65
-# Share of the peak pressure that a corner adds at each halving of the cells, from which errors fall as at a step.
+# Fraction of the peak pressure that a corner adds at each halving of the cells, from which convergence is of first
+# order.
 CORNER = 0.01
-# Bound over the law of the cells, where all edges are smooth and where they are not, over the error that the changes
-# give, and over the share of the load whose cells hide heights: set on 260 random scenes, where true errors were half of
-# the bound in the median, and judged on 220 others with slightly smaller ones, where none was larger than the bound.
-BY_LAW, BY_LAW_AT_STEPS, BY_CHANGE, BY_HIDDEN = 0.8, 1.05, 1.6, 0.35
+# Bound over the errors that the cells show, where all edges are smooth and where they are not, over the error that the
+# changes give, and over the fraction of the load whose cells hide heights: set on 260 random scenes, where true errors
+# were half of the bound in the median, and judged on 220 others with slightly smaller ones, where none was larger than
+# the bound.
+BY_CELL_ERRORS, BY_CELL_ERRORS_AT_STEPS, BY_CHANGE, BY_HIDDEN = 0.8, 1.05, 1.6, 0.35
 # Relative L1 error over the length by which the cells make either end of a roller too long or too short.
 BY_END = 4.0
 # Error in the end row of a roller over its rise above the next row, where the cell is as long as the half-width.
@@ -34,7 +36,7 @@ BY_RISE = 0.4
 
 
 @dataclass(frozen=True)
-class Judged:
+class BoundedSolution:
     """A solution with the bounds that all grids solved so far give.
 
     Attributes
@@ -46,7 +48,7 @@ class Judged:
     cell_errors
         Errors (across, along) that the cells show, see :func:`cell_errors`.
     is_sharp
-        Whether a corner or a roller's end bears pressure, so that errors fall as slowly as at a step.
+        Whether a corner or a roller's end is in contact, so that convergence is of first order.
     """
 
     solution: Solution
@@ -65,25 +67,26 @@ class Judged:
         return self.estimate.l1.total
 
     @property
-    def cells_error(self) -> float:
-        """Part of the bound that the cells cause."""
+    def discretisation_error(self) -> float:
+        """Discretisation error, as part of the bound."""
         part = self.estimate.l1.discretisation
         return inf if part is None else part
 
     @property
-    def shares(self) -> tuple[float, float]:
-        """Shares (across, along) of the error by the cells."""
+    def fractions(self) -> tuple[float, float]:
+        """Contributions (across, along) to the discretisation error, as fractions of it."""
         across, along = self.cell_errors
         share = across / (across + along) if across + along else 1.0
         return share, 1 - share
 
 
-def judged(solution: Solution, coarser: Sequence[Solution]) -> Judged:
+def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     """Return `solution` with bounds by its own cells and by its change from `coarser` grids.
 
-    The L1 error by the cells is at most the estimate from one solution. In two dimensions many edges share in it, so
-    that what changes from grid to grid, with the rate at which it falls, and the law of the cells give a sharper bound
-    together. In one dimension a change may be small by the place of two edges in their cells, and is not used.
+    The discretisation error in L1 is at most the estimate from one solution. In two dimensions many edges share in it,
+    so that what changes from grid to grid, with its order of convergence, and the errors that the cells show give a
+    sharper bound together. In one dimension a change may be small by the place of two edges in their cells, and is not
+    used.
 
     Parameters
     ----------
@@ -93,40 +96,40 @@ def judged(solution: Solution, coarser: Sequence[Solution]) -> Judged:
         The same contact on coarser grids, the finest of them last.
     """
     problem = solution.problem
-    heights = HeightsInside.from_problem(problem)
+    heights = SubgridHeights.from_problem(problem)
     is_halved = bool(coarser) and coarser[-1].problem.grid == halved(problem.grid)
     coarse = coarser[-1] if is_halved else None
     estimate = error_estimate(solution, coarse=coarse, heights=heights)
-    inside = heights.under(problem, solution.pressure) if heights else None
-    is_sharp = (inside is not None and inside.corner > CORNER) or bool(_bearing_ends(solution))
-    found = Judged(solution, estimate, cell_errors(solution), is_sharp)
-    present = found.cells_error
+    inside = heights.effect_under(problem, solution.pressure) if heights else None
+    is_sharp = (inside is not None and inside.corner > CORNER) or bool(_loaded_ends(solution))
+    found = BoundedSolution(solution, estimate, cell_errors(solution), is_sharp)
+    present = found.discretisation_error
     if inside is None or not coarser or solution.pressure.shape[1] == 1 or present == inf:
         return found
     # the end of a roller within the grid hides a step as high as the roller is long
     hidden = 0.0 if _row_lengths(problem) is not None else inside.uncertain
-    by_cells = (BY_LAW_AT_STEPS if is_sharp else BY_LAW) * sum(found.cell_errors)
+    by_cells = (BY_CELL_ERRORS_AT_STEPS if is_sharp else BY_CELL_ERRORS) * sum(found.cell_errors)
     by_change = min(present, BY_CHANGE * error_by_change(found, coarser))
     bound = max(by_cells, by_change, BY_HIDDEN * hidden)
-    if not _bearing_ends(solution):  # of a sharp end the estimate from one solution shows little
+    if not _loaded_ends(solution):  # of a sharp end the estimate from one solution shows little
         bound = min(present, bound)
     return replace(found, estimate=replace(estimate, l1=replace(estimate.l1, discretisation=bound)))
 
 
-def error_by_change(fine: Judged, coarser: Sequence[Solution]) -> float:
-    """Return the relative L1 error that the changes of the pressure from coarser grids tell of the finest.
+def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float:
+    """Return the relative L1 error of the finest grid, estimated from the changes of the pressure from coarser grids.
 
     With errors ``s_x h_x^r + s_y h_y^r`` that are as good as random from grid to grid, the change between two grids has
-    the square of both errors. The power r is the larger of those with which the changes from two grids and the law of
-    the cells fall, within the limits of smooth edges and of steps. The last grid counts that is coarser along both axes.
+    the square of both errors. The order r is the larger of those of the changes from two grids and of the errors that
+    the cells show, within the limits of smooth edges and of steps. The last grid counts that is coarser along both axes.
     """
     errors: list[tuple[float, float]] = []
     for number in reversed(range(len(coarser))):
-        rate = _rate(fine, coarser[max(number - 1, 0) : number + 1])
+        order = _convergence_order(fine, coarser[max(number - 1, 0) : number + 1])
         remaining = sum(
-            share * (finer / coarse) ** rate
+            share * (finer / coarse) ** order
             for share, finer, coarse in zip(
-                fine.shares, fine.grid.cell, coarser[number].problem.grid.cell, strict=True
+                fine.fractions, fine.grid.cell, coarser[number].problem.grid.cell, strict=True
             )
         )
         if remaining < 1:
@@ -137,26 +140,26 @@ def error_by_change(fine: Judged, coarser: Sequence[Solution]) -> float:
     return min(errors, default=(inf, inf))[1]
 
 
-def _rate(fine: Judged, coarser: Sequence[Solution]) -> float:
-    """Return the power of the cell with which the error falls from one or two `coarser` grids to the finest."""
+def _convergence_order(fine: BoundedSolution, coarser: Sequence[Solution]) -> float:
+    """Return the order of convergence from one or two `coarser` grids to the finest."""
     changes = [change(fine.solution, solution).l1 for solution in coarser]
-    by_law = [sum(cell_errors(coarser[-1])), sum(fine.cell_errors)]
+    by_cell_errors = [sum(cell_errors(coarser[-1])), sum(fine.cell_errors)]
     areas = [solution.problem.grid.cell_area for solution in coarser]
-    rates = [LEAST]
+    orders = [MIN_ORDER]
     for errors, area in (
         (changes, areas[0] / areas[-1]),
-        (by_law, areas[-1] / fine.grid.cell_area),
+        (by_cell_errors, areas[-1] / fine.grid.cell_area),
     ):
         if len(errors) == 2 and min(errors) > 0 and area > 1:
-            rates.append(2 * log(errors[0] / errors[1]) / log(area))
-    return min(max(rates), STEP if fine.is_sharp else SMOOTH)
+            orders.append(2 * log(errors[0] / errors[1]) / log(area))
+    return min(max(orders), STEP_ORDER if fine.is_sharp else SMOOTH_ORDER)
 
 
 def cell_errors(solution: Solution) -> tuple[float, float]:
     """Return the relative L1 error of the pressure that each axis (across, along) shows in the cells of `solution`.
 
     These are the ends of rows of touching cells, by the law of the edge, and a 12th of the second differences within.
-    Cells that bear the hardness count as exact, as do those beside them. At the end of a roller that bears pressure, see
+    Cells that bear the hardness count as exact, as do those beside them. At the loaded end of a roller, see
     :func:`_end_error`.
     """
     problem, lengths = solution.problem, _row_lengths(solution.problem)
@@ -181,10 +184,10 @@ def _axis_error(along: Array, limited: Array, *, wraps: bool) -> float:
     exact = with_ends(limited, 1, wraps=wraps) > 0
     touching = padded > 0
     before, after = slice(None, -2), slice(2, None)
-    bends = np.abs(padded[before] + padded[after] - 2 * along)
+    second_differences = np.abs(padded[before] + padded[after] - 2 * along)
     within = touching[before] & touching[1:-1] & touching[after]
     within &= ~(exact[before] | exact[1:-1] | exact[after])
-    error = float(bends[within].sum()) / 12
+    error = float(second_differences[within].sum()) / 12
     for beyond, inward in ((before, after), (after, before)):
         ends = touching[1:-1] & ~touching[beyond] & ~exact[inward]
         error += float(edge_error_of_means(along[ends], padded[inward][ends]).sum())
@@ -204,20 +207,20 @@ def edge_error_of_means(last: Array, inner: Array) -> Array:
     inner
         Pressure of the next cell inward; 0 where it does not touch.
     """
-    _, _, error, outer, second = edge_renderings()
+    _, _, error, outer, second = edge_discretisations()
     ratio = outer / second
     inner = np.maximum(inner, last / ratio[-1])
     return np.asarray(np.interp(last / inner, ratio, error / second) * inner)
 
 
 def _end_error(solution: Solution) -> float:
-    """Return the relative L1 error at the ends of a roller that bear pressure, beyond that of second differences.
+    """Return the relative L1 error at the loaded ends of a roller, beyond that of second differences.
 
     Towards a sharp end the pressure rises like the inverse root of the distance from it, within about a half-width a.
     The end row misses ``BY_RISE (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make the
     roller too long or too short.
     """
-    ends, grid, pressure = _bearing_ends(solution), solution.problem.grid, solution.pressure
+    ends, grid, pressure = _loaded_ends(solution), solution.problem.grid, solution.pressure
     if not ends:
         return 0.0
     total, error = float(pressure.sum()), 0.0
@@ -232,8 +235,8 @@ def _end_error(solution: Solution) -> float:
     return error + BY_END * abs(np.count_nonzero(lengths) - length) / 2 / length
 
 
-def _bearing_ends(solution: Solution) -> list[tuple[int, int]]:
-    """Return the rows at the ends of a roller that bear pressure, each with the next one inward."""
+def _loaded_ends(solution: Solution) -> list[tuple[int, int]]:
+    """Return the rows at the loaded ends of a roller, each with the next one inward."""
     problem, count = solution.problem, solution.pressure.shape[1]
     if count < 2 or problem.source is None or not problem.source.ends_along:
         return []
@@ -244,6 +247,6 @@ def _bearing_ends(solution: Solution) -> list[tuple[int, int]]:
 
 
 def _row_lengths(problem: Problem) -> Array | None:
-    """Return the length of a roller in each row of cells, over that of a cell; None where none ends within the grid."""
+    """Return the fraction of each row of cells that a roller covers (y,); None where none ends within the grid."""
     lengths = getattr(problem.source, "row_lengths", lambda _: None)(problem.grid)
     return None if lengths is None else np.asarray(lengths)

@@ -1,4 +1,4 @@
-"""Warnings about solutions that cannot be meant, with the unit that was likely mistaken."""
+"""Warnings about implausible solutions, with the unit that was likely mistaken."""
 
 from math import inf, sqrt
 
@@ -18,7 +18,7 @@ SOFT = 1e3
 
 
 def implausible(solution: Solution) -> str:
-    """Return one sentence about numbers that cannot be meant, with the unit that was likely mistaken; else ``""``."""
+    """Return one sentence about implausible numbers, with the unit that was likely mistaken; else ``""``."""
     posed = solution.problem.description
     if not isinstance(posed, PosedScene) or not np.isfinite(solution.pressure).all():
         return ""
@@ -54,7 +54,7 @@ def beyond_strength(solution: Solution) -> str:
     """Return a sentence if the peak pressure is beyond the hardness or the first yield of an elastic body, or ``""``.
 
     Hardness and yield strength are those of the bodies, the load at first yield that of the smooth line contact. Nothing
-    is said of a body that yields, nor beside ``Scene.hardness``, which caps the pressure.
+    is said of a body that yields, nor together with ``Scene.hardness``, which caps the pressure.
     """
     posed = solution.problem.description
     if not isinstance(posed, PosedScene) or posed.scene.hardness < inf:

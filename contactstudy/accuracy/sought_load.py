@@ -10,7 +10,7 @@ from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import CohesiveTraction, Solution
 from contactstudy.solvers.solve import SolveOptions
 
-# Pull-off load of a cylinder over that in the limit of short ranges, by Tabor's parameter, for the exponential law;
+# Pull-off load of a cylinder over its JKR limit (large Tabor parameter), by that parameter, for the exponential law;
 # found on grids of 1024 to 4096 cells.
 PULL_OFF = (
     (0.0536, 0.3304),
@@ -23,13 +23,13 @@ PULL_OFF = (
 )
 # Errors fall in proportion to the cell, so that the change from cells of twice the size is the error of these.
 MARGIN = 1.5
-# The part of a pull-off load that the cells may add by trapping the edge of the contact, by the cells in the zone.
+# The part of a pull-off load that coarse cells may add by trapping the edge of the contact, by the cells in the zone.
 TRAPPED = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
 
 @dataclass(frozen=True)
-class Compared:
-    """Relative errors of a contact by the cells, and the load on cells of twice the size [N/m]."""
+class GridComparison:
+    """Relative discretisation errors of a contact from two grids: of its fields, and of its load per length."""
 
     l1: float
     peak_pressure: float
@@ -39,17 +39,17 @@ class Compared:
     warnings: tuple[str, ...] = ()
 
 
-def compared(solution: Solution, coarse: Solution | None) -> Compared:
+def compare_grids(solution: Solution, coarse: Solution | None) -> GridComparison:
     """Return the errors of `solution` by its change from cells of twice the size; infinite where these do not touch."""
     attraction = None if solution.adhesion is None else solution.adhesion.traction
     coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
     if coarse is None or coarse.status.is_failure or not coarse.pressure.any():
         why = "there is no solution" if coarse is None else "the bodies do not touch"
         reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
-        return Compared(inf, inf, inf, inf, inf, (reason,))
+        return GridComparison(inf, inf, inf, inf, inf, (reason,))
     changes = change(solution, coarse)
     own, other = solution.load_per_length, coarse.load_per_length
-    return Compared(
+    return GridComparison(
         MARGIN * changes.l1,
         MARGIN * abs(changes.peak_pressure),
         MARGIN * changes.contact_area,
@@ -60,19 +60,20 @@ def compared(solution: Solution, coarse: Solution | None) -> Compared:
 
 
 def range_warning(solution: Solution) -> tuple[str, ...]:
-    """Return a sentence on how far the attraction is from the limit of short ranges, where it stands for that."""
+    """Return a sentence on how far the adhesion is from the JKR limit, where its range was chosen for the grid."""
     adhesion = solution.adhesion
     if adhesion is None or not adhesion.regularised or adhesion.tabor is None:
         return ()
+    below = reduction_below_jkr(adhesion.tabor)
     return (
         f"The range of the attraction, {adhesion.range:.3g} m, is the shortest that this grid can hold: the pull-off "
-        f"load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {short_of_limit(adhesion.tabor):.1%} "
+        f"load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {below:.1%} "
         "below the JKR limit.",
     )
 
 
 def pull_off_error(solution: Solution, load: float) -> ErrorParts:
-    """Return the error of the load of separation of `solution`, whose relative error by the cells is `load`."""
+    """Return the error of the pull-off load of `solution`, whose relative discretisation error is `load`."""
     adhesion, held = solution.adhesion, solution.load_per_length
     assert adhesion is not None
     assert adhesion.lost is not None
@@ -88,10 +89,10 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
 
 
 def _range_error(solution: Solution, adhesion: CohesiveTraction, held: float) -> float | None:
-    """Return the error of a load of separation by a range that stands for the limit of short ones; None for others.
+    """Return the error of a pull-off load by a range chosen for the grid in place of the JKR limit; None for others.
 
     It is that of a cylinder with this Tabor parameter, or the change from the range of cells of twice the size, which on
-    other surfaces decides over more than the edge of one contact.
+    other surfaces affects more than the edge of one contact.
     """
     problem = solution.problem
     posed = problem.description
@@ -101,11 +102,11 @@ def _range_error(solution: Solution, adhesion: CohesiveTraction, held: float) ->
         posed.scene.problem(halved(problem.grid), posed.padding)
     )
     changed = abs(longer.load_per_length - held) / abs(held) if held else inf
-    return max(changed, short_of_limit(adhesion.tabor) if adhesion.tabor else 0.0)
+    return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)
 
 
-def short_of_limit(tabor: float) -> float:
-    """Return by how much the pull-off load of a cylinder is below the limit of short ranges, relative to it."""
+def reduction_below_jkr(tabor: float) -> float:
+    """Return by how much the pull-off load of a cylinder is below its JKR limit, relative to it."""
     known = [parameter for parameter, _ in PULL_OFF]
     place = min(max(bisect_left(known, tabor), 1), len(known) - 1)
     (low, below), (high, above) = PULL_OFF[place - 1 : place + 1]

@@ -20,7 +20,7 @@ POINTS, AT_CORNERS, DENSE = 4, 32, 48
 LINES, SPARSE = 64, 4
 # Probability with which a feature is found, unless another is asked for.
 CONFIDENCE = 0.95
-# Share of a cell's area above which a feature is found with the requested confidence.
+# Fraction of a cell's area above which a feature is found with the requested confidence.
 FEATURE = 0.03
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
@@ -28,9 +28,9 @@ STEPS = 0.7548776662466927, 0.5698402909980532
 # Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``: it is pi / 2 and pi for waves of two
 # cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
 RISE = 2.5
-# Largest share of the second difference of the centres that cubics miss of a feature which the centres show.
+# Largest fraction of the second difference of the centres that cubics miss of a feature which the centres show.
 SHOWN = 0.5
-# Share of the bend between two neighbouring points that those beside do not have, from which it is a corner.
+# Fraction of the slope change between two neighbouring points that those beside do not have, from which it is a corner.
 CORNER = 0.7
 # The cubic through the last four points of a row, at the second and the first place beyond them.
 BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
@@ -49,27 +49,27 @@ class Subcell:
     Attributes
     ----------
     uncertain
-        Share of the load whose cells hide heights.
+        Fraction of the load whose cells hide heights.
     corner
         Largest rise at a corner in the contact when the cells are halved, over the peak pressure.
-    stands_out
-        Whether the surface stands out of a cell so far that it would carry more than the peak pressure there.
+    protrudes
+        Whether the surface protrudes from a cell so far that it would carry more than the peak pressure there.
     rise
-        Share of the peak pressure by which hidden heights may raise it.
-    opens
-        Share of the contact that may open: the hidden pressure over that of each cell, at most 1, in the mean.
+        Fraction of the peak pressure by which hidden heights may raise it.
+    area_loss
+        Fraction of the contact that may open: the hidden pressure over that of each cell, at most 1, in the mean.
     mean
         Mean of the heights inside the cells below that at their centres [m].
     kink
-        Share by which the peak pressure may still rise on finer cells under a height ``|x|^n`` with n below 2.
+        Fraction by which the peak pressure may still rise on finer cells under a height ``|x|^n`` with n below 2.
     """
 
     uncertain: float
     corner: float
-    stands_out: bool
+    protrudes: bool
     rise: float = 0.0
     kink: float = 0.0
-    opens: float = 0.0
+    area_loss: float = 0.0
     mean: float = 0.0
 
 
@@ -77,16 +77,16 @@ class Subcell:
 class _HiddenAlong:
     """Heights hidden inside the cells along one `axis`, examined on some lines (across, along).
 
-    What cubics through the centres miss, `missed`, and what stands out, `standing`, are heights [m]; `corner` and `kink`
-    are slopes; `mean` is the mean height of the points below that of the centres [m]. The `kink` is None for shapes that
-    name their scales.
+    What cubics through the centres miss, `missed`, and what protrudes, `protrusion`, are heights [m]; `corner` and
+    `kink` are slopes; `mean` is the mean height of the points below that of the centres [m]. The `kink` is None for
+    shapes that name their scales.
     """
 
     axis: int
     mean: float
     missed: Array
     corner: Array
-    standing: Array
+    protrusion: Array
     kink: Array | None = None
 
     def in_rows(self, heights: Array, rows: slice, cells: tuple[int, ...]) -> Array:
@@ -106,7 +106,7 @@ class _HiddenAlong:
 
 
 @dataclass(frozen=True, eq=False)
-class HeightsInside:
+class SubgridHeights:
     """Heights inside the cells of a grid, which are the same under any pressure.
 
     Attributes
@@ -123,7 +123,7 @@ class HeightsInside:
     @classmethod
     def from_problem(
         cls, problem: Problem, confidence: float = CONFIDENCE
-    ) -> "HeightsInside | None":
+    ) -> "SubgridHeights | None":
         """Return the heights inside the cells of `problem`, or None where they are not known.
 
         They are evaluated along lines through the cell centres, and for shapes that name no scales also at points off
@@ -150,36 +150,36 @@ class HeightsInside:
         except InvalidInput:
             return None
 
-    def under(self, problem: Problem, pressure: Array) -> Subcell:
-        """Return what the heights hide where `pressure` (x, y) [Pa] acts, and in the cells beside."""
+    def effect_under(self, problem: Problem, pressure: Array) -> Subcell:
+        """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the cells beside."""
         rows = around_contact(pressure)
-        bearing = pressure[rows]
-        beside = _with_neighbours(bearing, problem)
-        hidden, standing = np.zeros_like(bearing), np.zeros_like(bearing)
+        loaded = pressure[rows]
+        beside = _with_neighbours(loaded, problem)
+        hidden, protrusion = np.zeros_like(loaded), np.zeros_like(loaded)
         corner = kink = mean = 0.0
         for part in self.along:
             modulus = _modulus(problem, part.axis)
             stiffness, halving = modulus / problem.grid.cell[part.axis], modulus * log(2) / (2 * pi)
             hidden += part.in_rows(part.missed, rows, pressure.shape) * stiffness
-            standing += part.in_rows(part.standing, rows, pressure.shape) * stiffness
+            protrusion += part.in_rows(part.protrusion, rows, pressure.shape) * stiffness
             corner = max(corner, part.largest(part.corner, beside, rows, pressure.shape) * halving)
             if part.kink is not None:
                 kink = max(kink, part.largest(part.kink, beside, rows, pressure.shape) * halving)
             mean += abs(part.mean)
-        peak = float(bearing.max())
-        risen = bearing + RISE * hidden
+        peak = float(loaded.max())
+        risen = loaded + RISE * hidden
         if self.off_lines is not None:
-            missed, stands, narrow, unseen = (field[rows] for field in self.off_lines)
+            missed, protrusion_off_lines, narrow, unseen = (field[rows] for field in self.off_lines)
             stiffness = max(_modulus(problem, axis) / problem.grid.cell[axis] for axis in (0, 1))
             hidden = np.maximum(hidden, missed * stiffness)
-            standing = np.maximum(standing, stands * stiffness)
-            risen = np.maximum(risen, bearing + RISE * unseen * stiffness / narrow)
+            protrusion = np.maximum(protrusion, protrusion_off_lines * stiffness)
+            risen = np.maximum(risen, loaded + RISE * unseen * stiffness / narrow)
         rise = float(risen[beside > 0].max(initial=peak)) / peak - 1
-        stands_out = bool((standing[beside > 0] > peak).any())
-        touching = bearing > 0
-        opens = float((np.minimum(hidden, bearing)[touching] / bearing[touching]).mean())
-        hides = float(np.minimum(hidden, beside, out=hidden).sum() / bearing.sum())
-        return Subcell(hides, corner / peak, stands_out, rise, kink / peak, opens, mean)
+        protrudes = bool((protrusion[beside > 0] > peak).any())
+        touching = loaded > 0
+        area_loss = float((np.minimum(hidden, loaded)[touching] / loaded[touching]).mean())
+        hides = float(np.minimum(hidden, beside, out=hidden).sum() / loaded.sum())
+        return Subcell(hides, corner / peak, protrudes, rise, kink / peak, area_loss, mean)
 
 
 def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong | None:
@@ -206,7 +206,7 @@ def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong
         beside = slice(begin, begin + together)
         parts = centres[:, beside], points[:, beside]
         heights = HeightsAlong.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
-        of_any = heights.missed, heights.corner(), heights.standing
+        of_any = heights.missed, heights.corner(), heights.protrusion
         of_unknown = () if source.names_scales else (heights.kink(),)
         examined.append((*of_any, *of_unknown))
     on_lines = [
@@ -232,7 +232,7 @@ def mean_height(source: Source, grid: Grid, gap: Array) -> float:
 
 @dataclass(frozen=True)
 class _Beside(Grid):
-    """A grid whose points lie beside the centres of the cells, by the shares `aside` (across, along) of a cell."""
+    """A grid whose points lie beside the centres of the cells, by the fractions `aside` (across, along) of a cell."""
 
     aside: tuple[float, float]
 
@@ -246,10 +246,10 @@ class _Beside(Grid):
 
 
 def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
-    """Return what cubics through the centres miss off their lines [m], what stands out [m], and its width in cells.
+    """Return what cubics through the centres miss off their lines [m], what protrudes [m], and its width in cells.
 
     The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell. With the probability
-    ``(1 - q)^k`` none of k random points in a cell hits a feature over the share q of it; points of low discrepancy
+    ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q of it; points of low discrepancy
     leave smaller holes. Each point is examined in all cells at once.
     """
     from scipy import ndimage  # imported late: as slow to import as everything else
@@ -281,14 +281,19 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         np.minimum(lowest, points, out=lowest)
     # above all centres about a cell: a step between two of them hides no height
     mode = tuple("wrap" if is_periodic else "nearest" for is_periodic in wraps)
-    stands = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
+    protrusion_off_lines = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
     largest = count * missed**2
     share = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
     shown = np.zeros(grid.cells)
     for axis, is_periodic in enumerate(wraps):
         padded = _extended(axis_first(centres, axis), wraps=is_periodic)[1:-1]
         np.maximum(shown, axis_first(np.abs(np.diff(padded, n=2, axis=0)), axis), out=shown)
-    return missed, stands, np.sqrt(2 * share / pi), np.maximum(missed - SHOWN * shown, 0)
+    return (
+        missed,
+        protrusion_off_lines,
+        np.sqrt(2 * share / pi),
+        np.maximum(missed - SHOWN * shown, 0),
+    )
 
 
 def _cubics(extended: Array, places: tuple[float, ...]) -> Array:
@@ -362,7 +367,7 @@ class HeightsAlong:
     ----------
     missed
         What a cubic through the centres misses in each cell [m].
-    bends
+    slope_changes
         Change of the slope at each point (n points, ...), above zero where it points out of the body.
     wraps
         Whether the axis wraps.
@@ -373,7 +378,7 @@ class HeightsAlong:
     """
 
     missed: Array
-    bends: Array
+    slope_changes: Array
     wraps: bool
     padded: Array
     heights: Array
@@ -391,32 +396,32 @@ class HeightsAlong:
         missed = _cubics(padded, tuple((point + 0.5) / points - 0.5 for point in range(points)))
         missed -= heights.swapaxes(0, 1)
         missed = np.abs(missed, out=missed).max(axis=0)
-        bends = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
+        slope_changes = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
         rounding = 8 * np.finfo(float).eps * max(inside.max(), -inside.min())
-        bends[np.abs(bends) < rounding] = 0.0
-        bends *= points / step
+        slope_changes[np.abs(slope_changes) < rounding] = 0.0
+        slope_changes *= points / step
         if not wraps:
-            bends[[0, -1]] = 0.0
-        return cls(missed, bends, wraps, padded, heights)
+            slope_changes[[0, -1]] = 0.0
+        return cls(missed, slope_changes, wraps, padded, heights)
 
     @property
-    def standing(self) -> Array:
+    def protrusion(self) -> Array:
         """Heights above the centres of a cell and of both beside it (n, ...) [m]: a step between two hides no height."""
         lowest = np.minimum(np.minimum(self.padded[1:-3], self.padded[2:-2]), self.padded[3:-1])
         return np.asarray(np.maximum(lowest - self.heights.min(axis=1), 0))
 
     @cached_property
     def _outward(self) -> Array:
-        """Bends that point out of the body (n points, ...); zero elsewhere."""
-        return np.maximum(self.bends, 0)
+        """Slope changes that point out of the body (n points, ...); zero elsewhere."""
+        return np.maximum(self.slope_changes, 0)
 
     @cached_property
     def _in_cells(self) -> tuple[Array, Array]:
-        """Outward bends of pairs of neighbouring points (n points, ...), and the same by cells (n, points, ...)."""
-        bends = self._outward
-        pairs = np.empty_like(bends)
-        np.add(bends[:-1], bends[1:], out=pairs[:-1])
-        np.add(bends[-1], bends[0], out=pairs[-1])
+        """Outward slope changes of pairs of neighbours (n points, ...), and the same by cells (n, points, ...)."""
+        slope_changes = self._outward
+        pairs = np.empty_like(slope_changes)
+        np.add(slope_changes[:-1], slope_changes[1:], out=pairs[:-1])
+        np.add(slope_changes[-1], slope_changes[0], out=pairs[-1])
         return pairs, pairs.reshape(len(self.missed), -1, *pairs.shape[1:])
 
     def corner(self) -> Array:
@@ -426,11 +431,11 @@ class HeightsAlong:
         as much on either side.
         """
         all_pairs, pairs = self._in_cells
-        bends = np.abs(self.bends)
-        slope = all_pairs - np.roll(bends, 1, axis=0) - np.roll(bends, -2, axis=0)
+        slope_changes = np.abs(self.slope_changes)
+        slope = all_pairs - np.roll(slope_changes, 1, axis=0) - np.roll(slope_changes, -2, axis=0)
         slope[slope <= CORNER * all_pairs] = 0.0
         steepest = slope.reshape(pairs.shape).max(axis=1)
-        usual = bends.reshape(pairs.shape).mean(axis=1)
+        usual = slope_changes.reshape(pairs.shape).mean(axis=1)
         return np.where(steepest > usual, steepest, 0.0)
 
     def kink(self) -> Array:

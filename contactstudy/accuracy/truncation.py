@@ -1,4 +1,4 @@
-"""Errors by the images that a padding leaves out."""
+"""Truncation errors: those of the images that a padding leaves out."""
 
 import numpy as np
 

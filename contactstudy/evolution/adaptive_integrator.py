@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.subcell import HeightsInside
+from contactstudy.accuracy.subcell import SubgridHeights
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
@@ -293,9 +293,9 @@ class AdaptiveIntegrator:
         return norm / total if total else 0.0
 
     @cached_property
-    def _heights(self) -> HeightsInside | None:
+    def _heights(self) -> SubgridHeights | None:
         """Heights inside the cells, which all instants share."""
-        return HeightsInside.from_problem(self.stepper.problem)
+        return SubgridHeights.from_problem(self.stepper.problem)
 
     def _grid_error(self, solution: Solution) -> tuple[ErrorParts, tuple[str, ...]]:
         """Estimate the error by the grid of this instant's contact, and give the reasons for what has no bound.

@@ -6,7 +6,7 @@ from math import acosh, erf, inf, lcm, log2, sqrt
 
 import numpy as np
 
-from contactstudy.accuracy.estimate import IN_COAT, STIFF_COAT
+from contactstudy.accuracy.estimate import CELLS_IN_COATING, STIFF_COATING
 from contactstudy.accuracy.expected_error import l1_factor, smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
@@ -310,11 +310,11 @@ class Needs:
         messages = []
         for coat in self.coats:
             stiffer = coat.substrate.compliance / coat.compliance
-            if stiffer > STIFF_COAT and grid.cell[0] > coat.thickness / IN_COAT:
+            if stiffer > STIFF_COATING and grid.cell[0] > coat.thickness / CELLS_IN_COATING:
                 messages.append(
                     f"Grid.cells[0] is {grid.cells[0]}: {coat.thickness / grid.cell[0]:.2g} cells in a coating "
                     f"{stiffer:.3g} times as stiff as its substrate, where little is known of the error, give "
-                    f"{int(np.ceil(IN_COAT * grid.extent[0] / coat.thickness))} for a bound."
+                    f"{int(np.ceil(CELLS_IN_COATING * grid.extent[0] / coat.thickness))} for a bound."
                 )
         hertz = self.hertz
         if hertz.half_width > THIN * hertz.radius:

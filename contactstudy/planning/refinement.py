@@ -10,7 +10,13 @@ from scipy import fft
 
 from contactstudy.accuracy.coarser import halved
 from contactstudy.accuracy.estimate import SHARP_EDGE
-from contactstudy.accuracy.evidence import LEAST, SMOOTH, STEP, Judged, judged
+from contactstudy.accuracy.evidence import (
+    MIN_ORDER,
+    SMOOTH_ORDER,
+    STEP_ORDER,
+    BoundedSolution,
+    bounded,
+)
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
@@ -83,7 +89,7 @@ def solve_to(
     start: Array | None = None,
     on: Device = Cpu(),  # noqa: B008 (a frozen value)
     most_cells: int = 2_000_000,
-    progress: Callable[[Judged], object] | None = None,
+    progress: Callable[[BoundedSolution], object] | None = None,
 ) -> Refined:
     """Solve a dry scene that neither changes in time nor rolls, to a relative L1 error of the pressure.
 
@@ -177,8 +183,11 @@ def reaching(
         seconds += BETWEEN * (marks[-1] - marks[-2]) * finer**BY_CELLS
     found = GridForecast(
         last.grid,
-        (last.cells_error * last.shares[0], last.cells_error * last.shares[1])
-        if last.cells_error < inf
+        (
+            last.discretisation_error * last.fractions[0],
+            last.discretisation_error * last.fractions[1],
+        )
+        if last.discretisation_error < inf
         else (inf, 0.0),
         rates,
         climb.fewest(grid.extent),
@@ -200,11 +209,13 @@ class Climb:
     options: SolveOptions
     on: Device
     most_cells: int
-    progress: Callable[[Judged], object] | None = None
+    progress: Callable[[BoundedSolution], object] | None = None
 
-    def rungs(self, extent: tuple[float, float], start: Array | None = None) -> list[Judged]:
+    def rungs(
+        self, extent: tuple[float, float], start: Array | None = None
+    ) -> list[BoundedSolution]:
         """Return the grids solved, the last of which keeps the error or cannot be refined."""
-        rungs: list[Judged] = []
+        rungs: list[BoundedSolution] = []
         grid: Grid | None = self.first(extent)
         solved: list[Solution] = []
         is_last, widths = False, 0
@@ -218,10 +229,10 @@ class Climb:
                     widths += 1
                     rungs, solved, start, grid = [], [], None, self._as_wide(grid, width)
                     continue
-                rung = judged(solution, solved)
+                rung = bounded(solution, solved)
                 if rung.bound <= self.error and not is_last:
                     solution = self._solved(grid, solution.pressure, self.options)
-                    rung = judged(solution, solved)
+                    rung = bounded(solution, solved)
                 rungs.append(rung)
                 solved.append(solution)
                 if self.progress is not None:
@@ -291,7 +302,7 @@ class Climb:
         wider = max(width / grid.extent[0], 1.0)
         return self.grid(grid.cells[0] * wider, grid.cells[1], (width, grid.extent[1]))
 
-    def next_grid(self, rungs: list[Judged]) -> tuple[Grid | None, bool]:
+    def next_grid(self, rungs: list[BoundedSolution]) -> tuple[Grid | None, bool]:
         """Return the next grid to solve, None where the error is kept or out of reach; and whether it should keep it."""
         last, limit = rungs[-1], float(self.most_cells)
         present = prod(last.grid.cells)
@@ -300,7 +311,9 @@ class Climb:
         wanted = self.wanted(rungs)
         if prod(wanted) > limit:
             missed = (
-                last.cells_error / self._allowed(last) * (present / limit) ** self._overall(rungs)
+                last.discretisation_error
+                / self._allowed(last)
+                * (present / limit) ** self._overall(rungs)
             )
             limit = min(ENOUGH, limit) if OUT_OF_REACH < missed < inf else limit
             wanted = _scaled(wanted, ALMOST * limit / prod(wanted))
@@ -314,28 +327,28 @@ class Climb:
             grid = self.grid(*wanted, last.grid.extent)
         return (grid if prod(grid.cells) > present else None), is_last
 
-    def is_kept(self, rung: Judged) -> bool:
+    def is_kept(self, rung: BoundedSolution) -> bool:
         """Return whether the error by the cells is no larger than it may be."""
-        return rung.cells_error <= self._allowed(rung)
+        return rung.discretisation_error <= self._allowed(rung)
 
-    def _allowed(self, rung: Judged) -> float:
+    def _allowed(self, rung: BoundedSolution) -> float:
         """Return the error that the cells may have: what the other parts leave, but no less than half of these."""
-        others = rung.bound - rung.cells_error if rung.bound < inf else 0.0
+        others = rung.bound - rung.discretisation_error if rung.bound < inf else 0.0
         return max(self.error - others, 0.5 * others)
 
-    def wanted(self, rungs: list[Judged]) -> tuple[float, float]:
+    def wanted(self, rungs: list[BoundedSolution]) -> tuple[float, float]:
         """Return the fewest cells (across, along) whose bound is expected to keep the error."""
         last = rungs[-1]
         nx, ny = last.grid.cells
         fewest = self.fewest(last.grid.extent)
-        present = last.cells_error
+        present = last.discretisation_error
         if present == inf:
             return max(TWICE * nx, fewest[0]), max(TWICE * ny, fewest[1]) if ny > 1 else 1.0
         factor = present / (ALMOST * self._allowed(last))
         if ny == 1:
             return max(nx * factor ** (1 / self.rate(rungs, 0)), LEAST_STEP * nx), 1.0
         (across, along), (rate_x, rate_y) = (
-            last.shares,
+            last.fractions,
             (self.rate(rungs, axis) for axis in (0, 1)),
         )
         # least product of both counts under the sum of both errors: r_x times the error across is r_y times that along
@@ -357,24 +370,24 @@ class Climb:
             counts = [count * (LEAST_STEP / grown) ** 0.5 for count in counts]
         return max(counts[0], fewest[0]), max(counts[1], fewest[1])
 
-    def rate(self, rungs: list[Judged], axis: int) -> float:
+    def rate(self, rungs: list[BoundedSolution], axis: int) -> float:
         """Return the power of the cell with which the error along an axis is expected to fall."""
         at_ends = self.needs.roller > 0 and axis == 0  # the edges across a roller are smooth
-        usual = STEP if rungs[-1].is_sharp and not at_ends else SMOOTH
+        usual = STEP_ORDER if rungs[-1].is_sharp and not at_ends else SMOOTH_ORDER
         if len(rungs) < 2 or rungs[-1].grid.cells[1] == 1:
             return usual
         (coarse, fine) = ((rung.cell_errors[axis], rung.grid.cells[axis]) for rung in rungs[-2:])
         if fine[1] < 1.2 * coarse[1] or not 0 < fine[0] < coarse[0]:
             return usual
         observed = log(coarse[0] / fine[0]) / log(fine[1] / coarse[1])
-        return float(np.clip((observed + usual) / 2, LEAST, SMOOTH))
+        return float(np.clip((observed + usual) / 2, MIN_ORDER, SMOOTH_ORDER))
 
-    def _overall(self, rungs: list[Judged]) -> float:
+    def _overall(self, rungs: list[BoundedSolution]) -> float:
         """Return the power of the number of cells with which the error is expected to fall."""
         rates = [self.rate(rungs, axis) for axis in (0, 1)]
         return rates[0] if rungs[-1].grid.cells[1] == 1 else 1 / (1 / rates[0] + 1 / rates[1])
 
-    def obstacle(self, rungs: list[Judged]) -> str:
+    def obstacle(self, rungs: list[BoundedSolution]) -> str:
         """Return what stands in the way of the error; empty where the last grid keeps it."""
         last = rungs[-1]
         if last.bound <= self.error:
@@ -384,7 +397,7 @@ class Climb:
         for cause, share in last.estimate.l1.by_cause.items():
             if cause in OTHERS and share >= self.error:
                 return f"{OTHERS[cause][0]} {100 * share:.2g} %: {OTHERS[cause][1]}."
-        grown = (last.cells_error / self._allowed(last)) ** (1 / self._overall(rungs))
+        grown = (last.discretisation_error / self._allowed(last)) ** (1 / self._overall(rungs))
         cells = f"{prod(last.grid.cells) * grown:.1g}"
         return f"it would take about {cells} cells, and {self.most_cells:,} are allowed."
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from contactstudy.accuracy.contact_edge import EDGE_RANGE, edge_place
+from contactstudy.accuracy.contact_edge import EDGE_RANGE, edge_position
 from contactstudy.accuracy.discretisation import ALL, EACH, HALF, contact_area
 
 OPEN, CLOSED = (False, False), (True, True)
@@ -19,7 +19,7 @@ def relative(cells: float, touching: int) -> float:
 
 def beyond(last: float, inner: float) -> float:
     """How much of the last cell the contact leaves free."""
-    return 0.5 - float(edge_place(np.array([last]), np.array([inner]))[0])
+    return 0.5 - float(edge_position(np.array([last]), np.array([inner]))[0])
 
 
 def test_both_ends_of_a_row_add_up_with_their_signs() -> None:

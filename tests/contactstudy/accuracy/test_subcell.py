@@ -11,8 +11,8 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.subcell import (
     HeightsAlong,
-    HeightsInside,
     Subcell,
+    SubgridHeights,
     _lines,
     _modulus,
     _off_lines,
@@ -34,12 +34,12 @@ def along(
     heights: Any, points: int = 4, *, wraps: bool = False
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     found = sampled(heights, points, wraps=wraps)
-    return found.missed[:, 0], found.standing[:, 0], found.corner()[:, 0]
+    return found.missed[:, 0], found.protrusion[:, 0], found.corner()[:, 0]
 
 
 def subcell(problem: cs.Problem, pressure: np.ndarray, confidence: float) -> Subcell | None:
-    heights = HeightsInside.from_problem(problem, confidence)
-    return None if heights is None else heights.under(problem, pressure)
+    heights = SubgridHeights.from_problem(problem, confidence)
+    return None if heights is None else heights.effect_under(problem, pressure)
 
 
 def sampled(heights: Any, points: int, *, wraps: bool = False) -> HeightsAlong:
@@ -106,10 +106,10 @@ def test_what_stands_out_is_measured_from_the_centres_of_three_cells() -> None:
             found[4 * 7 + 3] -= 0.4
         return found
 
-    _, stands, _ = along(heights)
+    _, protrusion_off_lines, _ = along(heights)
     # the point lies at 3/8 beyond the centre of the eighth cell, at 0.75 m; the cell before has its at 0.25 m
-    assert stands[7] == pytest.approx(0.025 - (0.1 * (0.75 + 0.375 * STEP) - 0.4))
-    assert np.count_nonzero(stands > 0.03) == 1
+    assert protrusion_off_lines[7] == pytest.approx(0.025 - (0.1 * (0.75 + 0.375 * STEP) - 0.4))
+    assert np.count_nonzero(protrusion_off_lines > 0.03) == 1
 
 
 def test_what_stands_out_off_the_lines_is_measured_from_the_centres_of_nine_cells() -> None:
@@ -131,9 +131,9 @@ def test_what_stands_out_off_the_lines_is_measured_from_the_centres_of_nine_cell
     problem: Any = SimpleNamespace(
         source=SimpleNamespace(gap=gap), grid=grid, paddings=(cs.ZeroPadding(), cs.ZeroPadding())
     )
-    stands = _off_lines(problem, 0.9)[1]
-    assert [stands[place] for place in ((7, 5), (3, 5), (5, 7), (5, 3))] == [0.5] * 4
-    assert stands[6, 6] == 0
+    protrusion_off_lines = _off_lines(problem, 0.9)[1]
+    assert [protrusion_off_lines[place] for place in ((7, 5), (3, 5), (5, 7), (5, 3))] == [0.5] * 4
+    assert protrusion_off_lines[6, 6] == 0
 
 
 def test_lines_beside_each_other_are_at_most_64_or_every_fourth() -> None:
@@ -191,13 +191,13 @@ def test_a_hidden_height_counts_by_the_pressure_that_would_flatten_it(
     assert found is not None
     # a hundredth of the pressure of one cell of four
     assert found.uncertain == pytest.approx(0.01 / 4)
-    assert not found.stands_out
+    assert not found.protrudes
     # at most all that the cell bears
     much = subcell(replace(problem, source=source(1e3 * little)), pressure, 0.95)
     assert much is not None
     assert much.uncertain == pytest.approx(1 / 4)
     # the cell may open, and one of four is
-    assert much.opens == pytest.approx(1 / 4)
+    assert much.area_loss == pytest.approx(1 / 4)
     assert much.corner == 0
     # 2.5 times the pressure that would flatten it adds to that of the cell
     assert found.rise == pytest.approx(2.5 * 0.01)
@@ -205,10 +205,10 @@ def test_a_hidden_height_counts_by_the_pressure_that_would_flatten_it(
     assert found.mean == pytest.approx(little / 64)
     out = subcell(replace(problem, source=source(-101 * little, known=False)), pressure, 0.95)
     assert out is not None
-    assert out.stands_out
+    assert out.protrudes
     less = subcell(replace(problem, source=source(-99 * little, known=False)), pressure, 0.95)
     assert less is not None
-    assert not less.stands_out
+    assert not less.protrudes
     assert subcell(replace(problem, source=None), pressure, 0.95) is None
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.sought_load import short_of_limit
+from contactstudy.accuracy.sought_load import reduction_below_jkr
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
 # R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts
@@ -107,10 +107,10 @@ def test_a_load_at_a_given_approach_has_a_bound_that_holds_the_load_of_a_fine_gr
 def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> (
     None
 ):
-    assert short_of_limit(1.073) == pytest.approx(1 - 0.95807, abs=1e-4)
-    assert 0.008 < short_of_limit(1.5) < 0.0419
-    assert short_of_limit(0.01) <= 1
-    assert short_of_limit(8.0) < short_of_limit(4.29) == pytest.approx(0.0009, abs=1e-4)
+    assert reduction_below_jkr(1.073) == pytest.approx(1 - 0.95807, abs=1e-4)
+    assert 0.008 < reduction_below_jkr(1.5) < 0.0419
+    assert reduction_below_jkr(0.01) <= 1
+    assert reduction_below_jkr(8.0) < reduction_below_jkr(4.29) == pytest.approx(0.0009, abs=1e-4)
 
 
 @pytest.mark.parametrize(

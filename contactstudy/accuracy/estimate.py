@@ -169,7 +169,7 @@ def error_estimate(
 
 def _is_pull_off(solution: Solution) -> bool:
     """Return whether the solution is the last stable state before pull-off."""
-    return solution.adhesion is not None and solution.adhesion.lost is not None
+    return solution.adhesion is not None and solution.adhesion.first_unstable_load is not None
 
 
 def _at_pull_off(solution: Solution, load: float | None) -> ErrorParts | None:

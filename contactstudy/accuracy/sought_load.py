@@ -76,11 +76,11 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
     """Return the error of the pull-off load of `solution`, whose relative discretisation error is `load`."""
     adhesion, held = solution.adhesion, solution.load_per_length
     assert adhesion is not None
-    assert adhesion.lost is not None
+    assert adhesion.first_unstable_load is not None
     trapped = next(share for cells, share in TRAPPED if adhesion.cells_in_zone >= cells)
     return ErrorParts(
         discretisation=load + trapped,
-        residual=abs(held - adhesion.lost) / abs(held) if held else inf,
+        residual=abs(held - adhesion.first_unstable_load) / abs(held) if held else inf,
         range=_range_error(solution, adhesion, held),
         reason=""
         if load < inf and held

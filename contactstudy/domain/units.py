@@ -13,7 +13,7 @@ class Unit:
     example: str
 
 
-BYTES = Unit("byte", "a memory", "4 GB")
+BYTES = Unit("byte", "an amount of memory", "4 GB")
 SECONDS = Unit("s", "a time", "2 min")
 
 Metres = Annotated[float, Unit("m", "a length", "10 mm")]
@@ -23,7 +23,7 @@ JoulesPerSquareMetre = Annotated[float, Unit("J/m^2", "a work per area", "50 mJ/
 Newtons = Annotated[float, Unit("N", "a load", "2 kN")]
 PerMetre = Annotated[float, Unit("1/m", "a spin", "0.5 1/m")]
 PerPascal = Annotated[float, Unit("1/Pa", "a wear coefficient", "1e-17 1/Pa")]
-PressureViscosity = Annotated[float, Unit("1/Pa", "a share per pressure", "20 1/GPa")]
+PressureViscosity = Annotated[float, Unit("1/Pa", "a pressure-viscosity coefficient", "20 1/GPa")]
 ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)")]
 HeatCapacity = Annotated[float, Unit("J/(m^3*K)", "a heat capacity", "3.6 MJ/(m^3*K)")]
 PerKelvin = Annotated[float, Unit("1/K", "a fraction per temperature", "0.04 1/K")]

@@ -131,7 +131,7 @@ def _of_adhesion(
     }  # fmt: skip
     if adhesion.tabor is not None:
         numbers["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor's parameter", 0.0, "")
-    if adhesion.lost is not None:
+    if adhesion.first_unstable_load is not None:
         held = Quantity(-solution.load_per_length, "N m-1", "pull-off load")
         numbers = {"pull_off": bounded(held, estimate.pull_off, estimate.warnings)} | numbers
     return numbers
@@ -198,7 +198,9 @@ def _of_creepage(
     given = ErrorParts(discretisation=0.0) if traction.creepage_given else None
     return {
         "creepage": bounded(creepage, given),
-        "frictional_power": bounded(power, ErrorParts(discretisation=traction.outside + error)),
+        "frictional_power": bounded(
+            power, ErrorParts(discretisation=traction.power_outside_contact + error)
+        ),
     }
 
 

@@ -215,7 +215,7 @@ def _sheared(traction: Traction | None) -> dict[str, xr.Variable]:
             ),
             "rigid_displacement": labelled(
                 loop,
-                traction.rigid,
+                traction.rigid_displacement,
                 "m",
                 "rigid displacement of the first body along x after each step",
             ),

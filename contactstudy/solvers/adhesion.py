@@ -1,4 +1,4 @@
-"""Adhesion: a cohesive traction that falls with the gap, frozen in each ordinary contact and found anew after it.
+"""Adhesion: a cohesive traction that falls with the gap, frozen in each ordinary contact and updated after it.
 
 With the pressure p, the cohesive traction t and the undeformed gap h the contact is
 
@@ -11,8 +11,8 @@ raises the energy. Anderson's (1965) mixing of the last tractions accelerates it
 energy.
 
 The traction that a plain pass makes grows with the one that it begins with. From no traction the passes rise to the
-least adhesive state, that of bodies which approach from afar; from the largest traction everywhere they fall to the most
-adhesive one, that of bodies which leave full contact.
+least adhesive state, the approach (jump-in) branch; from the largest traction everywhere they fall to the most adhesive
+one, the separation branch.
 
 Source: Tao & Hoai An (1997), Acta Math. Vietnam. 22, 289 (difference of convex functions).
 """
@@ -84,7 +84,7 @@ class Adhesive:
         return self.continued(solution.adhesion.traction)
 
     def separated(self, error: float) -> "PullOffSearch":
-        """Return the search for the load of separation to a relative `error`."""
+        """Return the search for the pull-off load to a relative `error`."""
         return PullOffSearch(self, error)
 
     def solved(
@@ -103,23 +103,23 @@ class Adhesive:
 
 # Iterations of each load in a search, over those of a solve.
 MORE_ITERATIONS = 10
-# Pull beyond the last load held, over the attraction of all cells, until a load is lost.
-PULL = 0.25
+# Step of the load below the last stable one, over the sum of the adhesive traction, until a load is unstable.
+LOAD_STEP = 0.25
 
 
 @dataclass(frozen=True, eq=False)
 class PullOffSearch:
-    """Search for the largest pull that a contact with adhesion holds, from the load of its problem on.
+    """Search for the pull-off load of a contact with adhesion, from the load of its problem on.
 
-    The load is lowered until it is lost, and bisected between the last load held and the first lost. Each of them begins
-    with the last state that was held.
+    The load is lowered until no equilibrium is found, and bisected between the last stable load and the first unstable
+    one. Each solve begins with the last stable state.
 
     Parameters
     ----------
     adhesive
         Law of adhesion.
     error
-        Difference of both loads over the first lost.
+        Difference of both loads over the first unstable one.
     """
 
     adhesive: Adhesive
@@ -132,39 +132,41 @@ class PullOffSearch:
     def solved(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
-        """Return the last state that was held; its part `adhesion` has the first load lost."""
+        """Return the last stable state; its part `adhesion` has the first unstable load."""
         assert isinstance(problem.resultant, PrescribedLoad)
-        held = self.adhesive.solved(problem, options, start, on)
-        iterations, convolutions = held.iterations, held.convolutions
-        load, lost = problem.resultant.total, -inf
-        # states near the last held one take long to be lost
+        last_stable = self.adhesive.solved(problem, options, start, on)
+        iterations, convolutions = last_stable.iterations, last_stable.convolutions
+        load, first_unstable = problem.resultant.total, -inf
+        # just beyond the last stable load the iteration takes long to detach
         options = replace(options, max_iterations=MORE_ITERATIONS * options.max_iterations)
-        while held.status in HELD and (lost == -inf or load - lost > self.error * abs(lost)):
-            assert held.adhesion is not None
-            pull = PULL * float(held.adhesion.traction.sum())
-            trial = load - pull if lost == -inf else (load + lost) / 2
-            traction_displacement = replace(problem, resultant=PrescribedLoad(trial))
-            state = self.adhesive.after(held).solved(
-                traction_displacement, options, held.pressure, on
+        while last_stable.status in EQUILIBRIUM and (
+            first_unstable == -inf or load - first_unstable > self.error * abs(first_unstable)
+        ):
+            assert last_stable.adhesion is not None
+            pull = LOAD_STEP * float(last_stable.adhesion.traction.sum())
+            trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
+            lowered = replace(problem, resultant=PrescribedLoad(trial))
+            state = self.adhesive.after(last_stable).solved(
+                lowered, options, last_stable.pressure, on
             )
             iterations += state.iterations
             convolutions += state.convolutions
             if state.status is Status.DETACHED:
-                lost = trial
+                first_unstable = trial
             else:
-                load, held = trial, state
-        assert held.adhesion is not None
+                load, last_stable = trial, state
+        assert last_stable.adhesion is not None
         line = problem.grid.cell_area / problem.grid.period
         part = replace(
-            held.adhesion,
+            last_stable.adhesion,
             branch=self.adhesive.branch.value,
-            lost=lost * line if lost > -inf else None,
+            first_unstable_load=first_unstable * line if first_unstable > -inf else None,
         )
-        return replace(held, iterations=iterations, convolutions=convolutions, adhesion=part)
+        return replace(last_stable, iterations=iterations, convolutions=convolutions, adhesion=part)
 
 
 # Outcomes in which a state is one of equilibrium.
-HELD = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_EDGE)
+EQUILIBRIUM = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_EDGE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +219,7 @@ class _Passes:
             if last is not None and self._negligible(traction, traction_displacement, last):
                 return self._ended(adhesive, replace(last, change=0.0))
             state = (
-                self._passed(traction, traction_displacement, load, pressure, inner)
+                self._solve_frozen(traction, traction_displacement, load, pressure, inner)
                 if load > 0
                 else None
             )
@@ -236,7 +238,7 @@ class _Passes:
             last, pressure = state, state.contact.pressure
             self.energies.append(state.energy)
             exact = self._inner(inner) <= self.options.tolerance
-            if (state.change <= tolerance and exact) or self._spent():
+            if (state.change <= tolerance and exact) or self._limit_reached():
                 return self._ended(adhesive, state)
             if state.change <= tolerance:
                 inner = 0.0  # once more, to the tolerance of the contact
@@ -269,7 +271,7 @@ class _Passes:
         allowed = fraction * self.law.range / self.problem.scales.gap
         return max(self.options.tolerance, allowed)
 
-    def _spent(self) -> bool:
+    def _limit_reached(self) -> bool:
         """Return whether the iterations of all passes have reached their limit."""
         return self.iterations + self.count > self.options.max_iterations
 
@@ -282,7 +284,7 @@ class _Passes:
         carried = float(last.contact.pressure.sum())
         return exact and moved <= allowed * problem.scales.gap and added <= allowed * carried
 
-    def _passed(
+    def _solve_frozen(
         self,
         traction: Array,
         traction_displacement: Array,

@@ -69,7 +69,7 @@ class CoulombNewton:
     def __init__(self, slip: SlipOperator, limit: Array, total: Array | None = None) -> None:
         self._operator, self._shape, self._cells = slip, limit.shape, np.flatnonzero(limit)
         self._disks = Disks(limit.ravel()[self._cells], total)
-        self._rho = 1 / slip.own
+        self._rho = 1 / slip.self_compliance
         self.applications = 0
 
     @property

@@ -20,14 +20,14 @@ from contactstudy.solvers.solve import SolveOptions
 
 @dataclass(frozen=True, eq=False)
 class FrettingShear:
-    """Shear under tangential forces that follow one another, added to the pressure of a frictionless contact.
+    """Shear under successive tangential forces, added to the pressure of a frictionless contact.
 
     Parameters
     ----------
     coefficient
         Coefficient of friction mu.
     fractions
-        Tangential forces along x over mu P, each between -1 and 1, from none on.
+        Tangential forces along x over mu P, each between -1 and 1, from 0 on.
     response
         Displacement under shear, A.
     """
@@ -39,7 +39,7 @@ class FrettingShear:
     def solved(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
-        """Return the normal contact with the shear after the last force, and what all of them did."""
+        """Return the normal contact with the shear after the last force, and the history of slip."""
         normal = options.solved(problem, start, on)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
@@ -72,11 +72,11 @@ class FrettingShear:
             method="fretting, Newton",
             passes=applications,
             forces=np.array([0.0, *fractions]) * limit.sum() * problem.grid.cell_area,
-            rigid=np.array(moved),
+            rigid_displacement=np.array(moved),
             shears=np.array(shears),
             slip_distance=slid,
             energy=limit * slid,
-            cycle_from=first,
+            cycle_start=first,
         )
         return replace(
             normal,

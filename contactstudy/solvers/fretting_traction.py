@@ -10,32 +10,32 @@ from contactstudy.solvers.solution import Traction
 
 @dataclass(frozen=True, eq=False)
 class FrettingTraction(Traction):
-    """Shear on the first body after the last of several tangential forces, and what happened in the last cycle.
+    """Shear on the first body after the last of several tangential forces, and the slip of the last cycle.
 
-    The last cycle begins when the last force acted before; without one it is all that happened.
+    The last cycle begins where the last force acted before; the whole history counts if no cycle is complete.
 
     Parameters
     ----------
     forces
-        Tangential forces (steps + 1,) [N] on the grid, from none on.
-    rigid
-        Rigid displacement along x (steps + 1,) [m] of the first body against the second, from none on.
+        Tangential forces (steps + 1,) [N] on the grid, from 0 N on.
+    rigid_displacement
+        Rigid displacement along x (steps + 1,) [m] of the first body against the second, from 0 m on.
     shears
         Shear after each force (step, component, x, y) [Pa].
     slip_distance
         Distance slipped in the last cycle (x, y) [m].
     energy
         Energy lost to friction in the last cycle, per area (x, y) [J/m^2].
-    cycle_from
+    cycle_start
         Index of the first force of the last cycle.
     """
 
     forces: Array
-    rigid: Array
+    rigid_displacement: Array
     shears: Array
     slip_distance: Array
     energy: Array
-    cycle_from: int
+    cycle_start: int
 
     @property
     def largest_shear(self) -> float:

@@ -21,8 +21,8 @@ MAX_PASSES = 200
 class FullSliding:
     """Full sliding along x: the traction ``coefficient * pressure`` on the first body, and its reaction on the second.
 
-    `coupling` maps shear [Pa] to normal displacement [m]; None where both bodies give way alike, so that shear does not
-    change the pressure.
+    `coupling` maps shear [Pa] to normal displacement [m]; None for elastically similar bodies (Dundurs' beta = 0), so
+    that shear does not change the pressure.
     """
 
     coefficient: float
@@ -65,7 +65,7 @@ class FullSliding:
 class CiavarellaJaeger:
     """Shear as a difference of two normal contacts: ``q = mu (p(P) - p(P - Q / mu))``.
 
-    Cells stick where the second contact presses. It is exact where the surface gives way along x as it does along z up
+    Cells stick where the second contact presses. It is exact where the compliance along x is that along z up
     to a factor: in plane strain, and where Poisson's ratio is zero. `coefficient` is mu; `fraction` is Q / (mu P),
     between -1 and 1. Source: Ciavarella (1998), Int. J. Solids Struct. 35, 2349; Jaeger (1998).
     """

@@ -152,7 +152,7 @@ def solve_coupled(
         residual=max(solution.residual, change),
         iterations=iterations,
         convolutions=convolutions,
-        note=" ".join(filter(None, (solution.note, f"{passes} passes over the shear."))),
+        note=" ".join(filter(None, (solution.note, f"{passes} outer iterations over the shear."))),
     )
 
 

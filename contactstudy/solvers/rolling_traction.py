@@ -45,8 +45,8 @@ class RollingTraction(Traction):
         Rigid slip of the second against the first body; found where the tangential force is given.
     power
         Frictional power per area (x, y) [W/m^2], from the mean of the shear before and after a step of one cell.
-    outside
-        Part of the power that falls outside the contact, relative: the error of the power by the size of the cells.
+    power_outside_contact
+        Fraction of the power outside the contact: the error of the power by the size of the cells.
     force_error
         Estimated error of the tangential force over the load, by coarser grids; infinite where there is none.
     creepage_given
@@ -56,6 +56,6 @@ class RollingTraction(Traction):
     slip: Array
     creepage: Creepage
     power: Array
-    outside: float
+    power_outside_contact: float
     force_error: float
     creepage_given: bool

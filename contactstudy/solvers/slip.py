@@ -13,8 +13,8 @@ class SlipOperator(Protocol):
     """Linear map D from shear to slip, both (component, x, y); its symmetric part is positive."""
 
     @property
-    def own(self) -> float:
-        """Slip of a cell under its own unit shear, for a rigid shift of all cells none."""
+    def self_compliance(self) -> float:
+        """Slip of a cell under its own unit shear, relative to the mean slip of all cells."""
         ...
 
     def __call__(self, shear: Array) -> Array:
@@ -32,7 +32,7 @@ class SlipAtRest:
     def __init__(self, response: ShearResponse) -> None:
         self._response = response
         own = _coefficients(response.xx)
-        self.own = float(own[0, 0] - own.mean())
+        self.self_compliance = float(own[0, 0] - own.mean())
         self._inverse = _inverses(response)
 
     def __call__(self, shear: Array) -> Array:
@@ -61,7 +61,7 @@ class RollingSlip:
         rows = response.xx.padded[0]
         waves = np.exp(2j * np.pi * self._ahead / rows * np.arange(rows))
         self._slip = response.times((1 - waves)[:, None] / abs(step))
-        self.own = float(_coefficients(self._slip.xx)[0, 0])
+        self.self_compliance = float(_coefficients(self._slip.xx)[0, 0])
         self._inverse = _inverses(response)
 
     def __call__(self, shear: Array) -> Array:

@@ -50,12 +50,12 @@ class Status(Enum):
         "give Grid.extent a larger width"
     )
     FILM_BELOW_CELL = (
-        "converged, but the film is thinner than the surfaces part over one cell, in the inlet or beside the "
+        "converged, but the film is thinner than the change of the gap over one cell, in the inlet or beside the "
         "smallest film, which may be more than 10 % off: give more cells across"
     )
     SEVERAL_FILMS = (
-        "converged, but another film was found at the same speed, as ridges are higher than the film can follow: this "
-        "is that of the start, or of a cold one, give more cells across"
+        "converged, but the film equation has another solution at the same speed, as ridges are higher than the film "
+        "can follow: this is the one reached from the start given, or from a cold start, give more cells across"
     )
     YIELD_AT_EDGE = (
         "converged, but plastic strain reaches the edge of the width and is cut off there: "
@@ -108,7 +108,7 @@ class Traction:
     method
         Method, in words.
     passes
-        Number of passes or iterations it took.
+        Number of outer (fixed-point) iterations, or of iterations.
     """
 
     shear: Array
@@ -120,9 +120,9 @@ class Traction:
 class Branch(Enum):
     """History of an adhesive contact, which decides between several states of equilibrium."""
 
-    #: Bodies that approach from afar: the least adhesive state.
+    #: Approach (jump-in) branch: the least adhesive state.
     FROM_AFAR = "from afar"
-    #: Bodies that leave full contact: the most adhesive state.
+    #: Separation branch: the most adhesive state.
     FROM_FULL_CONTACT = "from full contact"
     #: Bodies that come from the state before.
     CONTINUED = "continued"
@@ -130,30 +130,31 @@ class Branch(Enum):
 
 @dataclass(frozen=True, eq=False)
 class CohesiveTraction:
-    """Attraction between the bodies of a contact with adhesion.
+    """Adhesive traction between the bodies of a contact with adhesion.
 
     Parameters
     ----------
     traction
-        Attraction (x, y) [Pa], which is not part of the pressure.
+        Adhesive traction (x, y) [Pa], which is not part of the pressure.
     branch
         History that the state belongs to, in words.
     energies
-        Energy [J] of the deformed bodies, the load and the attraction after each pass, relative to bodies far apart.
+        Energy [J] of the deformed bodies, the load and the adhesive traction after each pass, relative to bodies far
+        apart.
     cells_in_zone
-        Number of cells in the cohesive zone, over which the attraction falls at the edge of a contact.
+        Number of cells in the cohesive zone, over which the traction falls at the edge of a contact.
     tabor
-        Tabor's parameter, the elastic deformation over the range of the attraction; None without a curved shape.
+        Tabor's parameter, the elastic deformation over the range of the traction; None without a curved shape.
     regularised
         Whether the range was chosen for the grid, in place of the limit of short ranges.
     edge_fraction
-        Attraction at the open edges over the largest.
+        Adhesive traction at the open edges over the largest.
     passes
         Number of contacts solved.
     range
-        Range of the attraction [m]: the work of adhesion over the largest attraction.
-    lost
-        First load [N/m] that the contact did not hold, where its pull-off was sought; else None.
+        Range of the traction [m]: the work of adhesion over the largest traction.
+    first_unstable_load
+        First load [N/m] without equilibrium in contact, where the pull-off load was sought; else None.
     """
 
     traction: Array
@@ -165,11 +166,11 @@ class CohesiveTraction:
     edge_fraction: float
     passes: int
     range: float
-    lost: float | None = None
+    first_unstable_load: float | None = None
 
     @property
     def energy(self) -> float:
-        """Energy [J] of the deformed bodies, the load and the attraction, relative to bodies far apart."""
+        """Energy [J] of the deformed bodies, the load and the adhesive traction, relative to bodies far apart."""
         return self.energies[-1]
 
 
@@ -205,7 +206,7 @@ class Solution:
     traction
         Shear of a scene with friction; None without.
     adhesion
-        Attraction of a scene with adhesion; None without.
+        Adhesive traction of a scene with adhesion; None without.
     """
 
     problem: Problem
@@ -223,7 +224,7 @@ class Solution:
 
     @property
     def load_per_length(self) -> float:
-        """Load per length that the pressure carries, less the attraction [N/m]."""
+        """Load per length that the pressure carries, less the adhesive traction [N/m]."""
         grid = self.problem.grid
         load = self.pressure.sum()
         if self.adhesion is not None:

@@ -35,7 +35,7 @@ from contactstudy.solvers.solve import SolveOptions
 COARSEST = 24
 # Residual on coarser grids, whose own error is larger.
 COARSE_TOLERANCE = 1e-3
-# Passes between pressure and shear of unlike bodies.
+# Outer iterations between pressure and shear of elastically dissimilar bodies.
 MAX_PASSES = 60
 # Distance [cells] within which the edge of stick is found.
 EDGE = 0.3
@@ -54,8 +54,8 @@ class Coupling:
         """Return the change of the gap (x, y) [m] by `shear` (component, x, y) [Pa]."""
         return self.across(shear[0]) + self.along(shear[1])
 
-    def drift(self, pressure: Array, step: float) -> Array:
-        """Return the slip (component, x, y) by the displacement along the surface under `pressure` (x, y) [Pa].
+    def pressure_slip(self, pressure: Array, step: float) -> Array:
+        """Return the slip (component, x, y) by the tangential displacement under `pressure` (x, y) [Pa].
 
         `step` [m] is the width of a cell, negative where the contact moves to smaller x.
         """
@@ -87,10 +87,10 @@ class TractiveShear:
         Tangential force along x over mu P, between -1 and 1, or None.
     speed
         Speed of rolling [m/s], negative to smaller x.
-    respond
+    shear_response
         Function that returns the response to shear on a grid.
     coupling
-        Of pressure and shear; None where the bodies are alike in shear.
+        Of pressure and shear; None for elastically similar bodies (Dundurs' beta = 0).
     note
         Sentence on the scene, or empty.
     """
@@ -99,27 +99,27 @@ class TractiveShear:
     creepage: Creepage
     fraction: float | None
     speed: float
-    respond: Callable[[Grid], ShearResponse]
+    shear_response: Callable[[Grid], ShearResponse]
     coupling: Coupling | None
     note: str = ""
 
     def solved(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
-        """Return the normal contact with its shear; for unlike bodies again until neither changes the other."""
-        rolled: SteadyShear | None = None
+        """Return the normal contact with its shear; for dissimilar bodies, iterated until neither changes."""
+        state: SteadyShear | None = None
         applications, convolutions = 0, 0.0
 
         def lagged(pressure: Array) -> Array:
             """Return the change of the gap by the shear that belongs to a pressure."""
-            nonlocal rolled, applications, convolutions
-            rolled = self.steady(problem.grid, pressure, options, rolled)
-            applications += rolled.applications
-            convolutions += rolled.convolutions
+            nonlocal state, applications, convolutions
+            state = self.steady(problem.grid, pressure, options, state)
+            applications += state.applications
+            convolutions += state.convolutions
             if self.coupling is None:
                 return np.zeros_like(pressure)
             convolutions += 2
-            return self.coupling.gap(rolled.shear)
+            return self.coupling.gap(state.shear)
 
         if self.coupling is not None:
             normal = solve_coupled(problem, lagged, options, start, on, MAX_PASSES)
@@ -127,42 +127,42 @@ class TractiveShear:
             normal = options.solved(problem, start, on)
             if normal.pressure.any():
                 lagged(normal.pressure)
-        if rolled is None:
+        if state is None:
             nothing = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
             return replace(normal, traction=Traction(nothing, stick, "tractive rolling", 0))
         status = normal.status
-        if status is Status.CONVERGED and not rolled.residual <= options.tolerance:
-            limited = rolled.applications >= options.max_iterations
+        if status is Status.CONVERGED and not state.residual <= options.tolerance:
+            limited = state.applications >= options.max_iterations
             status = Status.ITERATION_LIMIT if limited else Status.STALLED
         return replace(
             normal,
             status=status,
-            residual=max(normal.residual, rolled.residual),
+            residual=max(normal.residual, state.residual),
             iterations=normal.iterations + applications,
             convolutions=normal.convolutions + convolutions,
             note=" ".join(filter(None, (normal.note, self.note))),
-            traction=self._traction(problem.grid, normal.pressure, rolled),
+            traction=self._traction(problem.grid, normal.pressure, state),
         )
 
-    def _traction(self, grid: Grid, pressure: Array, rolled: "SteadyShear") -> RollingTraction:
+    def _traction(self, grid: Grid, pressure: Array, state: "SteadyShear") -> RollingTraction:
         """Return the traction of a steady state with its power."""
         step = np.copysign(grid.cell[0], self.speed)
         limit = self.coefficient * pressure
         # the shear before and after a step: q . s alone misses what the step from cell to cell dissipates
-        mean = (rolled.shear + ahead(rolled.shear, step)) / 2
-        power = -abs(self.speed) * np.einsum("cxy,cxy->xy", mean, rolled.slip)
+        mean = (state.shear + ahead(state.shear, step)) / 2
+        power = -abs(self.speed) * np.einsum("cxy,cxy->xy", mean, state.slip)
         total = float(power.sum())
         return RollingTraction(
-            shear=rolled.shear,
-            stick=(limit > 0) & (np.hypot(*rolled.shear) < limit * (1 - STICKING)),
+            shear=state.shear,
+            stick=(limit > 0) & (np.hypot(*state.shear) < limit * (1 - STICKING)),
             method="tractive rolling, Newton",
-            passes=rolled.applications,
-            slip=rolled.slip,
-            creepage=rolled.creepage,
+            passes=state.applications,
+            slip=state.slip,
+            creepage=state.creepage,
             power=power,
-            outside=float(power[limit == 0].sum()) / total if total else 0.0,
-            force_error=self.coefficient * rolled.force_error,
+            power_outside_contact=float(power[limit == 0].sum()) / total if total else 0.0,
+            force_error=self.coefficient * state.force_error,
             creepage_given=self.fraction is None,
         )
 
@@ -174,15 +174,17 @@ class TractiveShear:
         shear: Array = np.zeros((2, *grid.cells))
         if last is not None:
             shear = last.shear
-        drift: Array = np.zeros((2, *grid.cells))
+        pressure_slip: Array = np.zeros((2, *grid.cells))
         if self.coupling is not None:
-            drift = self.coupling.drift(pressure, np.copysign(grid.cell[0], self.speed))
+            pressure_slip = self.coupling.pressure_slip(
+                pressure, np.copysign(grid.cell[0], self.speed)
+            )
         found = None
         for one in [grid] if last is not None else coarser_grids(grid):
             fine = one is grid
             limit = on_cells(self.coefficient * pressure, one.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
-            slip = RollingSlip(self.respond(one), np.copysign(one.cell[0], self.speed))
+            slip = RollingSlip(self.shear_response(one), np.copysign(one.cell[0], self.speed))
             total = None
             if self.fraction is not None:
                 total = np.array([self.fraction * limit.sum(), np.nan])
@@ -190,7 +192,7 @@ class TractiveShear:
             found = _steady(
                 newton,
                 creepage,
-                on_grid(drift, one) - creepage.on(one),
+                on_grid(pressure_slip, one) - creepage.on(one),
                 on_grid(shear, one),
                 options.tolerance if fine else max(COARSE_TOLERANCE, options.tolerance),
                 options.max_iterations,

@@ -60,8 +60,8 @@ def test_a_cycle_loses_the_energy_of_the_closed_form(share: float) -> None:
     # the area of the loop of force and displacement, which one step a half cycle does not show
     steps = fretted(cs.Fretting.cycle(MU, share * MU, steps=8))
     assert steps.quantities["energy_per_cycle"].value == pytest.approx(energy.value, rel=1e-3)
-    loop = slice(steps.traction.cycle_from, None)
-    force, moved = steps.traction.forces[loop], steps.traction.rigid[loop]
+    loop = slice(steps.traction.cycle_start, None)
+    force, moved = steps.traction.forces[loop], steps.traction.rigid_displacement[loop]
     middle = (force[1:] + force[:-1]) / 2
     assert (middle * np.diff(moved)).sum() == pytest.approx(expected, rel=5e-2)
 

@@ -81,7 +81,7 @@ def test_passes_over_the_shear_of_unlike_bodies_end_in_equilibrium() -> None:
     touching = found.pressure > 0
     assert np.ptp(gap[touching]) <= 1e-8 * posed.scales.gap
     assert gap[~touching].min() > gap[touching].mean()
-    assert "passes over the shear" in found.note
+    assert "outer iterations over the shear" in found.note
 
 
 def test_passes_that_do_not_converge_are_said(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -142,7 +142,7 @@ class Contact(Answer, Solution):
         if self.adhesion is not None:
             counts["passes"] = self.adhesion.passes, "passes of the attraction"
         if self.rolling is not None:
-            counts["passes"] = self.rolling.settled.passes, "passes of the lagged part"
+            counts["passes"] = self.rolling.lagged.passes, "passes of the lagged part"
         return counts
 
     def to_dataset(self) -> "xr.Dataset":

@@ -286,7 +286,7 @@ class AdaptiveIntegrator:
         """
         norm = float(np.abs(difference).sum())
         if self.stepper.coupled is not None:
-            return FIRST_ORDER * self._share(norm)
+            return FIRST_ORDER * self._relative_to_largest_load(norm)
         if self.stepper.is_first_order:
             norm *= WORN_FIRST_ORDER
         total = max(float(instant.pressure.sum()) for instant in instants)
@@ -317,11 +317,11 @@ class AdaptiveIntegrator:
             cells *= YIELDED
         elif self.stepper.state_variables:
             cells = REMEMBERED ** len(self.stepper.state_variables) * self.carried_error / total
-        share = 1.0 if self.stepper.coupled is None else self._share(total)
+        factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
         parts = ErrorParts(estimate.l1.truncation, cells, estimate.l1.residual)
-        return parts.scaled(share), estimate.warnings
+        return parts.scaled(factor), estimate.warnings
 
-    def _share(self, pressures: float) -> float:
+    def _relative_to_largest_load(self, pressures: float) -> float:
         """Return a sum of cell pressures [Pa] divided by the sum under the largest load."""
         grid = self.stepper.problem.grid
         return pressures * grid.cell_area / grid.period / self.stepper.load.largest

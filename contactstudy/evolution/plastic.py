@@ -22,10 +22,11 @@ from contactstudy.solvers.elastoplastic_step import ElastoplasticStep, solve_ela
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies
 
-# The first volume holds the cells whose elastic von Mises stress is above SHARE of the yield stress, and ROOM beside.
-SHARE, ROOM = 0.9, 0.15
-# Share of its width by which a volume grows on a side where plastic flow reaches its edge.
-LARGER = 0.3
+# The first volume holds the cells whose elastic von Mises stress is above NEAR_YIELD of the yield stress,
+# and a MARGIN of their width on both sides.
+NEAR_YIELD, MARGIN = 0.9, 0.15
+# Fraction of its width by which a volume grows on a side where plastic flow reaches its edge.
+GROWTH = 0.3
 
 
 def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
@@ -56,7 +57,7 @@ def first_volume(
     grid: Grid,
     length: float,
     pressure: Array,
-    share_of_yield: Callable[[Volume], Array],
+    yield_ratio: Callable[[Volume], Array],
 ) -> Volume:
     """Return the cells below an elastic contact that may yield, down to where von Mises' stress is small.
 
@@ -68,7 +69,7 @@ def first_volume(
         Length of the contact [m].
     pressure
         Elastic pressure (x, y) [Pa] under the largest load.
-    share_of_yield
+    yield_ratio
         Returns von Mises' stress over the yield stress (layers, x, y) in a volume.
     """
     loaded = np.flatnonzero(pressure.any(axis=1))
@@ -76,14 +77,14 @@ def first_volume(
     depth = min(length, (last - first) * grid.cell[0] / 2)
     while True:
         volume = Volume(grid, 0, grid.cells[0], layers(grid, length, depth))
-        share = share_of_yield(volume).max(axis=2)
-        if share[-1].max() < min(SHARE, share.max()) or depth > grid.extent[0]:
+        ratio = yield_ratio(volume).max(axis=2)
+        if ratio[-1].max() < min(NEAR_YIELD, ratio.max()) or depth > grid.extent[0]:
             break
-        depth *= 1 + LARGER
-    near_yield = np.flatnonzero((share > SHARE).any(axis=0))
+        depth *= 1 + GROWTH
+    near_yield = np.flatnonzero((ratio > NEAR_YIELD).any(axis=0))
     if near_yield.size:
         first, last = min(first, int(near_yield[0])), max(last, int(near_yield[-1]) + 1)
-    room = int(np.ceil(ROOM * (last - first))) + 1
+    room = int(np.ceil(MARGIN * (last - first))) + 1
     return replace(volume, first=max(first - room, 0), last=min(last + room, grid.cells[0]))
 
 
@@ -99,12 +100,12 @@ def enlarged(volume: Volume, length: float, flows: NDArray[np.bool_]) -> Volume:
     flows
         Whether a cell flowed (layers, x, y).
     """
-    margin = int(np.ceil(LARGER * (volume.last - volume.first)))
+    margin = int(np.ceil(GROWTH * (volume.last - volume.first)))
     first = max(volume.first - margin, 0) if flows[:, 0].any() else volume.first
     last = min(volume.last + margin, volume.grid.cells[0]) if flows[:, -1].any() else volume.last
     edges = volume.edges
     if flows[-1].any():
-        edges = layers(volume.grid, length, (1 + LARGER) * edges[-1])
+        edges = layers(volume.grid, length, (1 + GROWTH) * edges[-1])
     return Volume(volume.grid, first, last, edges)
 
 
@@ -191,7 +192,7 @@ class PlasticState:
         self.operators = []
         for body in self.bodies:
 
-            def share(volume: Volume, body: YieldingBody = body) -> Array:
+            def yield_ratio(volume: Volume, body: YieldingBody = body) -> Array:
                 operator, pressure = operator_on(volume, body.moduli), self.elastic.pressure
                 stress = operator.stress_of_pressure(pressure)
                 if self.friction:
@@ -199,7 +200,7 @@ class PlasticState:
                 size = np.sqrt((stress**2).sum(axis=0))
                 return np.asarray(size / (ROOT * body.hardening.yield_stress))
 
-            volume = first_volume(problem.grid, self._length, self.elastic.pressure, share)
+            volume = first_volume(problem.grid, self._length, self.elastic.pressure, yield_ratio)
             self.operators.append(operator_on(volume, body.moduli))
 
     def start(self, shape: tuple[int, int]) -> State:
@@ -226,20 +227,20 @@ class PlasticState:
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
             before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
-            settled = self._settled(bodies, contact, before, equivalent, tolerance)
-            if not self._grown(bodies.split(settled.flow)):
+            step = self._converged(bodies, contact, before, equivalent, tolerance)
+            if not self._grown(bodies.split(step.flow)):
                 break
-        strains = bodies.split(settled.strain)
-        equivalents = bodies.split(equivalent + settled.flow)
+        strains = bodies.split(step.strain)
+        equivalents = bodies.split(equivalent + step.flow)
 
         # rounding may put a cell that is on the yield surface beyond it
-        flows = settled.flow > tolerance * bodies.unit
-        flow = float((settled.flow * flows * bodies.volumes).sum())
+        flows = step.flow > tolerance * bodies.unit
+        flow = float((step.flow * flows * bodies.volumes).sum())
         after: dict[str, Array] = {"flow": state["flow"] + flow if flow else np.zeros(1)}
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
         for body, operator, strain, hardened in parts:
             after |= _body_state(body, strain, hardened, operator.volume)
-        solution = step_solution(settled, tolerance)
+        solution = step_solution(step, tolerance)
         yielded = zip(self.operators, equivalents, strict=True)
         if solution.status is Status.CONVERGED and any(
             _meets_edge(operator.volume, hardened > 0) for operator, hardened in yielded
@@ -247,7 +248,7 @@ class PlasticState:
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
         return solution, after
 
-    def _settled(
+    def _converged(
         self,
         bodies: YieldingBodies,
         contact: Contact,
@@ -267,17 +268,17 @@ class PlasticState:
         contacts = [contact(bodies.residual_displacement(before))]
         shear, passes = self._sheared(bodies, contacts[0].pressure), 0
         while True:
-            settled = solve_elastoplastic_step(
+            step = solve_elastoplastic_step(
                 bodies, contact, self._tangent, before, equivalent, tolerance, shear
             )
-            contacts += settled.contacts
-            last, shear = shear, self._sheared(bodies, settled.solution.pressure)
+            contacts += step.contacts
+            last, shear = shear, self._sheared(bodies, step.solution.pressure)
             change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))
             passes += 1
             if change <= tolerance or passes == PASSES or not np.isfinite(change):
                 break
-        residual = max(settled.residual, change)
-        return replace(settled, contacts=tuple(contacts), residual=residual)
+        residual = max(step.residual, change)
+        return replace(step, contacts=tuple(contacts), residual=residual)
 
     def _sheared(self, bodies: YieldingBodies, pressure: Array) -> Array:
         """Return the stress (C, cells) [Pa] by the shear that a `pressure` (x, y) [Pa] has while it slides."""
@@ -439,31 +440,31 @@ def _meets_edge(volume: Volume, yielded: NDArray[np.bool_]) -> bool:
     return bool(at_start or (volume.last == volume.grid.cells[0] and yielded[:, -1].any()))
 
 
-def step_solution(settled: ElastoplasticStep, tolerance: float) -> Solution:
+def step_solution(step: ElastoplasticStep, tolerance: float) -> Solution:
     """Return the contact at the end of a step, with the work of all its contacts and the status of the plastic strain.
 
     Parameters
     ----------
-    settled
-        Contact and plastic strain, settled together.
+    step
+        Contact and plastic strain, solved together.
     tolerance
         Largest residual with which they count as converged.
     """
-    last = settled.solution
+    last = step.solution
     status, note = last.status, last.note
     if status in NEARLY and last.residual <= tolerance:
         status = Status.CONVERGED  # the contact was asked for a smaller residual than the step
-    if not settled.residual <= tolerance:
+    if not step.residual <= tolerance:
         status = Status.NOT_CONVERGED
         note = (
-            f"Plastic strain and pressure settled to {settled.residual:.1e} of the yield strain in "
-            f"{settled.iterations} iterations."
+            f"Plastic strain and pressure converged to a residual of {step.residual:.1e} of the yield strain in "
+            f"{step.iterations} iterations."
         )
     return replace(
         last,
         status=status,
         note=note,
-        residual=max(last.residual, settled.residual),
-        iterations=sum(contact.iterations for contact in settled.contacts),
-        convolutions=sum(contact.convolutions for contact in settled.contacts),
+        residual=max(last.residual, step.residual),
+        iterations=sum(contact.iterations for contact in step.contacts),
+        convolutions=sum(contact.convolutions for contact in step.contacts),
     )

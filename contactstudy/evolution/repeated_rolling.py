@@ -12,8 +12,8 @@ from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import YieldingBody, embedded, layers, step_solution
 from contactstudy.evolution.track import (
+    ContactWithAddedGap,
     DepthProfile,
-    LowerableContact,
     Track,
     no_contact,
     rolling_contact,
@@ -247,7 +247,7 @@ class _Rolling:
     Attributes
     ----------
     contact
-        Solves the contact over a lowered surface.
+        Solves the contact with a field added to its gap.
     tolerance
         Largest relative residual.
     length
@@ -260,7 +260,7 @@ class _Rolling:
         Largest change of plastic strain that counts as steady.
     """
 
-    contact: LowerableContact
+    contact: ContactWithAddedGap
     tolerance: float
     length: float
     lag: int
@@ -308,10 +308,10 @@ class _Rolling:
         )
 
     def step(self, track: Track) -> tuple[Track, Step]:
-        """Return the track after the contact has settled on it, and that contact."""
-        after, settled = track.solve_step(self.contact, self.tolerance, self.length)
-        solution = step_solution(settled, self.tolerance)
-        return after, (solution, settled.iterations)
+        """Return the track after the contact and its plastic strain are solved, and that contact."""
+        after, step = track.solve_step(self.contact, self.tolerance, self.length)
+        solution = step_solution(step, self.tolerance)
+        return after, (solution, step.iterations)
 
 
 def _strain_change(before: Array, after: Array) -> float:

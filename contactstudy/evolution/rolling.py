@@ -29,8 +29,8 @@ from contactstudy.solvers.solve import SolveOptions
 FINE, MOST = 8, 2**17
 # Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
 # pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
-# passes end at the change SETTLED.
-CHANGED, LEAST, SETTLED = 2.0, 0.15, 1e-4
+# passes end at the change COARSE_CHANGE.
+CHANGED, LEAST, COARSE_CHANGE = 2.0, 0.15, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,22 +39,22 @@ class SteadyRolling:
 
     Attributes
     ----------
-    settled
+    lagged
         The contact in its own frame, with the number of passes.
-    odd
-        Coefficients [m] and weights [1/Pa] of the displacement that is odd across.
+    antisymmetric_weights
+        Coefficients [m] and weights [1/Pa] of the displacement that is antisymmetric across.
     solve_on
         Solves the same scene on another grid.
     """
 
-    settled: LaggedSolution
-    odd: Mapping[Coefficients, float]
+    lagged: LaggedSolution
+    antisymmetric_weights: Mapping[Coefficients, float]
     solve_on: "Callable[[Grid], SteadyRolling]"
 
     @property
     def solution(self) -> Solution:
-        """Pressure, gap and status; the gap includes the part of the displacement that is odd across."""
-        return self.settled.solution
+        """Pressure, gap and status; the gap includes the part of the displacement that is antisymmetric across."""
+        return self.lagged.solution
 
     @property
     def shift(self) -> float:
@@ -68,17 +68,18 @@ class SteadyRolling:
         """Force against the motion over the load, the power lost in the bodies over speed and load.
 
         A pressure that is constant in each cell does the work ``p (u(x + dx / 2) - u(x - dx / 2))`` in a length rolled,
-        of which only the displacement that is odd across loses any. That displacement is computed on finer cells. The
-        moment of the pressure (for a cylinder, the shift over its radius) has the same limit and a larger error.
+        of which only the displacement that is antisymmetric across loses any. That displacement is computed on finer
+        cells. The moment of the pressure (for a cylinder, the shift over its radius) has the same limit and a larger
+        error.
         """
-        if not self.odd:
+        if not self.antisymmetric_weights:
             return 0.0
         problem = self.solution.problem
         assert problem.paddings is not None
         (nx, ny), pressure = problem.grid.cells, self.solution.pressure
         times = max(2, min(FINE, MOST // (nx * ny)))
         fine = Grid((times * nx, ny), problem.grid.extent)
-        displacement = antisymmetric(self.odd, fine, problem.paddings)(
+        displacement = antisymmetric(self.antisymmetric_weights, fine, problem.paddings)(
             np.repeat(pressure, times, axis=0)
         )
         padded = np.concatenate((displacement[:1], displacement, displacement[-1:]))
@@ -98,10 +99,10 @@ class SteadyRolling:
     def resistance_error(self) -> float:
         """Upper estimate of the relative error of the resistance; infinite without a coarser grid to compare with.
 
-        It is the change from cells of twice the size, and a small share of the pressure's L1 error, since the change may
-        be small by chance.
+        It is the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the change
+        may be small by chance.
         """
-        if self.coarse is None or not np.isfinite(self.settled.change):
+        if self.coarse is None or not np.isfinite(self.lagged.change):
             return inf
         if not self.resistance:
             return 0.0
@@ -132,7 +133,7 @@ def solve_rolling(
     """Solve `scene` moving at its ``rolling`` speed, in the frame of the contact.
 
     The delayed displacement is a convolution with coefficients that extend infinitely far behind the contact, so that no
-    wake is cut off. Their even part is in the operator, their odd part is lagged from pass to pass.
+    wake is cut off. Their symmetric part is in the operator, their antisymmetric part is lagged from pass to pass.
 
     Parameters
     ----------
@@ -164,14 +165,14 @@ def solve_rolling(
     elastic = replace(scene, solids=sudden(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
-    even, odd = _trailing(scene, datum)
+    symmetric_weights, antisymmetric_weights = _delayed_weights(scene, datum)
     weights = Counter(response(elastic.solids, datum))
-    weights.update(even)
+    weights.update(symmetric_weights)
 
     def delayed(problem: Problem) -> Problem:
         return (
             replace(problem, operator=superposed(weights, problem.grid, padding))
-            if even
+            if symmetric_weights
             else problem
         )
 
@@ -181,29 +182,34 @@ def solve_rolling(
         description=PosedScene(scene, grid, padding),
         source=problem.source.with_step(delayed),
     )
-    settled = solve_lagged(
+    lagged = solve_lagged(
         problem,
-        antisymmetric(odd, grid, padding) if odd else None,
+        antisymmetric(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
         options,
         change=change,
         max_passes=max_passes,
     )
-    coarse = replace(options, tolerance=SETTLED / 10)
+    coarse = replace(options, tolerance=COARSE_CHANGE / 10)
     solve_on = partial(
-        solve_rolling, scene, padding=padding, options=coarse, change=SETTLED, max_passes=max_passes
+        solve_rolling,
+        scene,
+        padding=padding,
+        options=coarse,
+        change=COARSE_CHANGE,
+        max_passes=max_passes,
     )
-    return SteadyRolling(settled, odd, solve_on)
+    return SteadyRolling(lagged, antisymmetric_weights, solve_on)
 
 
-def _trailing(
+def _delayed_weights(
     scene: Scene, datum: float
 ) -> tuple[Mapping[Coefficients, float], Mapping[Coefficients, float]]:
-    """Return the even and the odd coefficients of the bodies' delayed displacements, with weights [1/Pa]."""
+    """Return coefficients of the bodies' delayed displacements, symmetric and antisymmetric, with weights [1/Pa]."""
     assert scene.rolling is not None
     speed = scene.rolling.speed
     assert speed is not None
-    even: dict[Coefficients, float] = {}
-    odd: dict[Coefficients, float] = {}
+    symmetric_weights: dict[Coefficients, float] = {}
+    antisymmetric_weights: dict[Coefficients, float] = {}
     for number, body in enumerate(scene.solids):
         if not isinstance(body, ViscoelasticHalfSpace) or speed == inf:
             continue
@@ -215,8 +221,8 @@ def _trailing(
         for size, time in body.creep.terms:
             still = Displacement(datum)
             delayed = still if speed == 0 else RetardedCoefficients(still, speed * time, 1)
-            even[delayed] = even.get(delayed, 0.0) + size / pi
+            symmetric_weights[delayed] = symmetric_weights.get(delayed, 0.0) + size / pi
             if isinstance(delayed, RetardedCoefficients):
                 opposed = replace(delayed, sign=-1)
-                odd[opposed] = odd.get(opposed, 0.0) + size / pi
-    return even, odd
+                antisymmetric_weights[opposed] = antisymmetric_weights.get(opposed, 0.0) + size / pi
+    return symmetric_weights, antisymmetric_weights

@@ -1,4 +1,4 @@
-"""Memories of bodies and interfaces: what they keep between instants, and how a step changes it."""
+"""Internal variables of bodies and interfaces, and their update in a time step."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from contactstudy.solvers.solution import Solution
 
 # The fields (x, y) that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
-# From the lift of a surface (x, y) [m] to the contact over it.
+# From a field (x, y) [m] added to the gap to the contact with it.
 Contact = Callable[[Array], Solution]
 
 
@@ -32,7 +32,7 @@ class Step:
     mean_load
         Mean load [N/m] over the step.
     explicit
-        Share of the step in which an interface changes under the pressure at its start; in the remaining share it
+        Fraction of the step in which an interface changes under the pressure at its start; in the remaining fraction it
         changes under the pressure at its end.
     """
 
@@ -149,7 +149,7 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
         problem
             The contact at the end of the step.
         contact
-            Solves `problem` with the surface lowered by a field (x, y) [m].
+            Solves `problem` with a field (x, y) [m] added to its gap.
         tolerance
             Largest relative residual of contact and state.
 
@@ -252,9 +252,9 @@ def delay_weights(ratio: float) -> tuple[float, float, float]:
 class WearState:
     """StateVariable of wear: the worn depth w, with ``dw/dt = rate p`` (Archard 1953).
 
-    The pressure at the start of a step acts in its explicit share, the pressure at its end in the remaining share, which
-    adds a constant to the operator. The worn volume is exact: where the load changes within the step, both pressures are
-    scaled to the mean load, or the pressure at the start wears what a falling load leaves missing.
+    The pressure at the start of a step acts in its explicit fraction, the pressure at its end in the remaining one,
+    which adds a constant to the operator. The worn volume is exact: where the load changes within the step, both
+    pressures are scaled to the mean load, or the pressure at the start wears what a falling load leaves missing.
 
     Attributes
     ----------
@@ -272,7 +272,7 @@ class WearState:
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the depth worn so far as a gap, and the wear by the pressure at the end as a local compliance."""
-        before, after = self._shares(step)
+        before, after = self._fractions(step)
         worn = state["worn_depth"]
         if before:
             worn = worn + before * pressure
@@ -280,7 +280,7 @@ class WearState:
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the worn depth at the end of the step."""
-        first, last = self._shares(step)
+        first, last = self._fractions(step)
         worn = state["worn_depth"] + last * after
         return {"worn_depth": worn + first * before if first else worn}
 
@@ -288,7 +288,7 @@ class WearState:
         """Return the worn depth (x, y) [m]."""
         return {"worn_depth": Field(("x", "y"), state["worn_depth"], "m", "worn depth")}
 
-    def _shares(self, step: Step) -> tuple[float, float]:
+    def _fractions(self, step: Step) -> tuple[float, float]:
         """Return depth over pressure [m/Pa] worn in the step by the pressure at its start and by that at its end."""
         (first, last), mean, explicit = step.loads, step.mean_load, step.explicit
         depth = self.rate * step.duration
@@ -299,7 +299,7 @@ class WearState:
         if last == 0:
             return depth * (mean / first if first else 0.0), 0.0
 
-        # at most half of the implicit share becomes explicit, so that the step stays stable
+        # at most half of the implicit fraction becomes explicit, so that the step stays stable
         additional = min((mean - carried) / first, (1 - explicit) / 2) if first else 0.0
         explicit += additional
         return depth * explicit, depth * (mean - explicit * first) / last

@@ -20,7 +20,7 @@ STAGE = 1 - 1 / sqrt(2)
 
 
 class Scheme(Enum):
-    """Stages of a step: for each, its share of the duration, and the share of the stage that is explicit.
+    """Stages of a step: for each, its fraction of the duration, and the fraction of the stage that is explicit.
 
     The scheme matters to wear only; creep is exact for a pressure that is linear in each stage. Every scheme keeps the
     worn volume.
@@ -36,7 +36,7 @@ class Scheme(Enum):
 
     @property
     def stages(self) -> tuple[tuple[float, float], ...]:
-        """Pairs (share of the duration, explicit share of the stage), in the order of time."""
+        """Pairs (fraction of the duration, explicit fraction of the stage), in the order of time."""
         stages: tuple[tuple[float, float], ...] = self.value
         return stages
 
@@ -65,7 +65,7 @@ class TimeSteps:
     instants
         Number of evenly spaced instants; None for 41, or for every step where `error` is given.
     error
-        Largest relative L1 error by the steps (of a film: of its thickness in one step); None takes a share of the
+        Largest relative L1 error by the steps (of a film: of its thickness in one step); None takes a fraction of the
         error that a solve keeps, or one step from each instant to the next where none is asked for.
     scheme
         How wear is stepped.
@@ -224,10 +224,10 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
     return [float(value) for value in values]
 
 
-# In the first integration, a pair of steps may add this share of the allowed error to the difference of two
+# In the first integration, a pair of steps may add this fraction of the allowed error to the difference of two
 # integrations.
-SHARE = 0.5
-# Smallest and largest factor on the length of a step, and the share of the allowed length that is aimed at.
+FIRST_FRACTION = 0.5
+# Smallest and largest factor on the length of a step, and the fraction of the allowed length that is aimed at.
 SHRINK, GROW, AIM = 0.2, 2.0, 0.9
 # What one pair adds grows with its length to this power; what all pairs add, to this power minus 1.
 ORDER = 2
@@ -277,7 +277,7 @@ class StepControl:
                 f"evolve.error is {error!r}: give {ABOVE_TOLERANCE} times the tolerance of evolve.options or more, or a "
                 "smaller tolerance."
             )
-        return cls(error, SHARE * error)
+        return cls(error, FIRST_FRACTION * error)
 
     def accepts(self, added: float) -> bool:
         """Return whether a pair of steps that has `added` this much to the error is short enough."""

@@ -58,7 +58,10 @@ class Instant:
 
 
 def solved_or_unloaded(
-    options: SolveOptions, problem: Problem, start: Array | None = None, share: float = 1.0
+    options: SolveOptions,
+    problem: Problem,
+    start: Array | None = None,
+    tolerance_factor: float = 1.0,
 ) -> Solution:
     """Return the solution of `problem`; without load, the undeformed bodies that just touch.
 
@@ -70,26 +73,28 @@ def solved_or_unloaded(
         The contact.
     start
         Pressure (x, y) [Pa] to begin with; None or zero begins on coarser grids.
-    share
+    tolerance_factor
         Factor on the tolerance of `options`.
     """
     if problem.resultant.uniform(1) == 0:
         return unloaded(problem)
     begin = start if start is not None and start.any() else None
-    return replace(options, tolerance=share * options.tolerance).solved(problem, begin)
+    return replace(options, tolerance=tolerance_factor * options.tolerance).solved(problem, begin)
 
 
 @dataclass(eq=False)
-class LoweredContact:
-    """The contact of `problem` over a lowered surface, solved from the `last` pressure (x, y) [Pa]."""
+class WarmStartedContact:
+    """The contact of `problem` with a field added to its gap, solved from the `last` pressure (x, y) [Pa]."""
 
     problem: Problem
     options: SolveOptions
     last: Array
 
-    def __call__(self, lift: Array) -> Solution:
-        """Return the contact over a surface lowered by `lift` (x, y) [m]."""
-        solution = solved_or_unloaded(self.options, lowered(self.problem, lift), self.last, CLOSER)
+    def __call__(self, added_gap: Array) -> Solution:
+        """Return the contact with `added_gap` (x, y) [m] added to its gap."""
+        solution = solved_or_unloaded(
+            self.options, with_added_gap(self.problem, added_gap), self.last, CLOSER
+        )
         self.last = solution.pressure
         return solution
 
@@ -107,7 +112,7 @@ class TimeStepper:
     weights
         Weights [1/Pa] of the influence coefficients in its operator.
     state_variables
-        Memories that follow from the pressures at both ends of a step.
+        State variables whose update follows from the pressures at both ends of a step.
     coupled
         StateVariable that is solved for together with the pressure; None if there is none.
     scheme
@@ -211,11 +216,11 @@ class TimeStepper:
             if any(state_variable.has_stages for state_variable in self.all_state_variables)
             else WHOLE
         )
-        share = 0.0
+        fraction = 0.0
         for part, explicit in stages:
-            share += part
+            fraction += part
             last = len(solutions) == len(stages) - 1
-            time = end if last else start + share * duration
+            time = end if last else start + fraction * duration
             loads = instant.load, load if last else self.load.at(time)
             step = Step(instant.time, time, loads, self.load.mean(instant.time, time), explicit)
             instant, stage_solutions = self._stage(instant, step)
@@ -227,7 +232,7 @@ class TimeStepper:
         problem = self._problem_at_end(instant, step)
         coupled: tuple[State, ...] = ()
         if self.coupled is not None:
-            contact = LoweredContact(problem, self.options, instant.pressure)
+            contact = WarmStartedContact(problem, self.options, instant.pressure)
             solution, state = self.coupled.solve_step(
                 instant.states[-1], problem, contact, self.options.tolerance
             )
@@ -349,9 +354,9 @@ class TimeStepper:
         return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
 
 
-def lowered(problem: Problem, lift: Array) -> Problem:
-    """Return `problem` with its surface lowered by `lift` (x, y) [m]."""
-    return replace(problem, undeformed_gap=problem.undeformed_gap + lift)
+def with_added_gap(problem: Problem, added_gap: Array) -> Problem:
+    """Return `problem` with `added_gap` (x, y) [m] added to its undeformed gap."""
+    return replace(problem, undeformed_gap=problem.undeformed_gap + added_gap)
 
 
 def unloaded(problem: Problem) -> Solution:

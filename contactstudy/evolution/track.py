@@ -11,10 +11,10 @@ from contactstudy.elasticity.eigenstrain.plane_strain import OuterStrain, PlaneS
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import embedded, enlarged
 from contactstudy.evolution.time_stepper import (
-    LoweredContact,
-    lowered,
+    WarmStartedContact,
     solved_or_unloaded,
     unloaded,
+    with_added_gap,
 )
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.motion import RollingPressure
@@ -29,11 +29,11 @@ from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
 
 
-class LowerableContact(Protocol):
-    """A contact solved over a surface that may be lowered."""
+class ContactWithAddedGap(Protocol):
+    """Protocol of a contact that is solved with a field added to its gap."""
 
-    def __call__(self, lift: Array) -> Solution:
-        """Return the contact over a surface lowered by `lift` (x, y) [m]."""
+    def __call__(self, added_gap: Array) -> Solution:
+        """Return the contact with `added_gap` (x, y) [m] added to its gap."""
         ...
 
     def tangent(self, solution: Solution) -> Tangent | None:
@@ -41,8 +41,8 @@ class LowerableContact(Protocol):
         ...
 
 
-class SettledContact(LoweredContact):
-    """A contact that is solved anew for every lowered surface."""
+class SolvedContact(WarmStartedContact):
+    """A contact that is solved for each added gap."""
 
     def tangent(self, solution: Solution) -> Tangent:
         """Return the linearised contact in which the same cells stay in contact."""
@@ -55,9 +55,9 @@ class FixedContact:
 
     solution: Solution
 
-    def __call__(self, lift: Array) -> Solution:
-        """Return the same pressure over a surface lowered by `lift` (x, y) [m]."""
-        return replace(self.solution, problem=lowered(self.solution.problem, lift))
+    def __call__(self, added_gap: Array) -> Solution:
+        """Return the same pressure with `added_gap` (x, y) [m] added to the gap."""
+        return replace(self.solution, problem=with_added_gap(self.solution.problem, added_gap))
 
     def tangent(self, _: Solution) -> None:
         """Return None, since the pressure does not change."""
@@ -65,7 +65,7 @@ class FixedContact:
 
 def rolling_contact(
     problem: Problem, options: SolveOptions, kind: RollingPressure
-) -> LowerableContact:
+) -> ContactWithAddedGap:
     """Return the contact that rolls, with the elastic `problem` as its first solution.
 
     Parameters
@@ -80,7 +80,7 @@ def rolling_contact(
     elastic = solved_or_unloaded(options, problem)
     if kind is RollingPressure.ELASTIC:
         return FixedContact(elastic)
-    return SettledContact(problem, options, elastic.pressure)
+    return SolvedContact(problem, options, elastic.pressure)
 
 
 def no_contact(problem: Problem) -> FixedContact:
@@ -162,21 +162,21 @@ class Track:
         """Profile at the left edge of the window, which leaves it in the next step."""
         return DepthProfile(self.strain[:, :, 0, 0], self.equivalent[:, 0, 0])
 
-    def rolled(self, share: float) -> "Track":
+    def rolled(self, weight: float) -> "Track":
         """Return the track after the contact has rolled by one cell.
 
         Parameters
         ----------
-        share
+        weight
             Weight of the strain that leaves the window in the mean strain behind it.
         """
         strain, equivalent = np.roll(self.strain, -1, axis=2), np.roll(self.equivalent, -1, axis=1)
         strain[:, :, -1, 0], equivalent[:, -1, 0] = self.front.strain, self.front.equivalent
-        behind = self.behind + share * (self.rear.strain - self.behind)
+        behind = self.behind + weight * (self.rear.strain - self.behind)
         return replace(self, strain=strain, equivalent=equivalent, behind=behind)
 
     def solve_step(
-        self, contact: LowerableContact, tolerance: float, length: float
+        self, contact: ContactWithAddedGap, tolerance: float, length: float
     ) -> tuple["Track", ElastoplasticStep]:
         """Solve a step: the contact, and the plastic strain below it.
 
@@ -185,7 +185,7 @@ class Track:
         Parameters
         ----------
         contact
-            Solves the contact over a lowered surface.
+            Solves the contact with a field added to its gap.
         tolerance
             Largest relative residual.
         length
@@ -203,7 +203,7 @@ class Track:
             step = solve_elastoplastic_step(
                 bodies,
                 partial(
-                    _lowered_twice,
+                    _with_both_gaps,
                     contact,
                     surroundings.residual_displacement(track.behind, track.front.strain),
                 ),
@@ -242,6 +242,6 @@ class Track:
         return self.operator.tensor_of_strain(self.strain) + around
 
 
-def _lowered_twice(contact: LowerableContact, lowered: Array, lift: Array) -> Solution:
-    """Return a contact over a surface lowered by the sum of two fields (x, y) [m]."""
-    return contact(lowered + lift)
+def _with_both_gaps(contact: ContactWithAddedGap, first: Array, second: Array) -> Solution:
+    """Return a contact with the sum of two fields (x, y) [m] added to its gap."""
+    return contact(first + second)

@@ -282,8 +282,8 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
 def test_the_volume_grows_to_what_yields(monkeypatch: pytest.MonkeyPatch) -> None:
     scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
     generous = evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
-    monkeypatch.setattr(yielding_volume, "SHARE", 2.0)
-    monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
+    monkeypatch.setattr(yielding_volume, "NEAR_YIELD", 2.0)
+    monkeypatch.setattr(yielding_volume, "MARGIN", 0.0)
     tight = evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
     assert (
         tight.frames[0].coupled_state["strain0"].shape
@@ -369,8 +369,8 @@ def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
 def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(yielding_volume, "SHARE", 2.0)
-    monkeypatch.setattr(yielding_volume, "ROOM", 0.0)
+    monkeypatch.setattr(yielding_volume, "NEAR_YIELD", 2.0)
+    monkeypatch.setattr(yielding_volume, "MARGIN", 0.0)
     scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
     times = (0.0, 0.5, 0.75, 1.0)
 

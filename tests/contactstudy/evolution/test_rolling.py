@@ -13,7 +13,7 @@ import contactstudy as cs
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.rolling import SteadyRolling, _trailing, solve_rolling
+from contactstudy.evolution.rolling import SteadyRolling, _delayed_weights, solve_rolling
 from contactstudy.solvers.lagged import solve_lagged
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
 
@@ -30,7 +30,7 @@ def test_a_rolling_cylinder_has_its_known_shift_and_pressure(cells: int, shift: 
     """J1 / J0 = 1.5, v lambda = a: centroid 0.35338 a ahead, p_max = 0.7643 p_H, by two other solvers."""
     found = solve_rolling(rolling(SOLID, A), cs.Grid((cells, 1), (0.6, 1.0)), EXACT)
     assert found.solution.status is cs.Status.CONVERGED
-    assert found.settled.change <= 1e-6
+    assert found.lagged.change <= 1e-6
     assert found.shift / A == pytest.approx(0.35338, abs=shift)
     assert found.solution.pressure.max() / P == pytest.approx(0.7643, abs=2e-4)
     # a cylinder of 1 m: the moment of its pressure does the work that is lost
@@ -43,7 +43,7 @@ def test_at_no_speed_and_at_an_infinite_one_the_bodies_are_elastic(
 ) -> None:
     grid = cs.Grid((128, 1), (0.6, 1.0))
     found = solve_rolling(rolling(SOLID, speed), grid, EXACT)
-    assert found.settled.passes == 1
+    assert found.lagged.passes == 1
     modulus = 1.0 if speed else 0.4
     scene = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(modulus, 0.0), RIGID))
     elastic = cs.solve(scene.problem(grid, EXACT))
@@ -69,7 +69,7 @@ def test_a_soft_body_far_from_elastic_settles_by_mixing() -> None:
     body = cs.ViscoelasticHalfSpace(0.1, 0.0, ((0.9, 0.1),))
     found = solve_rolling(rolling(body, A), cs.Grid((200, 1), (1.0, 1.0)), EXACT, change=1e-8)
     assert found.solution.status is cs.Status.CONVERGED
-    assert found.settled.passes < 60
+    assert found.lagged.passes < 60
 
 
 @pytest.mark.parametrize("speed", [0.02, 0.3, 4.0])
@@ -211,7 +211,7 @@ TWO = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.5, 0.4), (0.2, 3.0)))
 
 def trails(speed: float, *bodies: object) -> Any:
     scene = replace(rolling(TWO, speed), solids=bodies)
-    return _trailing(scene, 0.7)
+    return _delayed_weights(scene, 0.7)
 
 
 def test_each_term_trails_by_its_own_length_and_bodies_add_up() -> None:

@@ -33,7 +33,7 @@ def test_a_step_wears_by_the_mean_load(
     explicit: float, loads: tuple[float, float], mean: float, shares: tuple[float, float]
 ) -> None:
     step = Step(1.0, 3.0, loads, mean, explicit)
-    assert WEAR._shares(step) == pytest.approx(shares)
+    assert WEAR._fractions(step) == pytest.approx(shares)
     first, last = shares
     worn, before, after = np.array([[0.5]]), np.array([[4.0]]), np.array([[7.0]])
     found = WEAR.contribution({"worn_depth": worn}, before, step)

@@ -331,10 +331,10 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_of
         from contactstudy.evolution.evolve import evolve
-        from contactstudy.planning.grid_requirements import OF_CELLS
+        from contactstudy.planning.grid_requirements import CELL_FRACTION
 
         requested, steps = self.requested, self.steps
-        share = None if requested is None else (1 - OF_CELLS) * requested
+        share = None if requested is None else (1 - CELL_FRACTION) * requested
         grid, padding = self.planned(requested)
 
         def solve_on(grid: Grid) -> "Evolution":

@@ -23,24 +23,24 @@ from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import Detail
 
-# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^RATE: ROUGH times the share of the
-# area in contact to the power AREA_POWER, fitted to 9 %, 30 % and 80 % in contact.
+# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^RATE: ROUGH times the fraction
+# of the area in contact to the power AREA_POWER, fitted to 9 %, 30 % and 80 % in contact.
 ROUGH, AREA_POWER, RATE = 0.35, -0.65, 1.5
 # Width of the grid over that of the contact.
-ROOM = 1.2
+WIDTH_FACTOR = 1.2
 # Longest wavelengths that a period should hold, so that one surface represents others.
 WAVES = 4
 COARSEST = 32
 # Cells along a roller from which small solutions find how many it needs.
 ALONG = 64
-# Share of the accuracy asked for that the cells may take where steps in time take the remainder.
-OF_CELLS = 0.5
-# A contact wider than this share of the radius is not one of half-spaces.
-THIN = 0.1
+# Fraction of the requested error that the cells may take where time steps take the remainder.
+CELL_FRACTION = 0.5
+# A half-width above this fraction of the radius is not that of half-spaces.
+MAX_WIDTH_OVER_RADIUS = 0.1
 
 
 @dataclass(frozen=True)
-class Needs:
+class GridRequirements:
     """Properties of a scene that determine its grid.
 
     Attributes
@@ -51,7 +51,7 @@ class Needs:
         Wavelengths and heights of each shape.
     hardness
         Largest pressure of the softer body [Pa].
-    coats
+    coatings
         Coated bodies.
     shear
         A sentence on friction; empty where it changes nothing.
@@ -60,7 +60,7 @@ class Needs:
     hertz: HertzLine
     details: tuple[Detail, ...]
     hardness: float
-    coats: tuple[Layered, ...] = ()
+    coatings: tuple[Layered, ...] = ()
     shear: str = ""
 
     @property
@@ -71,7 +71,7 @@ class Needs:
     def grid_of_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
         assert self.points is not None
-        width = min(2 * ROOM * self.half_width, self.widest)
+        width = min(2 * WIDTH_FACTOR * self.half_width, self.widest)
         length = self.length(period, width)
         across = max(round(width / self.points[0] - 0.5 + 1e-9), 2)
         if width < self.widest:
@@ -95,7 +95,7 @@ class Needs:
     @property
     def smooth(self) -> bool:
         """True for Hertz's contact, with no heights on the cylinder, no end, no coating, no friction."""
-        return not (self.rough or self.roller or self.height or self.coats or self.shear)
+        return not (self.rough or self.roller or self.height or self.coatings or self.shear)
 
     @property
     def roller(self) -> float:
@@ -140,7 +140,7 @@ class Needs:
             from scipy.optimize import brentq  # imported late: as slow as everything else
 
             reach = float(brentq(open_by, 1.0, bracket))
-        crowned = 1.5 if self.roller else 1.0  # the middle or the ends bear more than the mean
+        crowned = 1.5 if self.roller else 1.0  # the middle or the ends carry more than the mean
         bearing = hertz.load_per_length / (2 * self.hardness)
         return max(hertz.half_width * reach * crowned, bearing)
 
@@ -149,7 +149,7 @@ class Needs:
         slope = sqrt(sum(detail.slope**2 for detail in self.details))
         if slope == 0:
             return ROUGH
-        # the mean pressure over the rms slope tells the share in contact (Persson 2001)
+        # the mean pressure over the rms slope gives the fraction in contact (Persson 2001)
         mean = np.pi / 4 * self.hertz.peak_pressure / self.hertz.contact_modulus
         return float(ROUGH * max(erf(sqrt(2) * mean / slope), 1e-3) ** AREA_POWER)
 
@@ -160,7 +160,7 @@ class Needs:
         return float(smooth + self.coefficient() * max(steps) ** RATE)
 
     def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
-        """Return the shares (across, along) of :meth:`error`."""
+        """Return the contributions (across, along) to :meth:`error`."""
         total = self.error(cell)
         rough = [(size / wave) ** RATE for size, wave in zip(cell, self.finest, strict=True)]
         if not self.rough:
@@ -177,7 +177,7 @@ class Needs:
         period
             Length of the grid [m]; chosen if None.
         """
-        width = min(2 * ROOM * self.half_width, self.widest)
+        width = min(2 * WIDTH_FACTOR * self.half_width, self.widest)
         length = self.length(period, width)
         # the cells for each source of error alone, then both are reduced to the requested error
         step = self.hertz.half_width / l1_factor() ** (1 / RATE)
@@ -252,7 +252,7 @@ class Needs:
         return f"The period {period:.4g} m holds what repeats along it a whole number of times."
 
     def reasons(self, grid: Grid, error: float) -> tuple[str, ...]:
-        """Return a sentence each on the width, the cells, the dimension, the padding and the coats of `grid`.
+        """Return a sentence each on the width, the cells, the dimension, the padding and the coatings of `grid`.
 
         Parameters
         ----------
@@ -286,41 +286,41 @@ class Needs:
                 "padding exact: all images in closed form, so that no error is left of them, at half the "
                 "transform of a padded length."
             )
-        coats = (self._coat(coat, grid) for coat in self.coats)
-        return width, cell, dimension, padding, *coats, *filter(None, (self.shear,))
+        coatings = (self._coating(coating, grid) for coating in self.coatings)
+        return width, cell, dimension, padding, *coatings, *filter(None, (self.shear,))
 
-    def _coat(self, coat: Layered, grid: Grid) -> str:
+    def _coating(self, coating: Layered, grid: Grid) -> str:
         """Return a sentence on what a coating does to the plan."""
-        coating, substrate_compliance = 1 / coat.compliance, coat.substrate.compliance
+        coating_modulus, substrate_compliance = 1 / coating.compliance, coating.substrate.compliance
         substrate = (
             f"{1 / substrate_compliance:.3g} Pa"
             if substrate_compliance
             else "infinite, a rigid substrate"
         )
-        modulus = 1 / coat.compliance_at(self.hertz.half_width)
+        modulus = 1 / coating.compliance_at(self.hertz.half_width)
         return (
-            f"coating {coat.thickness:.4g} m: {coat.thickness / self.hertz.half_width:.3g} half-widths and "
-            f"{coat.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
-            f"the effective modulus of a smooth contact is about {modulus:.3g} Pa, between {coating:.3g} Pa of the "
-            f"coating and {substrate}. Width and error are those of small solutions with the coating."
+            f"coating {coating.thickness:.4g} m: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
+            f"{coating.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
+            f"the effective modulus of a smooth contact is about {modulus:.3g} Pa, between {coating_modulus:.3g} Pa "
+            f"of the coating and {substrate}. Width and error are those of small solutions with the coating."
         )
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:
         """Return a sentence for each fault of `grid`."""
         messages = []
-        for coat in self.coats:
-            stiffer = coat.substrate.compliance / coat.compliance
-            if stiffer > STIFF_COATING and grid.cell[0] > coat.thickness / CELLS_IN_COATING:
+        for coating in self.coatings:
+            stiffer = coating.substrate.compliance / coating.compliance
+            if stiffer > STIFF_COATING and grid.cell[0] > coating.thickness / CELLS_IN_COATING:
                 messages.append(
-                    f"Grid.cells[0] is {grid.cells[0]}: {coat.thickness / grid.cell[0]:.2g} cells in a coating "
+                    f"Grid.cells[0] is {grid.cells[0]}: {coating.thickness / grid.cell[0]:.2g} cells in a coating "
                     f"{stiffer:.3g} times as stiff as its substrate, where little is known of the error, give "
-                    f"{int(np.ceil(CELLS_IN_COATING * grid.extent[0] / coat.thickness))} for a bound."
+                    f"{int(np.ceil(CELLS_IN_COATING * grid.extent[0] / coating.thickness))} for a bound."
                 )
         hertz = self.hertz
-        if hertz.half_width > THIN * hertz.radius:
+        if hertz.half_width > MAX_WIDTH_OVER_RADIUS * hertz.radius:
             messages.append(
                 f"The half-width of Hertz is {hertz.half_width:.3g} m on a radius of {hertz.radius:.3g} m, too "
-                "large a share for half-spaces: give loads and radii in N/m and m, and "
+                "large a fraction for half-spaces: give loads and radii in N/m and m, and "
                 "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
         for axis, (cell, wave) in enumerate(zip(grid.cell, self.finest, strict=True)):
@@ -335,7 +335,7 @@ class Needs:
         return tuple(messages)
 
 
-def needs_of(scene: Scene) -> Needs:
+def requirements_of(scene: Scene) -> GridRequirements:
     """Return the properties of `scene` that determine its grid.
 
     Raises
@@ -359,14 +359,14 @@ def needs_of(scene: Scene) -> Needs:
     details = tuple(shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
     if isinstance(scene.load, TotalLoad) and any(detail.roller for detail in details):
         details += (Detail(roller=scene.load.length or inf),)
-    coats = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
-    needs = Needs(scene.hertz, details, scene.hardness, coats)
+    coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
+    requirements = GridRequirements(scene.hertz, details, scene.hardness, coatings)
     if scene.friction is None:
-        return needs
+        return requirements
     shear = scene.friction.explanation(
-        scene, varies=needs.varies, paddings=across_and_along(needs.padding())
+        scene, varies=requirements.varies, paddings=across_and_along(requirements.padding())
     )
-    return replace(needs, shear=shear)
+    return replace(requirements, shear=shear)
 
 
 def measured_detail(scene: Scene) -> Detail | None:

@@ -17,7 +17,7 @@ from contactstudy.planning.cost import (
     memory,
     timed,
 )
-from contactstudy.planning.grid_requirements import COARSEST, RATE, Needs, halvable
+from contactstudy.planning.grid_requirements import COARSEST, RATE, GridRequirements, halvable
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
@@ -26,20 +26,20 @@ from contactstudy.solvers.solve import SolveOptions
 # tolerance that it is solved to.
 LINE, PLANE, MOST, TOLERANCE = 2**13, 2**16, 2**19, 1e-5
 # Powers of the cell with which an error falls: at a step in height, where it is not observed, and of a smooth contact.
-SLOWEST, USUAL, FASTEST = 0.5, 1.0, 1.5
+MIN_RATE, USUAL_RATE, MAX_RATE = 0.5, 1.0, 1.5
 # Ratio of an error's upper estimate to the error expected, of rough and of smooth surfaces: exceeded in all but a few
 # cases of the accuracy matrix.
 BOUND_ROUGH, BOUND_SMOOTH = 1.5, 1.2
 # Least cells along an axis of a small solution, and of a roller.
 FEWEST, ROLLER = 8, 16
-# Seconds over those of one solve of a solve with its estimate, which takes another on cells of twice the size.
-JUDGED = 1.6
+# Seconds of a solve with its error estimate, which takes another on cells of twice the size, over those of one solve.
+ESTIMATE_COST = 1.6
 # Factor on a width that is too narrow.
-WIDER = 1.5
+WIDENING = 1.5
 # Largest factor by which the cells along an axis are extrapolated at once.
-FURTHEST = 16.0
+MAX_EXTRAPOLATION = 16.0
 # The law of rough contacts, a mean over surfaces, is multiplied by this where small solutions do not show the surface.
-TRUSTED = 2.0
+UNRESOLVED_FACTOR = 2.0
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class GridForecast:
     grid
         The grid.
     errors
-        Shares (across, along) of the relative L1 error of the pressure; infinite if they are not known.
+        Contributions (across, along) to the relative L1 error of the pressure; infinite if they are not known.
     rates
         Powers of the cell along each axis with which they fall.
     fewest
@@ -78,7 +78,7 @@ class GridForecast:
         return sum(self.errors)
 
     def errors_of(self, cell: tuple[float, float]) -> tuple[float, float]:
-        """Return the shares (across, along) of the error to expect of another cell (dx, dy) [m]."""
+        """Return the contributions (across, along) to the error to expect of another cell (dx, dy) [m]."""
         parts = zip(self.errors, self.rates, cell, self.grid.cell, strict=True)
         across, along = (
             error * (size / present) ** rate if error else 0.0
@@ -104,10 +104,10 @@ class GridForecast:
         return self._with(self._count(0, error - along * (self.grid.cells[1] / ny) ** rate_y), ny)
 
     def _count(self, axis: int, error: float) -> float:
-        """Return the cells along an axis for the share `error` of the error."""
+        """Return the cells along an axis for the contribution `error` to the error."""
         count, share, rate = self.grid.cells[axis], self.errors[axis], self.rates[axis]
         needed = count * (share / error) ** (1 / rate) if error > 0 else inf
-        return max(min(needed, FURTHEST * count), self.fewest[axis])
+        return max(min(needed, MAX_EXTRAPOLATION * count), self.fewest[axis])
 
     def _with(self, across: float, along: float) -> Grid:
         """Return a grid of at least these cells and the same extent."""
@@ -115,21 +115,21 @@ class GridForecast:
         return Grid((halvable(across, self.fewest[0]), ny), self.grid.extent)
 
 
-def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
+def forecast(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridForecast:
     """Return the error and the cost to expect of `grid`, extrapolated from solutions on coarser grids.
 
     The estimated error of the finest of them is shared between the axes in proportion to the changes of the pressure
     when the cells are halved along one axis alone, which also show the rates.
     """
-    padding = needs.padding()
-    fewest = _fewest(needs, grid)
+    padding = requirements.padding()
+    fewest = _fewest(requirements, grid)
     small = _coarse(grid, fewest)
     # to the default tolerance, so that its time shows the cost of a solve
     fine, timing = timed(lambda grid: scene.problem(grid, padding), small, 10.0**-DIGITS)
     estimate = error_estimate(fine)
     sharp = next((warning for warning in estimate.warnings if SHARP_EDGE in warning), "")
-    error = estimate.l1.by_cause["discretisation"] / bound(needs)
-    changes, rates = [0.0, 0.0], [USUAL, USUAL]
+    error = estimate.l1.by_cause["discretisation"] / bound_factor(requirements)
+    changes, rates = [0.0, 0.0], [USUAL_RATE, USUAL_RATE]
     for axis in range(2 if error < inf else 0):
         solutions = [fine]
         while len(solutions) < 3 and small.cells[axis] >= FEWEST * 2 ** len(solutions):
@@ -139,9 +139,9 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
             solutions.append(SolveOptions(TOLERANCE).solved(scene.problem(coarser, padding)))
         steps = [change(fine, coarse).l1 for fine, coarse in pairwise(solutions)]
         changes[axis] = steps[0] if steps else 0.0
-        is_resolved = small.cells[axis] >= 4 * fewest[axis] or not needs.rough
+        is_resolved = small.cells[axis] >= 4 * fewest[axis] or not requirements.rough
         if len(steps) > 1 and min(steps) > 0 and is_resolved:
-            rates[axis] = float(np.clip(log2(steps[1] / steps[0]), SLOWEST, FASTEST))
+            rates[axis] = float(np.clip(log2(steps[1] / steps[0]), MIN_RATE, MAX_RATE))
     shares = np.array(changes) / sum(changes) if sum(changes) else np.array([1.0, 0.0])
     coarse_forecast = GridForecast(
         small,
@@ -150,22 +150,22 @@ def forecast(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
         fewest,
         fine.status is Status.CONTACT_AT_EDGE,
         sharp,
-        JUDGED * CostModel((timing,)).seconds(grid, padding, timing.convolutions),
+        ESTIMATE_COST * CostModel((timing,)).seconds(grid, padding, timing.convolutions),
     )
     return replace(coarse_forecast, grid=grid, errors=coarse_forecast.errors_of(grid.cell))
 
 
-def bound(needs: Needs) -> float:
+def bound_factor(requirements: GridRequirements) -> float:
     """Return the ratio of an error's upper estimate to the error expected."""
-    return BOUND_ROUGH if needs.rough else BOUND_SMOOTH
+    return BOUND_ROUGH if requirements.rough else BOUND_SMOOTH
 
 
-def _fewest(needs: Needs, grid: Grid) -> tuple[int, int]:
+def _fewest(requirements: GridRequirements, grid: Grid) -> tuple[int, int]:
     """Return the cells (across, along) below which a grid does not show the surface."""
-    least = ROLLER if needs.roller else COARSEST
+    least = ROLLER if requirements.roller else COARSEST
     across, along = (
         max(least, ceil(extent / length * (1 - 1e-9)))
-        for extent, length in zip(grid.extent, needs.finest, strict=True)
+        for extent, length in zip(grid.extent, requirements.finest, strict=True)
     )
     return across, along if grid.cells[1] > 1 else 1
 
@@ -193,51 +193,55 @@ def contact_width(solution: Solution) -> float:
     return float(2 * touching.max(initial=0.0)) + grid.cell[0]
 
 
-def by_law(scene: Scene, needs: Needs) -> bool:
-    """Return whether the contact is Hertz's, whose error follows a law."""
-    return needs.smooth and scene.hardness > needs.hertz.peak_pressure
+def has_error_law(scene: Scene, requirements: GridRequirements) -> bool:
+    """Return whether the contact is Hertz's, whose error has a closed law."""
+    return requirements.smooth and scene.hardness > requirements.hertz.peak_pressure
 
 
-def expected(scene: Scene, needs: Needs, grid: Grid) -> GridForecast:
+def forecast_or_law(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridForecast:
     """Return the error and the cost to expect of `grid`: by the law of a smooth contact, else by small solutions.
 
     Parameters
     ----------
     scene
         The scene.
-    needs
+    requirements
         Its requirements.
     grid
         The grid.
     """
-    padding = needs.padding()
-    if by_law(scene, needs):
-        seconds = JUDGED * CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS)
-        width = 2 * needs.hertz.half_width
+    padding = requirements.padding()
+    if has_error_law(scene, requirements):
+        seconds = ESTIMATE_COST * CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS)
+        width = 2 * requirements.hertz.half_width
         return GridForecast(
             grid,
-            (needs.error(grid.cell), 0.0),
+            (requirements.error(grid.cell), 0.0),
             (RATE, RATE),
             (COARSEST, 1),
             grid.extent[0] < width,
             "",
             seconds,
         )
-    fewest = _fewest(needs, grid)
+    fewest = _fewest(requirements, grid)
     try:
-        result = forecast(scene, needs, grid)
+        result = forecast(scene, requirements, grid)
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
         rates = RATE, RATE
         return GridForecast(
             grid, (inf, 0.0), rates, fewest, cut_off=False, message=str(error), seconds=inf
         )
     if result.error == inf and not result.cut_off:
-        across, along = needs.errors(grid.cell)
-        return replace(result, errors=(TRUSTED * across, TRUSTED * along), rates=(RATE, RATE))
+        across, along = requirements.errors(grid.cell)
+        return replace(
+            result,
+            errors=(UNRESOLVED_FACTOR * across, UNRESOLVED_FACTOR * along),
+            rates=(RATE, RATE),
+        )
     return result
 
 
-def as_wide(grid: Grid, width: float) -> Grid:
+def with_width(grid: Grid, width: float) -> Grid:
     """Return a grid with cells of the same size over the width `width` [m]."""
     across = halvable(grid.cells[0] * width / grid.extent[0])
     return Grid((across, grid.cells[1]), (width, grid.period))

@@ -10,24 +10,24 @@ from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.rolling import solve_rolling
 from contactstudy.evolution.steps import TimeSteps
 from contactstudy.planning.cost import timed
-from contactstudy.planning.grid_requirements import OF_CELLS
-from contactstudy.planning.in_time import extremes
+from contactstudy.planning.grid_requirements import CELL_FRACTION
+from contactstudy.planning.transient_requirements import transient_requirements
 from contactstudy.scene.scene import Scene
 
 # Cells (across, along) of a pilot at most, fewer across where bodies yield, whose steps take long; the tolerance of the
 # solves that are timed.
-PILOT, OF_YIELDING, TOLERANCE = (48, 12), 24, 1e-8
-# Seconds of a pilot's steps at most. Where it has not come this far by then, as a part of the time, a larger error is
-# tried; the factor between errors, by which steps of first order become fewer. Solves of a pair of steps.
-ENOUGH, FAR, LOOSER, OF_PAIR = 1.0, 0.25, 4.0, 3
-# The largest error of a pilot; with the volume that yields, seconds grow with this power of the bytes of its operators.
-MOST, PLASTIC = 0.3, 0.8
+PILOT_CELLS, YIELDING_CELLS, TOLERANCE = (48, 12), 24, 1e-8
+# TIME_LIMIT: seconds of a pilot's steps at most. If less than MIN_PROGRESS of the time is reached by then, an error
+# ERROR_STEP times as large is tried, with which steps of first order become fewer by that factor.
+TIME_LIMIT, MIN_PROGRESS, ERROR_STEP, SOLVES_PER_DOUBLE_STEP = 1.0, 0.25, 4.0, 3
+# MAX_ERROR: largest error of a pilot. PLASTIC_POWER: power of the bytes of plastic operators with which seconds grow.
+MAX_ERROR, PLASTIC_POWER = 0.3, 0.8
 # Seconds with the finer grids on which some scenes are solved again, over those on the planned grid, in one dimension:
 # between 1 and 2.5 in 8 scenes that creep, wear or roll. In two dimensions the ratio of two elastic solves, which do not
 # begin with the step before, is too large by as much. Scenes that yield are mostly solved again on twice the cells.
-AGAIN, AGAIN_YIELDING = 1.5, 4.0
+REFINEMENT_COST, YIELDING_REFINEMENT_COST = 1.5, 4.0
 # The same of the passes of rolling in two dimensions, most of which begin close to their end: between 0.3 and 0.8 in 5.
-PASSES_ALONG = 0.5
+ROLLING_COST_ALONG = 0.5
 
 
 @dataclass(frozen=True)
@@ -49,8 +49,8 @@ class Pilot:
     reason: str
 
 
-class _Enough(Exception):
-    """The pilot has taken long enough."""
+class _TimeLimitReached(Exception):
+    """The pilot has reached its time limit."""
 
 
 def pilot(
@@ -64,8 +64,8 @@ def pilot(
 ) -> Pilot:
     """Return the work of `scene` on `grid`, from its steps on a coarse grid.
 
-    Steps in time hardly depend on the cells. They take as many times the pilot's seconds as an elastic solve takes on
-    the planned grid, or, where plastic strain has operators of its own, by a power of their size.
+    The number of time steps depends little on the cell size. They take as many times the pilot's seconds as an elastic
+    solve takes on the planned grid, or, where plastic strain has operators of its own, by a power of their size.
 
     Parameters
     ----------
@@ -74,39 +74,39 @@ def pilot(
     grid, padding
         Planned cells and boundary conditions.
     error
-        Relative L1 error of the pressure, by the cells and the steps.
+        Relative L1 error of the pressure, of discretisation and time steps together.
     steps
         Instants that are recorded.
     refines
         Whether the grid is refined until its bound keeps the error.
     """
-    found = extremes(scene, steps.last)
+    found = transient_requirements(scene, steps.last)
     nx, ny = grid.cells
-    across = PILOT[0] if found.plastic is None else OF_YIELDING
-    coarse = Grid((min(nx, across), min(ny, PILOT[1])), grid.extent)
+    across = PILOT_CELLS[0] if found.plastic is None else YIELDING_CELLS
+    coarse = Grid((min(nx, across), min(ny, PILOT_CELLS[1])), grid.extent)
     try:
-        seconds, solves = _work(scene, coarse, padding, (1 - OF_CELLS) * error, steps)
+        seconds, solves = _work(scene, coarse, padding, (1 - CELL_FRACTION) * error, steps)
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")
     if found.plastic is not None:
-        slower = (found.plastic.bytes(grid) / found.plastic.bytes(coarse)) ** PLASTIC
+        slower = (found.plastic.bytes(grid) / found.plastic.bytes(coarse)) ** PLASTIC_POWER
     else:
         one, other = (
             timed(lambda each: found.narrow.problem(each, padding), each_grid, TOLERANCE)[1]
             for each_grid in (grid, coarse)
         )
         slower = (one.setup + one.solve) / (other.setup + other.solve)
-    rounds = AGAIN if refines and ny == 1 else 1.0
+    rounds = REFINEMENT_COST if refines and ny == 1 else 1.0
     if refines and found.plastic is not None:
-        rounds = AGAIN_YIELDING
+        rounds = YIELDING_REFINEMENT_COST
     elif scene.rolling is not None and ny > 1:
-        rounds = PASSES_ALONG
+        rounds = ROLLING_COST_ALONG
     total = rounds * seconds * max(slower, 1.0)
     return Pilot(
         total,
         solves,
         f"time: {solves} solves, counted on {coarse.cells[0]} x {coarse.cells[1]} cells, with those that estimate the "
-        f"error by the steps; some {total:.2g} s.",
+        f"time-step error; some {total:.2g} s.",
     )
 
 
@@ -133,16 +133,16 @@ def _work(
         def stop(time: float, end: float, begin: float = begin) -> None:
             nonlocal reached, pairs
             reached, pairs = time / end, pairs + 1
-            if process_time() - begin > ENOUGH:
-                raise _Enough
+            if process_time() - begin > TIME_LIMIT:
+                raise _TimeLimitReached
 
-        allowed = min(larger * error, MOST)
+        allowed = min(larger * error, MAX_ERROR)
         try:
             trajectory = evolve(scene, grid, padding, times=times, error=allowed, progress=stop)
-        except _Enough:
-            if reached < FAR and allowed < MOST:
-                larger *= LOOSER
+        except _TimeLimitReached:
+            if reached < MIN_PROGRESS and allowed < MAX_ERROR:
+                larger *= ERROR_STEP
                 continue
             more = larger / max(reached, 1e-3)
-            return more * (process_time() - begin), round(more * OF_PAIR * pairs)
+            return more * (process_time() - begin), round(more * SOLVES_PER_DOUBLE_STEP * pairs)
         return larger * (process_time() - begin), round(larger * trajectory.steps)

@@ -14,21 +14,21 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, times_faster
 from contactstudy.planning.grid_requirements import (
-    OF_CELLS,
-    Needs,
+    CELL_FRACTION,
+    GridRequirements,
     grid_of_flat,
     measured_detail,
-    needs_of,
+    requirements_of,
 )
 from contactstudy.planning.grid_search import (
-    JUDGED,
-    WIDER,
+    ESTIMATE_COST,
+    WIDENING,
     GridForecast,
     affordable,
-    as_wide,
-    expected,
+    forecast_or_law,
+    with_width,
 )
-from contactstudy.planning.refinement import reaching
+from contactstudy.planning.refinement import forecast_of_refinement
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import Detail
 
@@ -39,8 +39,8 @@ if TYPE_CHECKING:
 DEFAULT_ERROR = 1e-2
 # Relative error of the film of a lubricated scene that is planned where none is requested.
 FILM_ERROR = 1e-2
-# The share of the machine's memory that a plan may take.
-SHARE = 0.8
+# Fraction of the machine's memory that a plan may take.
+MEMORY_FRACTION = 0.8
 
 
 @dataclass(frozen=True)
@@ -176,10 +176,12 @@ def plan_grid(
     if scene.lubrication is not None:
         return _plan_of_film(scene, error or FILM_ERROR, period, grid, end, times)
     if scene.adhesion is not None:
-        return _plan_of_adhesion(scene, needs_of(scene), error or DEFAULT_ERROR, period, grid)
+        return _plan_of_adhesion(
+            scene, requirements_of(scene), error or DEFAULT_ERROR, period, grid
+        )
     if scene.changing is not None or scene.rolling is not None:
-        return _plan_in_time(scene, error, period, grid, _time_steps(end, times))
-    return _plan_at_rest(scene, error, period, grid, on)
+        return _plan_time_dependent(scene, error, period, grid, _time_steps(end, times))
+    return _plan_static(scene, error, period, grid, on)
 
 
 def _time_steps(end: float | None, times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
@@ -200,7 +202,7 @@ def _plan_of_flat(detail: Detail, period: float | None, on: Device) -> Plan:
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=inf,
-        seconds=JUDGED * seconds / times_faster(grid, padding, on),
+        seconds=ESTIMATE_COST * seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=f"The period {grid.period:.4g} m is that of the measured surface.",
         reasons=(
@@ -211,7 +213,7 @@ def _plan_of_flat(detail: Detail, period: float | None, on: Device) -> Plan:
     )
 
 
-def _plan_at_rest(
+def _plan_static(
     scene: Scene,
     error: float | None,
     period: float | None,
@@ -220,23 +222,23 @@ def _plan_at_rest(
     width: float = 0.0,
 ) -> Plan:
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
-    needs = needs_of(scene)
-    padding = needs.padding()
+    requirements = requirements_of(scene)
+    padding = requirements.padding()
     if grid is not None and period is not None and period != grid.period:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
-    limit = SHARE * min(available_bytes(), on.available_bytes)
-    own_points = grid is None and error is None and needs.points is not None
+    limit = MEMORY_FRACTION * min(available_bytes(), on.available_bytes)
+    own_points = grid is None and error is None and requirements.points is not None
     if own_points:
-        grid = needs.grid_of_points(period)
+        grid = requirements.grid_of_points(period)
     if grid is None:
         target = error or DEFAULT_ERROR
-        prediction = reaching(scene, needs, target, period, limit)
+        prediction = forecast_of_refinement(scene, requirements, target, period, limit)
         grid = prediction.grid
         if width > grid.extent[0]:
-            grid = as_wide(grid, width)
+            grid = with_width(grid, width)
     else:
         target = inf
-        prediction = expected(scene, needs, affordable(grid, padding, limit))
+        prediction = forecast_or_law(scene, requirements, affordable(grid, padding, limit))
     predicted = prediction.error_of(grid.cell)
     return Plan(
         grid=grid,
@@ -245,9 +247,15 @@ def _plan_at_rest(
         error=predicted,
         seconds=prediction.seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
-        period_check=needs.period_check(grid.period),
-        reasons=(*needs.reasons(grid, predicted), *_reasons(prediction, own_points=own_points)),
-        warnings=(*needs.warnings(grid), *_warnings(needs, prediction, grid, limit, error=target)),
+        period_check=requirements.period_check(grid.period),
+        reasons=(
+            *requirements.reasons(grid, predicted),
+            *_reasons(prediction, own_points=own_points),
+        ),
+        warnings=(
+            *requirements.warnings(grid),
+            *_warnings(requirements, prediction, grid, limit, error=target),
+        ),
         on=on,
     )
 
@@ -268,7 +276,7 @@ def _reasons(expectation: GridForecast, *, own_points: bool) -> Iterator[str]:
         )
 
 
-def _plan_in_time(
+def _plan_time_dependent(
     scene: Scene,
     error: float | None,
     period: float | None,
@@ -277,15 +285,15 @@ def _plan_in_time(
 ) -> Plan:
     """Plan a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
     # imported only for scenes that change in time
-    from contactstudy.planning.in_time import extremes
+    from contactstudy.planning.transient_requirements import transient_requirements
 
-    found = extremes(scene, times.last)
+    found = transient_requirements(scene, times.last)
     plastic = found.plastic
-    error_factor = plastic.cells_error if plastic else 1.0
-    share = OF_CELLS if scene.rolling is None else 1.0
-    cells_error = share * (error or DEFAULT_ERROR) / error_factor
-    narrow_plan = _plan_at_rest(
-        found.narrow, cells_error, period, grid, ONE_THREAD, width=found.width
+    error_factor = plastic.error_factor if plastic else 1.0
+    share = CELL_FRACTION if scene.rolling is None else 1.0
+    discretisation_error = share * (error or DEFAULT_ERROR) / error_factor
+    narrow_plan = _plan_static(
+        found.narrow, discretisation_error, period, grid, ONE_THREAD, width=found.width
     )
     held = 8 * found.fields * prod(narrow_plan.grid.cells)
     reasons = found.reasons
@@ -302,31 +310,34 @@ def _plan_in_time(
 
 
 def _warnings(
-    needs: Needs, prediction: GridForecast, grid: Grid, limit: float, *, error: float
+    requirements: GridRequirements,
+    prediction: GridForecast,
+    grid: Grid,
+    limit: float,
+    *,
+    error: float,
 ) -> Iterator[str]:
     """Yield a sentence for each reason why the grid does not reach the requested `error`."""
     if prediction.cut_off:
         remedy = "give a width of "
-        width = WIDER * grid.extent[0]
-        if width > needs.widest:
-            remedy = (
-                f"the surface is known over {needs.widest:.4g} m only; give a smaller load, or "
-            )
+        width = WIDENING * grid.extent[0]
+        if width > requirements.widest:
+            remedy = f"the surface is known over {requirements.widest:.4g} m only; give a smaller load, or "
             remedy += "a surface as wide as "
         yield f"Grid.extent[0] is {grid.extent[0]:.4g} m: the contact outgrows it, {remedy}{width:.4g} m."
-    needed = memory(grid, needs.padding())
+    needed = memory(grid, requirements.padding())
     if needed > limit:
         yield (
             f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and this machine has "
-            f"{limit / SHARE / 1e9:.3g} GB, give fewer cells."
+            f"{limit / MEMORY_FRACTION / 1e9:.3g} GB, give fewer cells."
         )
     predicted = prediction.error_of(grid.cell)
     if error < predicted < inf:
         finer = prediction.grid_for(error)
-        bytes_of_finer = memory(finer, needs.padding())
+        bytes_of_finer = memory(finer, requirements.padding())
         reason = (
             f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and this "
-            f"machine has {limit / SHARE / 1e9:.3g} GB"
+            f"machine has {limit / MEMORY_FRACTION / 1e9:.3g} GB"
             if bytes_of_finer > limit
             else "the error of this surface falls slowly"
         )
@@ -344,9 +355,10 @@ def _plan_of_film(
     times: "ArrayLike | TimeSteps | None",
 ) -> Plan:
     """Plan a lubricated scene."""
-    from contactstudy.planning.film_needs import film_needs  # imported only for lubricated scenes
+    # imported only for lubricated scenes
+    from contactstudy.planning.film_requirements import film_requirements
 
-    needs, instants = needs_of(scene), 0
+    requirements, instants = requirements_of(scene), 0
     if scene.changing is not None:
         assert scene.lubrication is not None
         speed = scene.lubrication.mean_speed
@@ -354,7 +366,7 @@ def _plan_of_film(
         with suppress(InvalidInput):
             recorded = _time_steps(end, times).instants_of(scene.load, speed)
             instants = instants if recorded is None else len(np.ravel(recorded))
-    film = film_needs(scene, needs, error, period, grid, instants)
+    film = film_requirements(scene, requirements, error, period, grid, instants)
     smooth = film.grid.cells[1] == 1
     return Plan(
         grid=film.grid,
@@ -364,21 +376,26 @@ def _plan_of_film(
         seconds=film.seconds,
         steps=film.steps,
         bytes=film.bytes,
-        period_check=needs.period_check(film.grid.period),
+        period_check=requirements.period_check(film.grid.period),
         reasons=film.reasons,
         warnings=film.warnings,
     )
 
 
 def _plan_of_adhesion(
-    scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
+    scene: Scene,
+    requirements: GridRequirements,
+    error: float,
+    period: float | None,
+    grid: Grid | None,
 ) -> Plan:
     """Plan a scene with adhesion."""
-    from contactstudy.planning.adhesive_needs import adhesive_needs  # imported only for such scenes
+    # imported only for such scenes
+    from contactstudy.planning.adhesive_requirements import adhesive_requirements
 
-    found = adhesive_needs(scene, needs, error, period, grid)
-    grid, padding = found.grid, needs.padding()
-    expected_error = needs.error(grid.cell)
+    found = adhesive_requirements(scene, requirements, error, period, grid)
+    grid, padding = found.grid, requirements.padding()
+    expected_error = requirements.error(grid.cell)
     return Plan(
         grid=grid,
         padding=padding,
@@ -386,8 +403,8 @@ def _plan_of_adhesion(
         error=expected_error,
         seconds=found.seconds,
         bytes=memory(grid, padding),
-        period_check=needs.period_check(grid.period),
-        reasons=(*needs.reasons(grid, expected_error), *found.reasons),
-        warnings=(*needs.warnings(grid), *found.warnings),
+        period_check=requirements.period_check(grid.period),
+        reasons=(*requirements.reasons(grid, expected_error), *found.reasons),
+        warnings=(*requirements.warnings(grid), *found.warnings),
         steps=found.solves,
     )

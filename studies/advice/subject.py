@@ -14,8 +14,8 @@ from contactstudy.domain.reuse import caching
 from contactstudy.io.contact_quantities import contact_quantities
 from contactstudy.io.film_quantities import film_quantities
 from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_requirements import needs_of
-from contactstudy.planning.plan import SHARE
+from contactstudy.planning.grid_requirements import requirements_of
+from contactstudy.planning.plan import MEMORY_FRACTION
 from studies.advice.ladder import unit_of
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH, relative_l1
 
@@ -116,7 +116,7 @@ class Subject:
 
     def fits(self, cells: tuple[int, int]) -> bool:
         """Return whether this machine's memory holds a solve at the own boundary."""
-        return memory(self.grid(cells), self.own) <= SHARE * available_bytes()
+        return memory(self.grid(cells), self.own) <= MEMORY_FRACTION * available_bytes()
 
     @property
     def is_free(self) -> bool:
@@ -133,11 +133,13 @@ class Subject:
             or not _is_at_rest(self.scene)
         ):
             return None
-        needs = needs_of(self.scene)
-        hertz = needs.hertz
+        requirements = requirements_of(self.scene)
+        hertz = requirements.hertz
         fits = 2 * hertz.half_width < self.extent[0]
         return (
-            hertz if needs.smooth and fits and self.scene.hardness > hertz.peak_pressure else None
+            hertz
+            if requirements.smooth and fits and self.scene.hardness > hertz.peak_pressure
+            else None
         )
 
 
@@ -267,13 +269,13 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
             f"{name} has no curved shape, so that it has no width of its own: give it a [grid]."
         )
     elif at_rest:
-        grid = needs_of(scene).grid(max(error, QUICK), described.plan_settings.period)
+        grid = requirements_of(scene).grid(max(error, QUICK), described.plan_settings.period)
     else:
         grid = described.plan().grid
     if scene.hertz is not None:
-        needs = needs_of(scene)
-        own = needs.padding()
-        if check := needs.period_check(grid.period):
+        requirements = requirements_of(scene)
+        own = requirements.padding()
+        if check := requirements.period_check(grid.period):
             notes.append(check)
     elif not isinstance(own, tuple):
         own = cs.ExactPeriodicity()
@@ -317,7 +319,7 @@ def balanced(subject: Subject, cells: tuple[int, int]) -> Subject:
             subject.solve(Setting(subject.own, tried, TRIAL_TOLERANCE))
             for tried in (trial, (2 * trial[0], trial[1]), (trial[0], 2 * trial[1]))
         ]
-        widest = needs_of(subject.scene).widest
+        widest = requirements_of(subject.scene).widest
         width = min(WIDER * subject.extent[0], widest)
         if answers[0].status is cs.Status.CONTACT_AT_EDGE and width > subject.extent[0]:
             subject = replace(subject, extent=(width, subject.extent[1]))

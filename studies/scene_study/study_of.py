@@ -13,9 +13,9 @@ from contactstudy.domain.checks import divides
 from contactstudy.domain.device import available_bytes
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_requirements import Needs, halvable, needs_of
+from contactstudy.planning.grid_requirements import GridRequirements, halvable, requirements_of
 from contactstudy.planning.grid_search import affordable
-from contactstudy.planning.plan import SHARE
+from contactstudy.planning.plan import MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.model.axis import Value, check_count
 from studies.model.case import Case, Computation, SceneCase
@@ -68,7 +68,7 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
     )
     for number, shape in enumerate(shapes):
         _check(f"Scene.shapes[{number}]", shape, grid)
-    padding = point.padding or needs_of(point.scene).padding()
+    padding = point.padding or requirements_of(point.scene).padding()
     return Case(replace(point.scene, shapes=shapes), grid, padding, point.settings)
 
 
@@ -100,8 +100,8 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     if first.grid is not None:
         note = f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
         return [first.grid] * len(points), [note]
-    needs = [needs_of(point.scene) for point in points]
-    planned = _planned(points, needs)
+    requirements = [requirements_of(point.scene) for point in points]
+    planned = _planned(points, requirements)
     width = max(grid.extent[0] for grid in planned)
     periods = {grid.period for grid in planned}
     measured = [
@@ -121,7 +121,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     fits = (
         len(periods) == 1
         or measured
-        or all(": give" not in need.period_check(period) for need in needs)
+        or all(": give" not in requirement.period_check(period) for requirement in requirements)
     )
     if not fits:
         separate = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
@@ -133,7 +133,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     finest = cs.Grid(cells, (width, period))
     grid = _fitting(finest, first)
     if grid != finest:
-        needed = memory(finest, first.padding or needs[0].padding())
+        needed = memory(finest, first.padding or requirements[0].padding())
         notes.append(
             f"the finest contact in the widest grid would take {cells[0]} x {cells[1]} cells and {needed / 1e9:.3g} GB, "
             f"and this machine has {available_bytes() / 1e9:.3g} GB: the common grid is the finest that it holds; give "
@@ -147,19 +147,21 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
 PLANNED = 8
 
 
-def _planned(points: Sequence[SceneFile], needs: Sequence[Needs]) -> list[cs.Grid]:
+def _planned(
+    points: Sequence[SceneFile], requirements: Sequence[GridRequirements]
+) -> list[cs.Grid]:
     """Return a planned grid for each point; of many points some are planned, and their finest cells are used for all."""
     if len(points) <= PLANNED:
         return [_grid_of_plan(point) for point in points]
-    by_width = sorted(range(len(points)), key=lambda number: needs[number].half_width)
+    by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
     chosen = by_width[:: len(points) // (PLANNED - 1)] + by_width[-1:]
     plans = {number: _grid_of_plan(points[number]) for number in chosen}
     cells = [min(grid.cell[axis] for grid in plans.values()) for axis in (0, 1)]
     width = max(grid.extent[0] for grid in plans.values())
     grids = []
-    for number, (point, need) in enumerate(zip(points, needs, strict=True)):
-        length = need.length(point.plan_settings.period, width)
-        along = halvable(length / cells[1]) if need.varies else 1
+    for number, (point, requirement) in enumerate(zip(points, requirements, strict=True)):
+        length = requirement.length(point.plan_settings.period, width)
+        along = halvable(length / cells[1]) if requirement.varies else 1
         grid = cs.Grid((halvable(width / cells[0]), along), (width, length))
         grids.append(plans.get(number) or _fitting(grid, point))
     return grids
@@ -172,8 +174,8 @@ def _grid_of_plan(point: SceneFile) -> cs.Grid:
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
     """Return `grid`, or the finest grid of its extent that the machine's memory holds."""
-    padding = point.padding or needs_of(point.scene).padding()
-    return affordable(grid, padding, SHARE * available_bytes())
+    padding = point.padding or requirements_of(point.scene).padding()
+    return affordable(grid, padding, MEMORY_FRACTION * available_bytes())
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import contactstudy as cs
-from contactstudy.planning.grid_requirements import needs_of
+from contactstudy.planning.grid_requirements import requirements_of
 from contactstudy.planning.plan import plan
 from tests.conftest import STEEL
 
@@ -35,10 +35,10 @@ def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:
 
 
 def test_a_coat_and_unlike_bodies_that_slide_are_not_taken_for_hertzs_contact() -> None:
-    assert needs_of(PLAIN).smooth
-    assert not needs_of(replace(PLAIN, solids=(BODY, STEEL))).smooth
+    assert requirements_of(PLAIN).smooth
+    assert not requirements_of(replace(PLAIN, solids=(BODY, STEEL))).smooth
     unlike = replace(PLAIN, solids=(STEEL, cs.HalfSpace(3e9, 0.1)), friction=cs.Sliding(0.4))
-    assert not needs_of(unlike).smooth
+    assert not requirements_of(unlike).smooth
 
 
 def test_a_plan_says_how_friction_is_solved() -> None:
@@ -49,5 +49,5 @@ def test_a_plan_says_how_friction_is_solved() -> None:
         (replace(PLAIN, friction=slip), "superposition"),
         (replace(rough, friction=slip), "both components"),
     ):
-        assert words in needs_of(scene).shear
-    assert needs_of(PLAIN).shear == ""
+        assert words in requirements_of(scene).shear
+    assert requirements_of(PLAIN).shear == ""

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.expected_error import smooth_l1
-from contactstudy.planning.grid_requirements import ROUGH, needs_of
+from contactstudy.planning.grid_requirements import ROUGH, requirements_of
 from tests.conftest import LineContact
 
 
@@ -17,7 +17,7 @@ def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
 
 def width(scene: cs.Scene, contact: LineContact) -> float:
     """Half-width that is expected of the contact, over that of Hertz."""
-    return needs_of(scene).half_width / contact.hertz.half_width
+    return requirements_of(scene).half_width / contact.hertz.half_width
 
 
 def test_a_smooth_contact_is_as_wide_as_hertz_s(line_contact: LineContact) -> None:
@@ -35,8 +35,8 @@ def test_a_wave_may_touch_out_to_where_hertz_s_gap_is_as_high(line_contact: Line
 def test_a_roller_is_given_half_as_much_again(line_contact: LineContact) -> None:
     """Its middle or its ends bear more than the mean; small solutions then show how much of that it needs."""
     scene = with_shapes(line_contact, cs.FiniteLength(10 * line_contact.hertz.half_width))
-    needs = needs_of(scene)
-    assert needs.half_width == pytest.approx(1.5 * line_contact.hertz.half_width, rel=1e-12)
+    requirements = requirements_of(scene)
+    assert requirements.half_width == pytest.approx(1.5 * line_contact.hertz.half_width, rel=1e-12)
     plan = cs.plan(scene, error=0.1)
     assert plan.grid.period == pytest.approx(10 * line_contact.hertz.half_width)
 
@@ -49,9 +49,9 @@ def test_what_yields_needs_room_for_the_load(line_contact: LineContact) -> None:
 
 def test_a_smooth_contact_s_error_follows_the_measured_law(line_contact: LineContact) -> None:
     """0.446 (cell / a)^1.5 + 0.1 (cell / a)^2."""
-    needs, a = needs_of(line_contact.scene), line_contact.hertz.half_width
+    requirements, a = requirements_of(line_contact.scene), line_contact.hertz.half_width
     for cell in (0.1, 0.01):
-        error = needs.error((cell * a, a))
+        error = requirements.error((cell * a, a))
         assert error == pytest.approx(0.446 * cell**1.5 + 0.1 * cell**2, rel=1e-2)
 
 
@@ -67,7 +67,7 @@ def test_a_wave_s_error_is_that_of_its_share_in_contact(line_contact: LineContac
     assert 0.1 < share < 0.99
     # 16 cells along in a wave, 64 / 2.4 across in a half-width
     expected = smooth_l1(2.4 / 64) + ROUGH * share**-0.65 * (1 / 16) ** 1.5
-    assert needs_of(scene).error(grid.cell) == pytest.approx(expected, rel=1e-9)
+    assert requirements_of(scene).error(grid.cell) == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_period_holds_four_of_the_longest_waves(line_contact: LineContact) -> None:

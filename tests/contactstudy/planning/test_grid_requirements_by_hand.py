@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.analytic import HertzLine
 from contactstudy.planning.grid_requirements import (
-    Needs,
+    GridRequirements,
     _cells_per_wave,
     _common_period,
 )
@@ -22,35 +22,35 @@ FINE = Detail(finest=(0.5, 0.25), longest=1.0, height=0.3, slope=0.3, widest=12.
 COARSE = Detail(finest=(0.3, 0.6), longest=0.75, height=0.1, slope=0.4, widest=9.0)
 
 
-def needs(*details: Detail, hardness: float = inf, **more: Any) -> Needs:
-    return Needs(HERTZ, details, hardness, **more)
+def requirements(*details: Detail, hardness: float = inf, **more: Any) -> GridRequirements:
+    return GridRequirements(HERTZ, details, hardness, **more)
 
 
-BOTH, SMOOTH = needs(FINE, COARSE), needs(Detail())
+BOTH, SMOOTH = requirements(FINE, COARSE), requirements(Detail())
 
 
 @pytest.mark.parametrize("t", [1.5, 10.0])
 def test_the_contact_may_end_where_hertz_s_gap_is_as_high_as_the_highest(t: float) -> None:
     height = 0.2 * (t * sqrt(t**2 - 1) - acosh(t))
-    assert needs(Detail(height=height)).half_width == pytest.approx(2 * t)
+    assert requirements(Detail(height=height)).half_width == pytest.approx(2 * t)
 
 
 def test_a_measured_surface_is_put_on_its_own_points() -> None:
     """A contact 9.6 m wide with its room, on points 0.5 m and 0.25 m apart."""
     spaced = Detail(finest=(1.0, 0.5), repeat=12.0, widest=20.0, spacing=(0.5, 0.25))
-    asked = needs(spaced)
+    asked = requirements(spaced)
     grid = asked.grid_of_points(None)
     assert grid.cell == pytest.approx((0.5, 0.25))
     assert grid.extent[0] >= 2 * 1.2 * asked.half_width > grid.extent[0] - 0.5
     assert grid.period == 12.0
     # no wider than the surface
-    narrow = needs(replace(spaced, widest=2.0)).grid_of_points(None)
+    narrow = requirements(replace(spaced, widest=2.0)).grid_of_points(None)
     assert narrow.cells == (4, 48)
 
 
 def test_a_grid_is_no_wider_than_the_surface_is_known() -> None:
-    assert needs(Detail(widest=4.0)).grid(0.1, None).extent[0] == 4
-    assert needs(Detail(widest=4.9)).grid(0.1, None).extent[0] == pytest.approx(4.8)
+    assert requirements(Detail(widest=4.0)).grid(0.1, None).extent[0] == 4
+    assert requirements(Detail(widest=4.9)).grid(0.1, None).extent[0] == pytest.approx(4.8)
 
 
 WAVES = Detail(finest=(inf, 0.2))
@@ -74,20 +74,20 @@ WAVES = Detail(finest=(inf, 0.2))
 def test_a_period_holds_four_of_the_longest_and_whole_numbers_of_what_repeats(
     details: tuple[Detail, ...], period: float
 ) -> None:
-    assert needs(*details).length(None, 4.8) == pytest.approx(period)
-    assert needs(*details).length(7.0, 4.8) == 7
+    assert requirements(*details).length(None, 4.8) == pytest.approx(period)
+    assert requirements(*details).length(7.0, 4.8) == 7
 
 
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
-    waves = needs(replace(WAVES, repeat=0.25, longest=0.125))
+    waves = requirements(replace(WAVES, repeat=0.25, longest=0.125))
     assert "holds what repeats" in waves.period_check(0.5)
     assert "no whole number of 0.25 m" in waves.period_check(0.6)
     assert "holds 2 of the longest wavelength 0.125 m: give 0.5 m" in waves.period_check(0.25)
-    rough = needs(replace(WAVES, longest=0.25))
+    rough = requirements(replace(WAVES, longest=0.25))
     for share, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
         assert ("holds what repeats" in rough.period_check(share)) == enough
     assert "any period" in SMOOTH.period_check(0.1)
-    assert "from end to end 0.5 m" in needs(Detail(roller=0.5)).period_check(0.5)
+    assert "from end to end 0.5 m" in requirements(Detail(roller=0.5)).period_check(0.5)
 
 
 def test_reasons_count_cells_in_half_widths_and_waves_and_say_the_dimension() -> None:
@@ -100,7 +100,7 @@ def test_reasons_count_cells_in_half_widths_and_waves_and_say_the_dimension() ->
     assert "16 in a half-width, for" in cells
     assert dimension.startswith("dimension 2: as asked")
     assert SMOOTH.reasons(cs.Grid((64, 1), (8.0, 4.0)), 0.1)[2].startswith("dimension 1")
-    assert needs(Detail(roller=3.0)).reasons(grid, 0.1)[3].startswith("padding zero")
+    assert requirements(Detail(roller=3.0)).reasons(grid, 0.1)[3].startswith("padding zero")
 
 
 def coat(stiffer: float) -> Any:
@@ -114,7 +114,7 @@ def coat(stiffer: float) -> Any:
 
 
 def test_a_coat_is_felt_as_a_modulus_between_its_own_and_the_substrate_s() -> None:
-    said = needs(coats=(coat(4.0),)).reasons(cs.Grid((80, 1), (8.0, 4.0)), 0.1)[4]
+    said = requirements(coatings=(coat(4.0),)).reasons(cs.Grid((80, 1), (8.0, 4.0)), 0.1)[4]
     assert "coating 0.4 m: 0.2 half-widths and 4 cells across thick" in said
     assert "about 100 Pa, between 200 Pa of the coating and 50 Pa" in said
 
@@ -128,7 +128,7 @@ def test_a_coat_more_than_twice_as_stiff_needs_two_cells(
     cells: int,
     warned: bool,  # noqa: FBT001
 ) -> None:
-    posed = replace(needs(coats=(coat(stiffer),)), hertz=THICK)
+    posed = replace(requirements(coatings=(coat(stiffer),)), hertz=THICK)
     said = posed.warnings(cs.Grid((cells, 1), (8.0, 4.0)))
     assert len(said) == warned
     assert all("give 40 for a bound" in one for one in said)
@@ -140,14 +140,14 @@ THICK: Any = SimpleNamespace(half_width=2.0, radius=20.0)
 
 def test_a_contact_wider_than_a_tenth_of_the_radius_is_not_one_of_half_spaces() -> None:
     grid = cs.Grid((64, 1), (8.0, 4.0))
-    assert Needs(THICK, (), inf).warnings(grid) == ()
+    assert GridRequirements(THICK, (), inf).warnings(grid) == ()
     wider: Any = SimpleNamespace(half_width=2.01, radius=20.0)
-    (said,) = Needs(wider, (), inf).warnings(grid)
-    assert "too large a share for half-spaces" in said
+    (said,) = GridRequirements(wider, (), inf).warnings(grid)
+    assert "too large a fraction for half-spaces" in said
 
 
 def test_a_wave_needs_two_cells_along_each_axis() -> None:
-    waves = Needs(THICK, (Detail(finest=(0.5, 0.25)),), inf)
+    waves = GridRequirements(THICK, (Detail(finest=(0.5, 0.25)),), inf)
     assert waves.warnings(cs.Grid((32, 32), (8.0, 4.0))) == ()
     (said,) = waves.warnings(cs.Grid((31, 32), (8.0, 4.0)))
     assert said.startswith("Grid.cells[0] is 31")

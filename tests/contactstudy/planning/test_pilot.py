@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_requirements import needs_of
+from contactstudy.planning.grid_requirements import requirements_of
 from contactstudy.planning.grid_search import MOST, PLANE, _coarse, affordable, forecast
 from tests.conftest import LineContact
 
@@ -45,16 +45,16 @@ def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(
         cs.Crown.of_drop(2 * a**2 / line_contact.hertz.radius, length),
     )
     scene = replace(line_contact.scene, shapes=(*shapes, cs.FiniteLength(length)))
-    needs = needs_of(scene)
+    requirements = requirements_of(scene)
     grid = cs.Grid((32, 64), (4 * a, length))
-    found = forecast(scene, needs, grid)
+    found = forecast(scene, requirements, grid)
     assert found.errors[0] > 3 * found.errors[1]
     # against the same on four times as many cells either way
     fine = cs.solve(
-        scene.problem(cs.Grid((128, 256), grid.extent), needs.padding()), tolerance=1e-6
+        scene.problem(cs.Grid((128, 256), grid.extent), requirements.padding()), tolerance=1e-6
     )
     means = fine.pressure.reshape(32, 4, 64, 4).mean(axis=(1, 3))
-    pressure = cs.solve(scene.problem(grid, needs.padding())).pressure
+    pressure = cs.solve(scene.problem(grid, requirements.padding())).pressure
     assert found.error / 4 <= np.abs(pressure - means).sum() / means.sum() <= found.error
 
 

@@ -8,10 +8,7 @@ from typing import Any
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning import in_time
-from contactstudy.planning import plan as planning
 from contactstudy.planning.grid_search import GridForecast
-from contactstudy.planning.in_time import Extremes
 from contactstudy.planning.plan import _warnings
 
 EXACT = cs.ExactPeriodicity()
@@ -100,31 +97,3 @@ def test_an_error_that_is_not_reached_is_said_with_what_stands_between() -> None
     (said,) = warned(GRID, seen(0.2), error=0.1, limit=1e6)
     assert "that takes 128 x 64 cells and 0.00118 GB, and this machine has 0.00125 GB" in said
     assert warned(GRID, seen(0.2, message="sharp"), error=0.3) == ["sharp"]
-
-
-class Costs:
-    """A cost model that says so many seconds whatever is asked, without timing anything."""
-
-    def seconds(self, _: object, __: object, convolutions: float) -> float:
-        return 2.0 * convolutions
-
-
-NARROW = cs.Plan(
-    cs.Grid((40, 2), (2.0, 1.0)), EXACT, 2, 0.01, 3.0, 1000, "", ("a",), ("b",),
-)  # fmt: skip
-
-
-def planned(
-    monkeypatch: pytest.MonkeyPatch, extremes: Extremes, grid: cs.Grid | None = None
-) -> tuple[list[dict[str, Any]], cs.Plan]:
-    """What is asked of the plan of the narrow scene, and that of the whole."""
-    asked: list[dict[str, Any]] = []
-
-    def plan(_: object, **named: Any) -> cs.Plan:
-        asked.append(named)
-        return replace(NARROW, grid=named.get("grid") or NARROW.grid)
-
-    monkeypatch.setattr(planning, "plan", plan)
-    monkeypatch.setattr(in_time, "extremes", lambda *_: extremes)
-    scene: Any = None
-    return asked, planning._plan_in_time(scene, 0.4, 1.0, grid, None)

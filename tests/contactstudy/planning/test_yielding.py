@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.in_time import Yielding, yielding
+from contactstudy.planning.transient_requirements import Yielding, yielding
 from tests.conftest import STEEL, LineContact
 
 # Hertz's peak pressure is four times the yield stress, the half-width one unit; both bodies yield.

@@ -226,13 +226,13 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> dict[float, cs.Grid]:
     """Grids by the load; periods that need a longer one say so."""
     made: dict[float, cs.Grid] = {}
 
-    def needs(_: cs.Scene) -> Any:
+    def requirements(_: cs.Scene) -> Any:
         return SimpleNamespace(
             period_check=lambda period: "too short: give more" if period < 1.5 else "fine",
             padding=cs.ExactPeriodicity,
         )
 
-    monkeypatch.setattr(grids, "needs_of", needs)
+    monkeypatch.setattr(grids, "requirements_of", requirements)
     monkeypatch.setattr(grids, "_grid_of_plan", lambda point: made[point.scene.load.largest])
     return made
 

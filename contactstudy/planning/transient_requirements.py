@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import layers
-from contactstudy.planning.grid_requirements import ROOM
+from contactstudy.planning.grid_requirements import WIDTH_FACTOR
 from contactstudy.scene.bodies import Body, sudden
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad
@@ -17,7 +17,7 @@ from contactstudy.scene.scene import AnyLoad, Scene
 # Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8, with
 # little or no hardening: over Hertz's half-width, it ends at WIDTH + WIDER r^2 across and at the depth DEPTH r - 1.
 WIDTH, WIDER, DEPTH = 0.62, 0.07, 1.2
-# The error by cells is (r / 3)^CELLS times the elastic one.
+# The discretisation error is (r / 3)^CELLS times the elastic one.
 CELLS = 1.5
 # Fields of plastic strain that a step holds, and where strain varies along the length: measured on rough cylinders of
 # 48^2 to 128^2 cells.
@@ -49,8 +49,8 @@ class Yielding:
         return self.half_width * MARGIN * (WIDTH + WIDER * self.ratio**2)
 
     @property
-    def cells_error(self) -> float:
-        """Error by the cells over that of an elastic contact."""
+    def error_factor(self) -> float:
+        """Discretisation error over that of an elastic contact."""
         return float(max(1.0, self.ratio / 3) ** CELLS)
 
     def volume(self, grid: Grid) -> Volume:
@@ -107,7 +107,7 @@ INSTANTS = 2000
 
 
 @dataclass(frozen=True)
-class Extremes:
+class TransientRequirements:
     """Requirements of the narrowest and the widest contact of a scene in time.
 
     Attributes
@@ -134,7 +134,7 @@ class Extremes:
     plastic: Yielding | None = None
 
 
-def extremes(scene: Scene, end: float | None = None) -> Extremes:
+def transient_requirements(scene: Scene, end: float | None = None) -> TransientRequirements:
     """Return the requirements of a scene in time.
 
     Parameters
@@ -163,10 +163,10 @@ def extremes(scene: Scene, end: float | None = None) -> Extremes:
         half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi)
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolling is not None:
-        return Extremes(elastic, 2 * ROOM * half_width * 1.5, LAGGED, ())
+        return TransientRequirements(elastic, 2 * WIDTH_FACTOR * half_width * 1.5, LAGGED, ())
     plastic = yielding(scene)
     if plastic is not None:
-        half_width = max(half_width, plastic.reach / ROOM)
+        half_width = max(half_width, plastic.reach / WIDTH_FACTOR)
     if scene.wear is not None and hertz is not None and duration:
         worn_area = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
         half_width = float(np.cbrt(half_width**3 + worn_area))
@@ -176,9 +176,9 @@ def extremes(scene: Scene, end: float | None = None) -> Extremes:
     reasons: tuple[str, ...] = ()
     if least < load.per_length:
         reasons = (f"load: the cells are those that the smallest load asks for, {least:.4g} N/m.",)
-    return Extremes(
+    return TransientRequirements(
         replace(elastic, load=LineLoad(least)),
-        2 * ROOM * half_width,
+        2 * WIDTH_FACTOR * half_width,
         fields,
         reasons,
         warnings,

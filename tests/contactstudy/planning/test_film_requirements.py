@@ -1,15 +1,15 @@
 """What a lubricated scene asks of a grid, and what a solve on it costs."""
 
 import contactstudy as cs
-from contactstudy.planning.film_needs import film_needs
-from contactstudy.planning.grid_requirements import needs_of
+from contactstudy.planning.film_requirements import film_requirements
+from contactstudy.planning.grid_requirements import requirements_of
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 
 def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
     """Six matrices of numbers of 8 bytes."""
     scene, given = by_moes(20, 5), grid(100, 4.5)
-    found = film_needs(scene, needs_of(scene), 0.01, None, given)
+    found = film_requirements(scene, requirements_of(scene), 0.01, None, given)
     assert found.grid == given
     moes, inlet, cells = found.reasons
     assert moes.endswith(" at M = 20, L = 5")
@@ -22,7 +22,7 @@ def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
 def test_a_film_along_the_length_holds_a_basis_and_matrices() -> None:
     """180 numbers a cell; 50 matrices (x, x)."""
     scene = by_moes(20, 5, cs.Waviness(1e-8, across=1e-4, along=5e-5))
-    found = film_needs(scene, needs_of(scene), 0.01, None, grid(20, 4.5, along=4))
+    found = film_requirements(scene, requirements_of(scene), 0.01, None, grid(20, 4.5, along=4))
     assert found.bytes == 8 * (180 * 80 + 50 * 20**2)
     assert found.reasons[-1] == "8 cells or more for the shortest wave"
     assert (
@@ -32,7 +32,9 @@ def test_a_film_along_the_length_holds_a_basis_and_matrices() -> None:
 
 def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:
     scene, given = by_moes(20, 5), grid(100, 4.5)
-    needs = needs_of(scene)
-    steady, few, many = (film_needs(scene, needs, 0.01, None, given, n) for n in (0, 2, 101))
+    requirements = requirements_of(scene)
+    steady, few, many = (
+        film_requirements(scene, requirements, 0.01, None, given, n) for n in (0, 2, 101)
+    )
     assert steady.steps == 1 < few.steps < 101 <= many.steps
     assert steady.seconds < few.seconds < many.seconds

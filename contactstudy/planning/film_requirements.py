@@ -6,7 +6,7 @@ from math import prod
 from contactstudy.domain.grid import Grid
 from contactstudy.lubrication.posed_film import lubricated_scales
 from contactstudy.lubrication.solve_lubricated import PER_WAVE, film_grid
-from contactstudy.planning.grid_requirements import Needs
+from contactstudy.planning.grid_requirements import GridRequirements
 from contactstudy.scene.scene import Scene
 
 # Seconds of a film in plane strain with its estimate on two coarser grids, for the square of its cells, and of any film:
@@ -22,7 +22,7 @@ FIELDS, MATRICES = 180, 50
 
 
 @dataclass(frozen=True)
-class FilmNeeds:
+class FilmRequirements:
     """Grid of a film, and what a solve on it costs.
 
     Attributes
@@ -49,24 +49,24 @@ class FilmNeeds:
     warnings: tuple[str, ...]
 
 
-def film_needs(
+def film_requirements(
     scene: Scene,
-    needs: Needs,
+    requirements: GridRequirements,
     error: float,
     period: float | None,
     grid: Grid | None,
     instants: int = 0,
-) -> FilmNeeds:
+) -> FilmRequirements:
     """Return the grid that a lubricated scene needs, and its cost.
 
     Parameters
     ----------
     scene
         The lubricated scene.
-    needs
-        Needs of its surfaces.
+    requirements
+        Requirements of its surfaces.
     error
-        Relative error of the central and the smallest film thickness.
+        Relative error of the central and the minimum film thickness.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -82,8 +82,8 @@ def film_needs(
     )
     if grid is None:
         width = film_grid(scene, error).extent[0]
-        length = needs.length(period, width)
-        grid = film_grid(scene, error, length, finest=needs.finest)
+        length = requirements.length(period, width)
+        grid = film_grid(scene, error, length, finest=requirements.finest)
     (nx, ny), width = grid.cells, grid.extent[0]
     inlet = width / 2 / scales.hertz.half_width
     reasons = [
@@ -102,4 +102,4 @@ def film_needs(
         reasons.append(f"{PER_WAVE} cells or more for the shortest wave")
         warnings.append("the error of a film between rough surfaces is not known beforehand")
         numbers = FIELDS * prod(grid.cells) + MATRICES * nx**2
-    return FilmNeeds(grid, seconds, steps, 8 * numbers, tuple(reasons), tuple(warnings))
+    return FilmRequirements(grid, seconds, steps, 8 * numbers, tuple(reasons), tuple(warnings))

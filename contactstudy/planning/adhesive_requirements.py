@@ -1,18 +1,18 @@
-"""Grid that a scene with adhesion needs: six cells in the cohesive zone, and room for the attraction beside it."""
+"""Grid requirements of a scene with adhesion: six cells in the cohesive zone, and room for the attraction beside it."""
 
 from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import CostModel
-from contactstudy.planning.grid_requirements import Needs, halvable
-from contactstudy.planning.grid_search import JUDGED
+from contactstudy.planning.grid_requirements import GridRequirements, halvable
+from contactstudy.planning.grid_search import ESTIMATE_COST
 from contactstudy.scene.adhesion import CHOSEN
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.sought_load import PullOff
 
-# Tabor's parameter that stands for the limit of short ranges: of a contact that does not vary along its length, where
+# Tabor parameter that stands for the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
 SMOOTH, VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the root of twice its radius and range.
@@ -22,7 +22,7 @@ PAIRS, LEAST, SEARCH = 60.0, 60.0, 10
 
 
 @dataclass(frozen=True)
-class AdhesiveNeeds:
+class AdhesiveRequirements:
     """Grid of a contact with adhesion, the seconds of all its solves, their number, and what to say of them."""
 
     grid: Grid
@@ -32,17 +32,21 @@ class AdhesiveNeeds:
     warnings: tuple[str, ...]
 
 
-def adhesive_needs(
-    scene: Scene, needs: Needs, error: float, period: float | None, grid: Grid | None
-) -> AdhesiveNeeds:
+def adhesive_requirements(
+    scene: Scene,
+    requirements: GridRequirements,
+    error: float,
+    period: float | None,
+    grid: Grid | None,
+) -> AdhesiveRequirements:
     """Return the grid that a scene with adhesion needs, and its cost.
 
     Parameters
     ----------
     scene
         The scene, with adhesion and a curved shape.
-    needs
-        Needs of its shapes.
+    requirements
+        Requirements of its shapes.
     error
         Relative L1 error of the pressure.
     period
@@ -54,12 +58,14 @@ def adhesive_needs(
     assert adhesion is not None
     assert radius is not None
     scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
-    reach_of = adhesion.range or scale / (VARYING if needs.varies else SMOOTH)
+    reach_of = adhesion.range or scale / (VARYING if requirements.varies else SMOOTH)
     strength = adhesion.work / reach_of
     zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
     if grid is None:
-        grid = _grid(needs, error, period, zone / CHOSEN, REACH * sqrt(2 * radius * reach_of))
-    cell = max(grid.cell) if needs.varies else grid.cell[0]
+        grid = _grid(
+            requirements, error, period, zone / CHOSEN, REACH * sqrt(2 * radius * reach_of)
+        )
+    cell = max(grid.cell) if requirements.varies else grid.cell[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
         tabor, cells = scale / law.range, CHOSEN
@@ -70,7 +76,7 @@ def adhesive_needs(
     if isinstance(load, ChangingLoad):
         solves = 41
     pairs = max(LEAST, PAIRS * tabor**2)
-    seconds = JUDGED * solves * CostModel().seconds(grid, needs.padding(), pairs)
+    seconds = ESTIMATE_COST * solves * CostModel().seconds(grid, requirements.padding(), pairs)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."
@@ -82,13 +88,15 @@ def adhesive_needs(
             f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone trap the edge of the contact, "
             f"give {finer} for six.",
         )
-    return AdhesiveNeeds(grid, seconds, solves, (reason,), warnings)
+    return AdhesiveRequirements(grid, seconds, solves, (reason,), warnings)
 
 
-def _grid(needs: Needs, error: float, period: float | None, cell: float, reach: float) -> Grid:
+def _grid(
+    requirements: GridRequirements, error: float, period: float | None, cell: float, reach: float
+) -> Grid:
     """Return the grid of the surfaces alone, made wider by the `reach` [m] and with cells of this size [m] at most."""
-    base = needs.grid(error, period)
-    width = min(base.extent[0] + 2 * reach, needs.widest)
+    base = requirements.grid(error, period)
+    width = min(base.extent[0] + 2 * reach, requirements.widest)
     across = halvable(width / min(base.cell[0], cell))
     along = base.cells[1]
     if along > 1:

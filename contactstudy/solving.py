@@ -19,14 +19,14 @@ from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions
 
 if TYPE_CHECKING:
-    from contactstudy.accuracy.evidence import BoundedSolution
+    from contactstudy.accuracy.bounded_solution import BoundedSolution
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.steps import TimeSteps
 
 # Iterations of a film at most, and the fraction of the accuracy asked for that its steps in time may take.
 FILM_ITERATIONS, STEPS = 300, 0.5
-# Rounds of refinement of a scene that is not at rest, whose error falls as its cells at least, the largest factor on the
+# Rounds of refinement of a scene that is not static, whose error falls as its cells at least, the largest factor on the
 # cells along an axis in a round, and the most cells of its grid.
 ROUNDS, FINER, MOST_CELLS = 3, 3.0, 2_000_000
 
@@ -42,7 +42,7 @@ class Progress:
     text
         What has been reached, in words.
     pressure
-        Latest pressure (x, y) [Pa] of a contact at rest, to start again from; None for others.
+        Latest pressure (x, y) [Pa] of a static contact, to start again from; None for others.
     grid
         Grid of that pressure; None for others.
     """
@@ -95,7 +95,7 @@ def solve(
     options: SolveOptions | None = None,
     **named: Any,
 ) -> "Contact | LubricatedContact | Evolution":
-    """Solve a scene for what it names: at rest, in time, rolling once or many times, dry or lubricated.
+    """Solve a scene for what it names: static, time-dependent, rolling once or many times, dry or lubricated.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def solve(
     progress
         Called with a :class:`~contactstudy.Progress` as the solve goes on.
     on
-        Device of a dry contact at rest, such as ``Cpu(threads=2)``.
+        Device of a dry static contact, such as ``Cpu(threads=2)``.
     options, named
         :class:`~contactstudy.SolveOptions`, or its fields by name: ``tolerance``, ``max_iterations``, ...
 
@@ -144,7 +144,7 @@ def solve(
             raise InvalidInput(
                 f"solve.{given} is for a scene: leave it out, a problem has its own."
             )
-        return replace(request.at_rest(scene), requested=asked)
+        return replace(request.solve_problem(scene), requested=asked)
     if not isinstance(scene, Scene):
         raise InvalidInput(
             f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
@@ -152,7 +152,7 @@ def solve(
     if scene.lubrication is not None:
         if scene.changing is not None:
             request.refuse_unless("a film that changes in time", "times")
-            return request.film_in_time()
+            return request.time_dependent_film()
         request.refuse_unless("a steady film", "start")
         return request.film()
     if scene.rolling is not None:
@@ -161,10 +161,10 @@ def solve(
     if scene.changing is not None:
         if scene.adhesion is not None:
             request.refuse_unless("a history with adhesion", "times")
-            return request.adhesion_in_time()
+            return request.adhesive_history()
         request.refuse_unless("a scene that changes in time", "times", "folder")
-        return request.in_time()
-    request.refuse_unless("a contact at rest", "start", "on")
+        return request.time_dependent()
+    request.refuse_unless("a static contact", "start", "on")
     return request.contact()
 
 
@@ -236,7 +236,7 @@ class _Request:
         """Pressure (x, y) [Pa] to begin with, that of the answer if one was given; None if nothing was."""
         return getattr(self.start, "pressure", self.start)
 
-    def at_rest(self, problem: Problem) -> Contact:
+    def solve_problem(self, problem: Problem) -> Contact:
         """Solve one problem, and report its progress."""
         before = getattr(self.start, "adhesion", None)
         if problem.adhesion is not None and before is not None:
@@ -264,7 +264,7 @@ class _Request:
         return see
 
     def contact(self) -> Contact:
-        """Solve a contact at rest."""
+        """Solve a static contact."""
         from contactstudy.planning.grid_requirements import measured_detail
 
         requested = self.requested
@@ -275,7 +275,7 @@ class _Request:
             problem = self.scene.problem(
                 *self.planned(requested if self.scene.adhesion is not None else self.error)
             )
-            return replace(self.at_rest(problem), requested=requested)
+            return replace(self.solve_problem(problem), requested=requested)
         from contactstudy.planning.refinement import solve_to  # only where the grid is chosen
 
         assert requested is not None  # it has a default without a grid
@@ -327,14 +327,14 @@ class _Request:
         rolled = roll_repeatedly(self.scene, grid, padding, options=self.options)
         return passes_of(rolled, self.requested)
 
-    def in_time(self) -> "Evolution":
+    def time_dependent(self) -> "Evolution":
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_of
         from contactstudy.evolution.evolve import evolve
         from contactstudy.planning.grid_requirements import CELL_FRACTION
 
         requested, steps = self.requested, self.steps
-        share = None if requested is None else (1 - CELL_FRACTION) * requested
+        fraction = None if requested is None else (1 - CELL_FRACTION) * requested
         grid, padding = self.planned(requested)
 
         def solve_on(grid: Grid) -> "Evolution":
@@ -345,7 +345,7 @@ class _Request:
                 times=steps.instants_of(
                     self.scene.load, getattr(self.scene.friction, "history", None)
                 ),
-                error=steps.error or share,
+                error=steps.error or fraction,
                 step_error=steps.step_error,
                 scheme=steps.scheme,
                 options=self.options,
@@ -358,7 +358,7 @@ class _Request:
         asked = self.error is not None and self.grid is None and self.folder is None
         return self._refined(answer, solve_on) if asked else answer
 
-    def adhesion_in_time(self) -> "Evolution":
+    def adhesive_history(self) -> "Evolution":
         """Follow an adhesive contact through a history of loads."""
         from contactstudy.answers.evolution import evolution_of
         from contactstudy.evolution.adhesive_history import follow_adhesion
@@ -404,7 +404,7 @@ class _Request:
         )
         return lubricated(contact, requested=self.requested)
 
-    def film_in_time(self) -> "Evolution":
+    def time_dependent_film(self) -> "Evolution":
         """Follow a film through time."""
         from contactstudy.answers.evolution import films_of
         from contactstudy.lubrication.evolve_lubricated import evolve_lubricated

@@ -122,11 +122,11 @@ def _finite(parts: ErrorParts | None) -> float:
     return error if error < inf else 1.0
 
 
-def _excess(values: Array, place: int) -> float:
+def _excess(values: Array, index: int) -> float:
     """Return by how much the parabola through a largest value and those beside rises above it."""
-    if not 0 < place < len(values) - 1:
+    if not 0 < index < len(values) - 1:
         return 0.0
-    before, here, after = (float(value) for value in values[place - 1 : place + 2])
+    before, here, after = (float(value) for value in values[index - 1 : index + 2])
     bend = 2 * here - before - after
     return (after - before) ** 2 / (8 * bend) if bend > 0 else 0.0
 

@@ -107,7 +107,7 @@ def edge_error(last: Array, inner: Array) -> Array:
 def edge_position(last: Array, inner: Array) -> Array:
     """Return the position of each edge, in cells outward of the centre of the last touching cell.
 
-    Where a single cell touches, it is half-way between the innermost and the outermost place possible.
+    Where a single cell touches, it is half-way between the innermost and the outermost possible position.
 
     Parameters
     ----------
@@ -118,8 +118,8 @@ def edge_position(last: Array, inner: Array) -> Array:
     """
     edge, _, _, outer, second = edge_discretisations()
     ratio = np.where(inner > 0, last / np.where(inner > 0, inner, 1), np.nan)
-    place = np.interp(ratio, outer / second, edge)
-    return np.asarray(np.where(inner > 0, place, sum(EDGE_RANGE) / 2))
+    position = np.interp(ratio, outer / second, edge)
+    return np.asarray(np.where(inner > 0, position, sum(EDGE_RANGE) / 2))
 
 
 def worst_edge_error() -> float:
@@ -161,10 +161,10 @@ def edge_discretisations() -> tuple[Array, Array, Array, Array, Array]:
 
 def _log_symbol(angle: Array) -> Array:
     """Return ``ln(|1 - z| K / pi)`` at ``z = exp(i angle)``, which is 0 at z = 1."""
-    share = angle / (2 * np.pi)
+    fraction = angle / (2 * np.pi)
     from scipy.special import zeta  # imported late, as above
 
-    alternating = sum((zeta(2, u / 2) - zeta(2, (u + 1) / 2)) / 4 for u in (share, 1 - share))
+    alternating = sum((zeta(2, u / 2) - zeta(2, (u + 1) / 2)) / 4 for u in (fraction, 1 - fraction))
     return np.asarray(np.log(np.sin(angle / 2) ** 2 * alternating / np.pi**2))
 
 
@@ -178,10 +178,10 @@ def _reciprocal(series: Array) -> Array:
 
 
 # Cells that the law is fitted to. An edge is resolved where RESOLVED cells touch without a break, the neighbouring
-# rows end in the same cell, and the fit misses no pressure by more than the share MISFIT of the largest.
+# rows end in the same cell, and the fit misses no pressure by more than the fraction MISFIT of the largest.
 FITTED, RESOLVED, MISFIT = 6, 12, 1e-3
 # From either edge, the law corrects one in this many of the touching cells: half of the half.
-SHARE = 4
+CORRECTED_PART = 4
 
 
 @dataclass(frozen=True)
@@ -240,7 +240,7 @@ def corrected_pressure(pressure: Array) -> Array:
     corrected = pressure.copy()
     for side, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):
         edges = _resolved(side)
-        reach = edges.touching // SHARE
+        reach = edges.touching // CORRECTED_PART
         cells = np.arange(reach.max(initial=0))[:, None]
         inside = np.maximum(cells + edges.outward, 0)
         law = np.sqrt(inside) * np.polynomial.polynomial.polyval(inside, edges.shape, tensor=False)

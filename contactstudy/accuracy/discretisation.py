@@ -70,11 +70,11 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         # a plateau ends half-way in its last cell, which has the mean pressure
         plateau = last[second >= level]
         l1 += np.minimum(plateau, level - plateau).sum()
-        place = highest[::-1] if axis else highest
-        slope, curvature = float(after[place] - before[place]) / 2, float(second_difference[place])
+        index = highest[::-1] if axis else highest
+        slope, curvature = float(after[index] - before[index]) / 2, float(second_difference[index])
         # the parabola's vertex is slope / bent cells away
         beside += slope**2 / curvature / 2 - curvature / 24 if curvature > 0 else 0.0
-        around = touching[max(place[0] - 1, 0) : place[0] + 4, place[1]]
+        around = touching[max(index[0] - 1, 0) : index[0] + 4, index[1]]
         edges = max(edges, (EDGES if around.all() else BESIDE_EDGE) * curvature)
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
 
@@ -90,7 +90,7 @@ def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
     return ends, np.concatenate([after[first], before[last]])
 
 
-# Uncertainty of the place of an edge in cells: of each one, of the mean of all, and at the end of a plateau.
+# Uncertainty of the position of an edge in cells: of each one, of the mean of all, and at the end of a plateau.
 EACH, ALL, HALF = 0.35, 0.1, 0.65
 
 
@@ -121,5 +121,5 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
         beyond = float((0.5 - edge_position(last[smooth], second[smooth])).sum())
         uncertain = ALL * ends + EACH * ends**0.5 + HALF * (len(last) - ends)
         excess = max(excess, abs(beyond) + uncertain)
-    share = excess / cells
-    return share / (1 - share) if share < 1 else float("inf")
+    fraction = excess / cells
+    return fraction / (1 - fraction) if fraction < 1 else float("inf")

@@ -77,7 +77,7 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
     adhesion, held = solution.adhesion, solution.load_per_length
     assert adhesion is not None
     assert adhesion.first_unstable_load is not None
-    trapped = next(share for cells, share in TRAPPED if adhesion.cells_in_zone >= cells)
+    trapped = next(fraction for cells, fraction in TRAPPED if adhesion.cells_in_zone >= cells)
     return ErrorParts(
         discretisation=load + trapped,
         residual=abs(held - adhesion.first_unstable_load) / abs(held) if held else inf,
@@ -108,8 +108,8 @@ def _range_error(solution: Solution, adhesion: CohesiveTraction, held: float) ->
 def reduction_below_jkr(tabor: float) -> float:
     """Return by how much the pull-off load of a cylinder is below its JKR limit, relative to it."""
     known = [parameter for parameter, _ in PULL_OFF]
-    place = min(max(bisect_left(known, tabor), 1), len(known) - 1)
-    (low, below), (high, above) = PULL_OFF[place - 1 : place + 1]
+    index = min(max(bisect_left(known, tabor), 1), len(known) - 1)
+    (low, below), (high, above) = PULL_OFF[index - 1 : index + 1]
     # 1 - ratio between two values is a power of the parameter
     first, last = 1 - below, 1 - above
     power = log(last / first) / log(high / low)

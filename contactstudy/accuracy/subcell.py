@@ -283,7 +283,7 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     mode = tuple("wrap" if is_periodic else "nearest" for is_periodic in wraps)
     protrusion_off_lines = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
     largest = count * missed**2
-    share = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
+    fraction = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
     shown = np.zeros(grid.cells)
     for axis, is_periodic in enumerate(wraps):
         padded = _extended(axis_first(centres, axis), wraps=is_periodic)[1:-1]
@@ -291,28 +291,28 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     return (
         missed,
         protrusion_off_lines,
-        np.sqrt(2 * share / pi),
+        np.sqrt(2 * fraction / pi),
         np.maximum(missed - SHOWN * shown, 0),
     )
 
 
-def _cubics(extended: Array, places: tuple[float, ...]) -> Array:
-    """Return the cubics through four neighbouring points, at `places` in cells from each centre (places, n, lines).
+def _cubics(extended: Array, positions: tuple[float, ...]) -> Array:
+    """Return the cubics through four neighbouring points, at `positions` in cells from each centre (places, n, lines).
 
     The points (n + 4, lines) are the centres, `extended` by two at either end.
     """
     count = len(extended) - 4
     nodes = np.stack([extended[node : node + count] for node in range(5)])
-    weights = np.array([_weights(place) for place in places])
-    return product(weights, nodes.reshape(5, -1)).reshape(len(places), *nodes.shape[1:])
+    weights = np.array([_weights(position) for position in positions])
+    return product(weights, nodes.reshape(5, -1)).reshape(len(positions), *nodes.shape[1:])
 
 
 @cache
-def _weights(place: float) -> tuple[float, ...]:
-    """Return the weights of a centre and two more on either side in the cubic at a `place`: one of the five is zero."""
-    nodes = range(-1, 3) if place > 0 else range(-2, 2)
+def _weights(position: float) -> tuple[float, ...]:
+    """Return the weights of a centre and two more on either side in the cubic at a `position`; one of five is zero."""
+    nodes = range(-1, 3) if position > 0 else range(-2, 2)
     return tuple(
-        prod((place - near) / (node - near) for near in nodes if near != node)
+        prod((position - near) / (node - near) for near in nodes if near != node)
         if node in nodes
         else 0.0
         for node in range(-2, 3)
@@ -441,9 +441,9 @@ class HeightsAlong:
     def kink(self) -> Array:
         """Return the slope of all rises to come at a height ``|x|^n`` in each cell (n, ...), 0 where there is none.
 
-        It has the share ``(w / W)^(n - 1)`` of the bend over a cell W within w about its apex, which tells n. The
-        pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same bend in
-        a cell, over ``1 - 2^(1 - n)``.
+        It has the fraction ``(w / W)^(n - 1)`` of the slope change over a cell W within w about its apex, which tells
+        n. The pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same
+        bend in a cell, over ``1 - 2^(1 - n)``.
         """
         from scipy import ndimage  # imported late: as slow to import as everything else
 
@@ -457,8 +457,8 @@ class HeightsAlong:
         about = np.take_along_axis(around[: len(all_pairs)].reshape(pairs.shape), apex, axis=1)[
             :, 0
         ]
-        share = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
-        power = np.maximum(np.log(np.maximum(share, 1 / points)) / log(2 / points), FLATTEST)
+        fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
+        power = np.maximum(np.log(np.maximum(fraction, 1 / points)) / log(2 / points), FLATTEST)
         # an apex bends more than all about it; where a bend begins, half of the window is straight
         highest = ndimage.maximum_filter1d(all_pairs, points + 1, axis=0, mode="nearest")
         window_peak = np.take_along_axis(highest.reshape(pairs.shape), apex, axis=1)[:, 0]

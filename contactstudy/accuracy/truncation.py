@@ -6,7 +6,7 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 
-# L1 change of Hertz's ellipse over the small share by which it is made narrower.
+# L1 change of Hertz's ellipse over the small fraction by which it is made narrower.
 NARROWER = 4 / np.pi
 # The line load of a window centred on the domain varies by END (a / L)^0.7 / (2 n + 1)^2 in the mean
 # over the length: measured for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
@@ -19,9 +19,9 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
     A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
     contact, of half-width ``a = 2 rms(x)``, too highly curved by the factor ``1 + a^2 / (4 D^2)``. A window centred on
     the domain also misses more at its ends, by ``-ln(1 - (2 y / L)^2 / (2 n + 1)^2)``: under that kink the pressure
-    rises, j cells from the end by the share ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any images
-    the solution's own line load shows the error at the ends. The errors are zero where all images are summed, or a free
-    length holds the whole contact.
+    rises, j cells from the end by the fraction ``(2 / pi) (a / L) ln(cells / (2 j + 1)) / (2 n + 1)^2``. Without any
+    images the solution's own line load shows the error at the ends. The errors are zero where all images are summed, or
+    a free length holds the whole contact.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
 
 
 def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> float:
-    """Return the share by which the images left out raise the peak of a contact and narrow it."""
+    """Return the fraction by which the images left out raise the peak of a contact and narrow it."""
     assert along.window is not None
     reach = along.reach(period)
     # an even number of cells cannot lie symmetrically about the cell whose displacement is summed
@@ -104,6 +104,6 @@ def _reaches_ends(pressure: Array) -> bool:
 
 def _half_width(pressure: Array, x: Array) -> float:
     """Return the half-width of the Hertz contact whose load has the same rms distance from its axis."""
-    share = pressure.sum(axis=1) / pressure.sum()
-    middle = (share * x).sum()
-    return 2 * float(np.sqrt((share * (x - middle) ** 2).sum()))
+    fraction = pressure.sum(axis=1) / pressure.sum()
+    middle = (fraction * x).sum()
+    return 2 * float(np.sqrt((fraction * (x - middle) ** 2).sum()))

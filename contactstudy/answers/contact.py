@@ -72,7 +72,7 @@ class Contact(Answer, Solution):
         try:
             if self.rolling is not None:
                 return self.rolling.error_estimate()
-            if not self._is_at_rest:
+            if not self._is_static:
                 return self.estimate or error_estimate(self)
             attraction = None if self.adhesion is None else self.adhesion.traction
             coarse = coarse_solution(self.problem, self.pressure, attraction)
@@ -82,10 +82,10 @@ class Contact(Answer, Solution):
             return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
 
     @property
-    def _is_at_rest(self) -> bool:
+    def _is_static(self) -> bool:
         """True for a pressure that does not depend on earlier ones, whose approach and stress have an error.
 
-        In a history with adhesion each state is one at rest.
+        In a history with adhesion each state is a static one.
         """
         moves = self.time is not None and self.adhesion is None
         return not (moves or self.status.is_failure) and bool(self.pressure.any())

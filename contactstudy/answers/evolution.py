@@ -116,16 +116,16 @@ class Evolution(Answer):
             return {"peak_pressure": last} | passes_quantities(self.passes)
         last_frame = None if self.trajectory is None else self.trajectory.frames[-1]
         coupled = None if self.trajectory is None else self.trajectory.coupled
-        strained: Mapping[str, Field] = {}
+        plastic_fields: Mapping[str, Field] = {}
         if coupled is not None and last_frame is not None:
-            strained = coupled.over_time([last_frame.coupled_state], [last_frame.pressure])
+            plastic_fields = coupled.over_time([last_frame.coupled_state], [last_frame.pressure])
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
             [float(time) for time in self.times],
             last_frame,
             own_length(self.posed.scene),
             (self.grid.cell_area, self.grid.period),
-            strained,
+            plastic_fields,
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:

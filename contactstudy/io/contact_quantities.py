@@ -154,13 +154,15 @@ def _of_traction(
     )
     area = estimate.contact_area
     if area is not None and isfinite(area.total) and touching:
-        bound = _beside_slip(solution, traction) / touching + area.total * stick.value
+        bound = (
+            _cells_at_stick_slip_border(solution, traction) / touching + area.total * stick.value
+        )
         stick = replace(stick, bound=bound, reason="")
     return {"traction_coefficient": coefficient, "stick_fraction": stick}
 
 
-def _beside_slip(solution: Solution, traction: Traction) -> int:
-    """Return the number of touching cells beside one of the other kind, stick or slip: the border is as well known."""
+def _cells_at_stick_slip_border(solution: Solution, traction: Traction) -> int:
+    """Return the number of touching cells at the stick-slip border, the uncertainty of which is one row of cells."""
     touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
     paddings = solution.problem.paddings
     beside = np.zeros_like(touching)

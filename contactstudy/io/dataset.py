@@ -329,8 +329,8 @@ def _states(evolution: "Trajectory") -> dict[str, xr.Variable]:
     if evolution.coupled is not None:
         states = [frame.coupled_state for frame in frames]
         pressures = [frame.pressure for frame in frames]
-        strained = evolution.coupled.over_time(states, pressures)
-        fields |= {name: _of_field(field) for name, field in strained.items()}
+        plastic_fields = evolution.coupled.over_time(states, pressures)
+        fields |= {name: _of_field(field) for name, field in plastic_fields.items()}
     return fields
 
 

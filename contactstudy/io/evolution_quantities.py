@@ -25,7 +25,7 @@ def evolution_quantities(
     last: "Frame | None",
     length: float | None,
     cell: tuple[float, float],
-    strained: Mapping[str, Field],
+    plastic_fields: Mapping[str, Field],
     error: ErrorParts,
 ) -> dict[str, Quantity]:
     """Return the extreme numbers over time with their instants, the numbers at the end, and what is left behind.
@@ -42,7 +42,7 @@ def evolution_quantities(
         Length of the roller [m]; None where the contact goes on for ever.
     cell
         Cell area [m^2] and period [m] of the grid.
-    strained
+    plastic_fields
         Residual stress (time, component, z, x, y) [Pa] of the bodies that yielded, at the last instant.
     error
         Relative L1 error of the pressure at the worst instant.
@@ -87,7 +87,7 @@ def evolution_quantities(
     if "residual_displacement" in fields:
         dent = float(np.abs(fields["residual_displacement"].values).max())
         numbers["dent_depth"] = Quantity(dent, "m", "depth of the dent at the end", inf, OF_STRAIN)
-    for name, stress in strained.items():
+    for name, stress in plastic_fields.items():
         if name.startswith("residual_stress"):
             of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
             for end, extreme in (("highest", np.max), ("lowest", np.min)):

@@ -105,8 +105,8 @@ class GridForecast:
 
     def _count(self, axis: int, error: float) -> float:
         """Return the cells along an axis for the contribution `error` to the error."""
-        count, share, rate = self.grid.cells[axis], self.errors[axis], self.rates[axis]
-        needed = count * (share / error) ** (1 / rate) if error > 0 else inf
+        count, fraction, rate = self.grid.cells[axis], self.errors[axis], self.rates[axis]
+        needed = count * (fraction / error) ** (1 / rate) if error > 0 else inf
         return max(min(needed, MAX_EXTRAPOLATION * count), self.fewest[axis])
 
     def _with(self, across: float, along: float) -> Grid:
@@ -142,10 +142,10 @@ def forecast(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridFo
         is_resolved = small.cells[axis] >= 4 * fewest[axis] or not requirements.rough
         if len(steps) > 1 and min(steps) > 0 and is_resolved:
             rates[axis] = float(np.clip(log2(steps[1] / steps[0]), MIN_RATE, MAX_RATE))
-    shares = np.array(changes) / sum(changes) if sum(changes) else np.array([1.0, 0.0])
+    fractions = np.array(changes) / sum(changes) if sum(changes) else np.array([1.0, 0.0])
     coarse_forecast = GridForecast(
         small,
-        (error, 0.0) if error == inf else (error * shares[0], error * shares[1]),
+        (error, 0.0) if error == inf else (error * fractions[0], error * fractions[1]),
         (rates[0], rates[1]),
         fewest,
         fine.status is Status.CONTACT_AT_EDGE,

@@ -78,7 +78,7 @@ def pilot(
     steps
         Instants that are recorded.
     refines
-        Whether the grid is refined until its bound keeps the error.
+        Whether the grid is refined until its bound meets the error.
     """
     found = transient_requirements(scene, steps.last)
     nx, ny = grid.cells

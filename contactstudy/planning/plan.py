@@ -290,8 +290,8 @@ def _plan_time_dependent(
     found = transient_requirements(scene, times.last)
     plastic = found.plastic
     error_factor = plastic.error_factor if plastic else 1.0
-    share = CELL_FRACTION if scene.rolling is None else 1.0
-    discretisation_error = share * (error or DEFAULT_ERROR) / error_factor
+    fraction = CELL_FRACTION if scene.rolling is None else 1.0
+    discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor
     narrow_plan = _plan_static(
         found.narrow, discretisation_error, period, grid, ONE_THREAD, width=found.width
     )

@@ -8,15 +8,15 @@ from time import process_time
 import numpy as np
 from scipy import fft
 
-from contactstudy.accuracy.coarser import halved
-from contactstudy.accuracy.estimate import SHARP_EDGE
-from contactstudy.accuracy.evidence import (
+from contactstudy.accuracy.bounded_solution import (
     MIN_ORDER,
     SMOOTH_ORDER,
     STEP_ORDER,
     BoundedSolution,
     bounded,
 )
+from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.estimate import SHARP_EDGE
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
@@ -368,8 +368,8 @@ class GridRefinement:
             1 / factor * rate_x / (rate_x + rate_y),
         ]
         counts = [
-            count * max(share / left, 1e-3) ** (1 / rate)
-            for count, share, left, rate in zip(
+            count * max(fraction / left, 1e-3) ** (1 / rate)
+            for count, fraction, left, rate in zip(
                 (nx, ny), (across, along), remaining, (rate_x, rate_y), strict=True
             )
         ]
@@ -407,9 +407,9 @@ class GridRefinement:
             return ""
         if last.bound == inf:
             return " ".join(last.estimate.warnings)
-        for cause, share in last.estimate.l1.by_cause.items():
-            if cause in OTHER_CAUSES and share >= self.error:
-                return f"{OTHER_CAUSES[cause][0]} {100 * share:.2g} %: {OTHER_CAUSES[cause][1]}."
+        for cause, fraction in last.estimate.l1.by_cause.items():
+            if cause in OTHER_CAUSES and fraction >= self.error:
+                return f"{OTHER_CAUSES[cause][0]} {100 * fraction:.2g} %: {OTHER_CAUSES[cause][1]}."
         grown = (last.discretisation_error / self._allowed(last)) ** (1 / self._overall(levels))
         cells = f"{prod(last.grid.cells) * grown:.1g}"
         return f"it would take about {cells} cells, and {self.most_cells:,} are allowed."

@@ -100,7 +100,7 @@ def yielding(scene: Scene) -> Yielding | None:
 
 # Fields that the passes of a steadily rolling contact hold.
 LAGGED = 32
-# A contact under a smaller share of the largest load than this is not planned for: cells grow with its root.
+# A contact under a smaller fraction of the largest load than this is not planned for: cells grow with its root.
 LEAST_LOAD = 0.1
 # Number of instants at which a load is evaluated.
 INSTANTS = 2000

@@ -181,9 +181,7 @@ def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact)
 def test_a_folder_for_a_scene_without_frames_is_refused(
     line_contact: LineContact, tmp_path: Path
 ) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"^solve\.folder is given, and a contact at rest has"
-    ):
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.folder is given, and a static contact has"):
         cs.solve(line_contact.scene, folder=tmp_path)
 
 

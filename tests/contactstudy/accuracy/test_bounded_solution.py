@@ -1,7 +1,7 @@
 import numpy as np
 
 import contactstudy as cs
-from contactstudy.accuracy.evidence import cell_errors
+from contactstudy.accuracy.bounded_solution import cell_errors
 from tests.conftest import LineContact
 
 

@@ -76,8 +76,8 @@ class BoundedSolution:
     def fractions(self) -> tuple[float, float]:
         """Contributions (across, along) to the discretisation error, as fractions of it."""
         across, along = self.cell_errors
-        share = across / (across + along) if across + along else 1.0
-        return share, 1 - share
+        fraction = across / (across + along) if across + along else 1.0
+        return fraction, 1 - fraction
 
 
 def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
@@ -127,8 +127,8 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
     for number in reversed(range(len(coarser))):
         order = _convergence_order(fine, coarser[max(number - 1, 0) : number + 1])
         remaining = sum(
-            share * (finer / coarse) ** order
-            for share, finer, coarse in zip(
+            fraction * (finer / coarse) ** order
+            for fraction, finer, coarse in zip(
                 fine.fractions, fine.grid.cell, coarser[number].problem.grid.cell, strict=True
             )
         )

@@ -41,7 +41,7 @@ class Answer:
     quantities
         Numbers by name, with unit and bound.
     counts
-        What the solve took, as numbers with their meaning by name.
+        Solver statistics, as numbers with their meaning by name.
     """
 
     if TYPE_CHECKING:
@@ -96,7 +96,7 @@ class Answer:
 
     @property
     def work(self) -> str:
-        """What the solve took, in one line."""
+        """Solver statistics, in one line."""
         return ", ".join(f"{label} {value:.3g}" for value, label in self.counts.values())
 
     def summary(self) -> str:

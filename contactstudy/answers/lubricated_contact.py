@@ -24,7 +24,7 @@ class LubricatedContact(Answer, FilmSolution):
     Parameters
     ----------
     requested
-        Relative error of the central and the smallest film that was asked for.
+        Relative error of the central and the minimum film thickness that was asked for.
     time
         Time [s] of a frame of an evolution; None for others.
     """
@@ -46,7 +46,7 @@ class LubricatedContact(Answer, FilmSolution):
 
     @property
     def judged(self) -> tuple[str, float]:
-        """The larger bound of the central and the smallest film."""
+        """The larger bound of the central and the minimum film thickness."""
         films = self.error.central_film, self.error.minimum_film
         return "in the film", max(parts.total for parts in films if parts is not None)
 

@@ -42,7 +42,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
     }  # fmt: skip
     if scales.lubrication.supply is not None:
         numbers["meniscus"] = Quantity(
-            contact.meniscus, "m", "place where lubricant fills the film"
+            contact.meniscus, "m", "position where lubricant fills the film"
         )
     if contact.contact_pressure is not None:
         numbers["contact_load_fraction"] = Quantity(

@@ -305,7 +305,7 @@ def material_table() -> str:
         "# Materials",
         "",
         '`material = "steel"` in a solid of a scene file, `cs.material("steel")` in Python. Keys beside it take the place of these',
-        "values. Moduli of one batch differ by some per cent, those of coats and polymers by far more. A body of a material",
+        "values. Moduli of one batch differ by some per cent, those of coatings and polymers by far more. A body of a material",
         "stays elastic; a warning says where the peak pressure is beyond its hardness or its first yield. Strength depends on",
         "grade and heat treatment: give `yield_strength` and `hardness` of yours.",
         "",

@@ -29,18 +29,18 @@ class CanonicalMemo:
     records: dict[int, tuple[object, Tree]] = field(default_factory=dict)
     kinds: dict[str, type] = field(default_factory=dict)
 
-    def name(self, kind: type) -> str:
+    def name(self, cls: type) -> str:
         """Return the module and qualified name of a class, which identify it.
 
         Raises :class:`~contactstudy.InvalidInput` if another class has the same name.
         """
-        name = f"{kind.__module__}.{kind.__qualname__}"
-        if self.kinds.setdefault(name, kind) is not kind:
+        name = f"{cls.__module__}.{cls.__qualname__}"
+        if self.kinds.setdefault(name, cls) is not cls:
             raise InvalidInput(f"Two classes are called {name!r}: give each a name of its own.")
         return name
 
 
-def canonical(value: object, memory: CanonicalMemo | None = None) -> Tree:
+def canonical(value: object, memo: CanonicalMemo | None = None) -> Tree:
     """Return ``value`` as a tree that is unique to it: exact numbers with their types, dataclasses by their fields.
 
     Numbers have all their digits and text is in quotes: 1, 1.0, True, "1" and numpy's 1 differ, as do 0.0 and -0.0.
@@ -50,35 +50,35 @@ def canonical(value: object, memory: CanonicalMemo | None = None) -> Tree:
     Raises
     ------
     InvalidInput
-        For an object that is identified by its address alone, or that may keep more than can be seen.
+        For an object that is identified by its address alone, or that may have hidden state.
     """
-    memory = memory or CanonicalMemo()
+    memo = memo or CanonicalMemo()
     if is_dataclass(value) and not isinstance(value, type):
-        if id(value) not in memory.records:
-            memory.records[id(value)] = value, _record(value, memory)
-        return memory.records[id(value)][1]
-    kind = type(value)
-    if value is None or kind is bool:
+        if id(value) not in memo.records:
+            memo.records[id(value)] = value, _record(value, memo)
+        return memo.records[id(value)][1]
+    cls = type(value)
+    if value is None or cls is bool:
         return value
-    if kind in PLAIN:
+    if cls in PLAIN:
         return repr(value)
-    if kind is tuple:
-        return [canonical(item, memory) for item in value]  # type: ignore[attr-defined]
+    if cls is tuple:
+        return [canonical(item, memo) for item in value]  # type: ignore[attr-defined]
     if isinstance(value, np.ndarray | np.generic):
         return _array(value)
     if isinstance(value, Enum):  # a flag of several bits may have no name
         name = repr(value._value_) if isinstance(value, Flag) else value.name
-        return {"": memory.name(kind), "name": name}
-    content = _content(value, memory)
-    more = _more(value)
-    if content is None or more is None:
+        return {"": memo.name(cls), "name": name}
+    content = _content(value, memo)
+    attributes = _attributes(value)
+    if content is None or attributes is None:
         raise _unknown(value)
-    tree = {"": memory.name(kind), "is": content}
-    return tree | {"has": canonical(more, memory)} if more else tree
+    tree = {"": memo.name(cls), "is": content}
+    return tree | {"has": canonical(attributes, memo)} if attributes else tree
 
 
 PLAIN = (str, int, float, complex)
-# containers and numbers of Python that hold nothing but what they show
+# containers and numbers of Python that have no state beyond their value
 TRANSPARENT = (
     *PLAIN,
     bytes,
@@ -93,66 +93,66 @@ TRANSPARENT = (
 )
 
 
-def _content(value: object, memory: CanonicalMemo) -> Tree:
+def _content(value: object, memo: CanonicalMemo) -> Tree:
     """Return what a number, a text, a path or a container shows, of whatever subclass; None for any other object."""
     match value:
         case PurePath():
             return [repr(str(value))]
         case set() | frozenset():
-            return sorted((canonical(item, memory) for item in value), key=text)
+            return sorted((canonical(item, memo) for item in value), key=text)
         case tuple():
-            return [canonical(item, memory) for item in tuple.__iter__(value)]
+            return [canonical(item, memo) for item in tuple.__iter__(value)]
         case list():
-            return [canonical(item, memory) for item in list.__iter__(value)]
+            return [canonical(item, memo) for item in list.__iter__(value)]
         case dict():
             pairs: Iterable[tuple[Any, Any]] = dict.items(value)
         case Mapping():
             pairs = value.items()
         case bytes() | str() | int() | float() | complex():
-            base = next(kind for kind in (*PLAIN, bytes) if isinstance(value, kind))
+            base = next(cls for cls in (*PLAIN, bytes) if isinstance(value, cls))
             return [base.__repr__(value)]
         case _:
             return None
-    return [[canonical(k, memory), canonical(v, memory)] for k, v in pairs]
+    return [[canonical(k, memo), canonical(v, memo)] for k, v in pairs]
 
 
-def _more(value: object) -> dict[str, object] | None:
-    """Return the attributes of an object beside its content; None where it may keep what cannot be seen."""
-    own = (kind for kind in type(value).__mro__ if kind not in (*TRANSPARENT, object))
+def _attributes(value: object) -> dict[str, object] | None:
+    """Return the attributes of an object beside its content; None where it may have hidden state."""
+    own = (cls for cls in type(value).__mro__ if cls not in (*TRANSPARENT, object))
     if isinstance(value, PurePath):
         return {} if type(value).__module__.partition(".")[0] == "pathlib" else None
-    more: dict[str, object] = {}
-    for kind in own:
+    attributes: dict[str, object] = {}
+    for cls in own:
         # a class of compiled code may keep anything; abstract ones of the standard library nothing
-        if not kind.__flags__ & HEAP_TYPE:
+        if not cls.__flags__ & HEAP_TYPE:
             return None
-        for name in _slots(kind):
+        for name in _slots(cls):
             if name not in ("__dict__", "__weakref__") and hasattr(value, name):
-                more[name] = getattr(value, name)
-    return more | getattr(value, "__dict__", {})
+                attributes[name] = getattr(value, name)
+    return attributes | getattr(value, "__dict__", {})
 
 
 HEAP_TYPE = 1 << 9  # flag of a class that Python code has made
 
 
-def _slots(kind: type) -> tuple[str, ...]:
+def _slots(cls: type) -> tuple[str, ...]:
     """Return the names of the slots of a class."""
-    slots = vars(kind).get("__slots__", ())
+    slots = vars(cls).get("__slots__", ())
     return (slots,) if isinstance(slots, str) else tuple(slots)
 
 
 def _array(value: "np.ndarray | np.generic") -> Tree:
     """Return the type, the shape and a hash of the bytes of an array, also of its mask; the digits of a scalar."""
-    kind, dtype = type(value), value.dtype
-    if dtype.hasobject or (isinstance(value, np.ndarray) and kind not in ARRAYS):
+    cls, dtype = type(value), value.dtype
+    if dtype.hasobject or (isinstance(value, np.ndarray) and cls not in ARRAYS):
         raise _unknown(value)
     is_plain = dtype.fields is None and dtype.metadata is None
     name = dtype.str if is_plain else f"{dtype!r} {dtype.metadata}"
     if isinstance(value, np.generic) and dtype.fields is None:
         return {"": f"numpy {name}", "is": repr(value.item())}
     tree: dict[str, Tree] = {"": "array", "dtype": name, "shape": list(value.shape)}
-    if kind is not np.ndarray:
-        tree["kind"] = kind.__name__
+    if cls is not np.ndarray:
+        tree["kind"] = cls.__name__
     if isinstance(value, np.ma.MaskedArray):
         tree |= {"mask": _array(np.ma.getmaskarray(value)), "fill": repr(value.fill_value)}
         tree["hard"] = value.hardmask
@@ -172,28 +172,28 @@ def _unknown(value: object) -> InvalidInput:
     )
 
 
-def _record(value: Any, memory: CanonicalMemo) -> Tree:
+def _record(value: Any, memo: CanonicalMemo) -> Tree:
     """Return the tree of a dataclass, with the fields at their defaults under ``DEFAULTS``."""
-    tree: dict[str, Tree] = {"": memory.name(type(value))}
+    tree: dict[str, Tree] = {"": memo.name(type(value))}
     defaults: dict[str, Tree] = {}
     for part, default in _parts(type(value)):  # type: ignore[arg-type]
-        content = canonical(getattr(value, part), memory)
+        content = canonical(getattr(value, part), memo)
         (defaults if content == default else tree)[part] = content
     # what a subclass of a number or a list shows besides, and attributes that are no fields
-    if (content := _content(value, memory)) is not None:
+    if (content := _content(value, memo)) is not None:
         tree["+is"] = content
     names = {part.name for part in fields(value)}
     for name, attribute in getattr(value, "__dict__", {}).items():
         if name not in names and not isinstance(getattr(type(value), name, None), cached_property):
-            tree[f"+{name}"] = canonical(attribute, memory)
+            tree[f"+{name}"] = canonical(attribute, memo)
     return tree | {DEFAULTS: defaults} if defaults else tree
 
 
 @cache
-def _parts(kind: type) -> tuple[tuple[str, Tree], ...]:
+def _parts(cls: type) -> tuple[tuple[str, Tree], ...]:
     """Return the names of the fields that a dataclass compares, with the trees of their defaults."""
     parts = []
-    for part in fields(kind):
+    for part in fields(cls):
         default: Tree = MISSING
         if part.default is not MISSING:
             default = canonical(part.default)

@@ -5,10 +5,10 @@ spectrum of the periodic grid, and gathered to the contact by the transposed ext
 seem far too stiff: by more with every halving of the cells. Outside the contact ``w``, which is 1 there and 0 elsewhere,
 the extension is the weighted mean ``G(u) / G(w)``, in which the nearest cells of the contact weigh most.
 
-The displacement with the least energy is the mean over where a walk first meets the contact whose steps are distributed
-as the inverse ``S`` of the operator couples cells, like ``r^-3``. Its kernel falls like ``r^-3`` beyond the width of the
-holes in the contact, and more slowly within. That is the kernel of ``G = (1 + t S)^(-1/2)``: it is positive, a
-mixture of Poisson's kernels, and falls like ``r^-3/2`` up to the length that ``t`` stands for.
+The displacement with the least energy is the mean over the first hitting point of a random walk (Levy flight) whose
+jumps are distributed as the inverse ``S`` of the operator couples cells, like ``r^-3``. Its kernel falls like ``r^-3``
+beyond the width of the holes in the contact, and more slowly within. That is the kernel of ``G = (1 + t S)^(-1/2)``: it
+is positive, a mixture of Poisson's kernels, and falls like ``r^-3/2`` up to the length that ``t`` stands for.
 """
 
 from collections.abc import Callable
@@ -66,9 +66,9 @@ class ExactExtension:
 
     def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, 1) on the contact that makes an `extended` displacement."""
-        closing = np.zeros_like(extended)
-        closing[self._cells] = self._inverse @ extended[self._cells]
-        return closing
+        pressure = np.zeros_like(extended)
+        pressure[self._cells] = self._inverse @ extended[self._cells]
+        return pressure
 
 
 class SpectralInverse:
@@ -157,7 +157,7 @@ class SpectralInverse:
 
 
 class FullExtension:
-    """Extension of a contact that holds a share of every cell: its displacement there counts for the whole cell.
+    """Extension of a contact that holds a fraction of every cell: its displacement there counts for the whole cell.
 
     `pressure` is the map from a displacement of all cells to their pressure.
     """
@@ -166,11 +166,11 @@ class FullExtension:
         self.contact, self._pressure = contact, pressure
 
     def __call__(self, displacement: Array) -> Array:
-        """Return the `displacement` (x, y), which is weighted by the shares, without these weights."""
+        """Return the `displacement` (x, y), which is weighted by the fractions, without these weights."""
         return displacement / self.contact
 
     def transposed(self, pressure: Array) -> Array:
-        """Return the `pressure` (x, y): the transposed map, weighted by the shares."""
+        """Return the `pressure` (x, y): the transposed map, weighted by the fractions."""
         return pressure
 
     def pressure(self, extended: Array) -> Array:
@@ -225,7 +225,7 @@ class SmoothedExtension(FullExtension):
 class BlockExtension(FullExtension):
     """Extension by way of blocks of 2 x 2 cells, whose means are extended and interpolated linearly.
 
-    A block belongs to the contact by the share of its cells that do. Blocks wrap round the grid.
+    A block belongs to the contact by the fraction of its cells that do. Blocks wrap round the grid.
     """
 
     def __init__(

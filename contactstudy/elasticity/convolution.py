@@ -22,8 +22,9 @@ from contactstudy.elasticity.transforms import Waves, even_waves, scale, transfo
 COARSEST = 32
 # One row of so many cells is preconditioned by its own equations.
 FEW = 64
-SHIFT = 10.0
-# Waves with less than this share of the energy of the largest are none.
+# Compliance of the mean over the largest coefficient, which makes the equations of one row positive definite.
+MEAN_COMPLIANCE = 10.0
+# Waves with less than this fraction of the energy of the largest are none.
 ROUNDING = 1e-28
 
 
@@ -153,12 +154,12 @@ class Convolution:
         spectrum, (px, py), (across, along) = self.spectrum, self.padded, self.blocks
         if across == 2:
             weights = np.cos(np.pi / px * np.arange(px // 2)[:, None]) ** 2
-            spectrum = _folded(spectrum[: px // 2, :], spectrum[px // 2 :, :], weights)
+            spectrum = _aliased(spectrum[: px // 2, :], spectrum[px // 2 :, :], weights)
         if along == 2:
             weights = np.cos(np.pi / py * np.arange(py // 4 + 1)[None, :]) ** 2
             mirrored = arrays().flip(spectrum, axis=1)
             columns = py // 4 + 1
-            spectrum = _folded(spectrum[:, :columns], mirrored[:, :columns], weights)
+            spectrum = _aliased(spectrum[:, :columns], mirrored[:, :columns], weights)
         cells = self.cells[0] // across, self.cells[1] // along
         return Convolution(spectrum, cells, (px // across, py // along))
 
@@ -184,12 +185,12 @@ class Convolution:
         unit = np.zeros(self.cells, dtype=self.spectrum.dtype)
         unit[0] = 1
         row = self(unit)[:, 0]
-        row += SHIFT * np.abs(row).max()
+        row += MEAN_COMPLIANCE * np.abs(row).max()
         index = np.arange(len(row))
         return np.asarray(row[np.abs(index[:, None] - index)])
 
 
-def _folded(low: Array, high: Array, weights: Array) -> Array:
+def _aliased(low: Array, high: Array, weights: Array) -> Array:
     """Return the mean of two parts of a spectrum, `low` with these `weights` and `high` with their complements to 1."""
     folded = low - high
     folded *= arrays().astype(device().put(weights), folded.dtype, copy=False)

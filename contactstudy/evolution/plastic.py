@@ -20,7 +20,7 @@ from contactstudy.scene.scene import Scene
 from contactstudy.solvers.contact_tangent import ContactTangent
 from contactstudy.solvers.elastoplastic_step import ElastoplasticStep, solve_elastoplastic_step
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies
+from contactstudy.solvers.yielding_bodies import SQRT_TWO_THIRDS, Hardening, YieldingBodies
 
 # The first volume holds the cells whose elastic von Mises stress is above NEAR_YIELD of the yield stress,
 # and a MARGIN of their width on both sides.
@@ -198,7 +198,7 @@ class PlasticState:
                 if self.friction:
                     stress = stress + self._stress_of_shear(body, operator, pressure)
                 size = np.sqrt((stress**2).sum(axis=0))
-                return np.asarray(size / (ROOT * body.hardening.yield_stress))
+                return np.asarray(size / (SQRT_TWO_THIRDS * body.hardening.yield_stress))
 
             volume = first_volume(problem.grid, self._length, self.elastic.pressure, yield_ratio)
             self.operators.append(operator_on(volume, body.moduli))
@@ -234,7 +234,7 @@ class PlasticState:
         equivalents = bodies.split(equivalent + step.flow)
 
         # rounding may put a cell that is on the yield surface beyond it
-        flows = step.flow > tolerance * bodies.unit
+        flows = step.flow > tolerance * bodies.yield_strain
         flow = float((step.flow * flows * bodies.volumes).sum())
         after: dict[str, Array] = {"flow": state["flow"] + flow if flow else np.zeros(1)}
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)

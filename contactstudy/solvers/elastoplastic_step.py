@@ -9,7 +9,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solvers.iterate import Stall
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.yielding_bodies import ROOT, ReturnMapping, YieldingBodies
+from contactstudy.solvers.yielding_bodies import SQRT_TWO_THIRDS, ReturnMapping, YieldingBodies
 
 # Map from a change of the gap (x, y) [m] to the fall of the pressure (x, y) [Pa].
 Tangent = Callable[[Array], Array]
@@ -130,7 +130,7 @@ def solve_elastoplastic_step(
         iterations += 1
         step = _newton_step(bodies, tangent(state.solution), state)
         state = _line_search(state_of, state, step)
-    flow = ROOT * state.mapped.multiplier
+    flow = SQRT_TWO_THIRDS * state.mapped.multiplier
     return ElastoplasticStep(
         state.solution, state.mapped.strain, flow, state.error, iterations, tuple(contacts)
     )
@@ -165,7 +165,7 @@ def _mapped_state(
     stress = bodies.stress_of_pressure(solution.pressure) + around - relaxed
     mapped = bodies.law.return_mapping(stress, strain, before, equivalent)
     residual = strain - mapped.strain
-    error = float((np.abs(residual) / bodies.unit).max(initial=0.0))
+    error = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
     elastic = bodies.inner(strain, relaxed / 2 - around) - _energy(solution, bodies.cell_area)
     squared = np.einsum("ck,ck->k", residual, residual)
     dissipation = bodies.law.dissipation(mapped.strain, before, equivalent)

@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator
 
 # |deviator| over von Mises' stress, and equivalent over |plastic strain|.
-ROOT = (2 / 3) ** 0.5
+SQRT_TWO_THIRDS = (2 / 3) ** 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class YieldLaw:
         """
         trial = stress + self.twice_shear * (strain - before) - (2 / 3) * self.kinematic * before
         size = np.sqrt(np.einsum("ck,ck->k", trial, trial))
-        limit = ROOT * (self.yield_stress + self.isotropic * equivalent)
+        limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent)
         multiplier = np.maximum(size - limit, 0.0) / (self.twice_shear + self.slope)
         flows = multiplier > 0
         direction = np.divide(trial, size, out=np.zeros_like(trial), where=flows)
@@ -56,7 +56,7 @@ class YieldLaw:
         It includes the energy of kinematic hardening.
         """
         squared = np.einsum("ck,ck->k", strain - before, strain - before)
-        limit = ROOT * (self.yield_stress + self.isotropic * equivalent)
+        limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent)
         stored = self.kinematic / 3 * np.einsum("ck,ck->k", strain, strain)
         return np.asarray(limit * np.sqrt(squared) + self.isotropic / 3 * squared + stored)
 
@@ -131,7 +131,7 @@ class YieldingBodies:
         )
 
     @cached_property
-    def unit(self) -> Array:
+    def yield_strain(self) -> Array:
         """Yield stress over Young's modulus (cells,)."""
         bodies = zip(self.operators, self.hardening, strict=True)
         return self._per_cell([h.yield_stress / o.moduli.youngs_modulus for o, h in bodies])
@@ -144,7 +144,7 @@ class YieldingBodies:
         )
 
     def self_blocks(self, cells: NDArray[np.bool_]) -> Array:
-        """Return the stress that strain in each chosen cell takes from that cell itself (chosen cells, C, C) [Pa]."""
+        """Return the stress of each chosen cell that its own unit strain relaxes (chosen cells, C, C) [Pa]."""
         shapes = [operator.volume.shape for operator in self.operators]
         layers = np.repeat(
             range(sum(n for n, _, _ in shapes)), [nx * ny for n, nx, ny in shapes for _ in range(n)]

@@ -109,7 +109,7 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
 
 # The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
 BASIS = np.vstack((PLANE, np.eye(6)[[5, 3]] / 2**0.5))
-# A wave with wave number k along the length decays across like exp(-k |x|); it is cut off at this share.
+# A wave with wave number k along the length decays across like exp(-k |x|); it is cut off at this fraction.
 WRAP = 1e-8
 # Number of complex values of a field that are transformed together.
 TOGETHER = 2**15
@@ -121,7 +121,7 @@ class PeriodicOperator:
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
     strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
-    sum of waves that repeat across, with periods so long that an image contributes no more than the share `WRAP`. Waves
+    sum of waves that repeat across, with periods so long that an image contributes at most the fraction `WRAP`. Waves
     longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own and on
     adjacent layers.
     """
@@ -171,7 +171,7 @@ class PeriodicOperator:
         blocks[:, :3, :3] = self._plane.self_blocks / ny
         blocks[:, 3:, 3:] = self._antiplane.self_blocks / ny
         for group in self._groups:
-            blocks += group.waves.self_blocks(group.shares / ny)
+            blocks += group.waves.self_blocks(group.fractions / ny)
         return blocks
 
     @property
@@ -264,7 +264,7 @@ class WaveGroup:
         Cells of the grid across whose pressure and displacement are coupled with the volume.
     around_window
         Index of each cell of the window in the period across, counted from the first cell of the volume.
-    shares
+    fractions
         Share (orders,) of each wave in the strain of one cell: 2 / period where a wave represents its complex conjugate
         too, else 1 / period.
     waves
@@ -275,7 +275,7 @@ class WaveGroup:
     period: int
     window: slice
     around_window: NDArray[np.intp]
-    shares: Array
+    fractions: Array
     waves: Waves
 
 

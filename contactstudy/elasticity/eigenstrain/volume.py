@@ -94,7 +94,7 @@ class EigenstrainOperator(Protocol):
 
     @property
     def self_blocks(self) -> Array:
-        """Stress that strain in a cell takes from that cell itself, by layer (layers, C, C) [Pa]."""
+        """Stress of a cell that its own unit strain relaxes, the diagonal blocks of B, by layer (layers, C, C) [Pa]."""
         ...
 
     def stress_of_pressure(self, pressure: Array) -> Array:
@@ -108,7 +108,7 @@ class EigenstrainOperator(Protocol):
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain` e, into the body, on the whole grid.
 
-        ``sum(lift * p) * cell area = sum(cell volume * e : S p)`` for any pressure p.
+        ``sum(u * p) * cell area = sum(cell volume * e : S p)`` for any pressure p, with the displacement u returned.
         """
         ...
 

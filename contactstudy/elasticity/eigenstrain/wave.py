@@ -79,7 +79,7 @@ class Layer:
         """Return the layer with this `ratio` of its thickness to 1 / q, (waves,)."""
         return cls(ratio, np.exp(-ratio), means(ratio))
 
-    def passed(self, amplitudes: Array) -> Array:
+    def transmitted(self, amplitudes: Array) -> Array:
         """Return the `amplitudes` (a, b, c) of waves after they have crossed the layer."""
         after = amplitudes * self.decay
         after[0] += self.ratio * after[1]
@@ -91,7 +91,7 @@ def reflected(up: Array) -> Array:
     return np.stack((-up[0], up[1] - 2 * up[0], up[2]))
 
 
-def by_layers(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
+def layer_stresses(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
     """Return the means of the stress over each of the `layers` (layers, ..., waves) by plastic strain in all of them.
 
     The layers are in order from the surface on. One sweep up and one down: the work grows with the number of layers, not
@@ -102,7 +102,7 @@ def by_layers(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
     state = -sources.up[:, -1]
     for number in range(count - 1, -1, -1):
         up[:, number] = state
-        state = layers[number].passed(state)
+        state = layers[number].transmitted(state)
         state += sources.up[:, number]
         if number:
             state -= sources.up[:, number - 1]
@@ -110,13 +110,13 @@ def by_layers(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
     for number in range(count):
         down[:, number] = state
         if number < count - 1:
-            state = layers[number].passed(state)
+            state = layers[number].transmitted(state)
             state += sources.down[:, number + 1]
             state -= sources.down[:, number]
     return _layer_stress(sources, down, up, layers, nu)
 
 
-def by_itself(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor:
+def self_stress(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor:
     """Return the means of the stress over a `layer` by its own plastic strain, (any, waves).
 
     `top` is q times the depth of its upper side.
@@ -125,7 +125,7 @@ def by_itself(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor:
     return _layer_stress(sources, down, -sources.up, [layer], nu)
 
 
-def by_another(
+def stress_of_other_layer(
     sources: Sources, layers: tuple[Layer, Layer], tops: tuple[Array, Array], nu: float
 ) -> Tensor:
     """Return the means of the stress over the second of two `layers` by plastic strain in the first, above or below it.
@@ -135,10 +135,10 @@ def by_another(
     (source, layer), (begin, end) = layers, tops
     down, up = _reflection(sources, source, begin, end), np.zeros_like(sources.up)
     if np.all(begin < end):
-        sent = source.passed(sources.down) - sources.down
+        sent = source.transmitted(sources.down) - sources.down
         down += _through(sent, end - begin - source.ratio)
     else:
-        up += _through(sources.up - source.passed(sources.up), begin - end - layer.ratio)
+        up += _through(sources.up - source.transmitted(sources.up), begin - end - layer.ratio)
     return _wave_stress(down, up, layer.means, nu)
 
 
@@ -147,7 +147,7 @@ def _reflection(sources: Sources, source: Layer, begin: Array, end: Array) -> Ar
 
     `begin` is the depth of the upper side of that layer, the `source`; depths are times q.
     """
-    up = _through(sources.up - source.passed(sources.up), begin)
+    up = _through(sources.up - source.transmitted(sources.up), begin)
     return _through(reflected(up), end)
 
 
@@ -158,7 +158,7 @@ def _through(amplitudes: Array, ratio: Array) -> Array:
     return after
 
 
-def pressed(top: Array, layer: Layer, nu: float) -> Tensor:
+def stress_under_pressure(top: Array, layer: Layer, nu: float) -> Tensor:
     """Return the means of the stress over a `layer` under a wave of unit pressure (waves,).
 
     `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, summed to a wave.
@@ -222,7 +222,7 @@ class Components(Enum):
 class WaveDirection:
     """Wave number `q` [1/m] and direction (`c`, `s`) of waves, each (waves,).
 
-    `weight` is the share of a wave that the mean over a cell leaves, for strain and for stress together.
+    `weight` is the fraction of a wave that the mean over a cell leaves, for strain and for stress together.
     """
 
     q: Array

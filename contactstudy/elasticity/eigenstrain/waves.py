@@ -20,10 +20,10 @@ from contactstudy.elasticity.eigenstrain.wave import (
     Layer,
     Sources,
     WaveDirection,
-    by_another,
-    by_itself,
-    by_layers,
-    pressed,
+    layer_stresses,
+    self_stress,
+    stress_of_other_layer,
+    stress_under_pressure,
 )
 
 # Number of orders of short waves that are summed one by one; shorter waves are summed together.
@@ -56,10 +56,10 @@ class Coupling:
 
 
 @dataclass(frozen=True, eq=False)
-class ShortWaves:
-    """Waves shorter than two cells that have the same values at the middles of cells as given long waves.
+class Aliases:
+    """Fourier modes shorter than two cells, aliased at the cell centres to the resolved modes.
 
-    `x` and `y` (waves,) [1/m] are the wave numbers of the long ones, across and along.
+    `x` and `y` (waves,) [1/m] are the wave numbers of the resolved modes, across and along.
     """
 
     volume: Volume
@@ -67,8 +67,8 @@ class ShortWaves:
     x: Array
     y: Array
 
-    def shifted(self, across: int, along: int) -> WaveDirection:
-        """Return the waves that have `across` and `along` more periods to a cell than the long ones."""
+    def alias(self, across: int, along: int) -> WaveDirection:
+        """Return the aliases that have `across` and `along` more periods to a cell than the resolved modes."""
         dx, dy = self.volume.grid.cell
         x, y = self.x + 2 * pi * across / dx, self.y + 2 * pi * along / dy
         q = np.hypot(x, y)
@@ -84,7 +84,7 @@ class ShortWaves:
                 break
             for direction in self._directions():
                 layer = Layer.from_ratio(direction.q * volume.thicknesses[number])
-                tensor = pressed(direction.q * top, layer, self.moduli.poisson_ratio)
+                tensor = stress_under_pressure(direction.q * top, layer, self.moduli.poisson_ratio)
                 total[:, number] += direction.weight * direction.stress(tensor, components)
         return total
 
@@ -107,20 +107,20 @@ class ShortWaves:
                     break
                 pairs.setdefault((steps, top, thickness, gap, below), []).append(number)
         for key, numbers in single.items():
-            blocks = self._by_itself(*key, components)
+            blocks = self._self_stress(*key, components)
             for begin, end in _runs(numbers):
                 group = slice(begin, end)
                 yield Coupling(group, group, blocks)
         for (steps, top, upper, gap, lower), numbers in pairs.items():
             lower_top = top + upper + gap
-            down = self._by_another((upper, lower), (top, lower_top), components)
-            up = self._by_another((lower, upper), (lower_top, top), components)
+            down = self._stress_of_other_layer((upper, lower), (top, lower_top), components)
+            up = self._stress_of_other_layer((lower, upper), (lower_top, top), components)
             for begin, end in _runs(numbers):
                 above, beneath = slice(begin, end), slice(begin + steps, end + steps)
                 yield Coupling(beneath, above, down)
                 yield Coupling(above, beneath, up)
 
-    def _by_itself(self, thickness: float, top: float, components: Components) -> Array:
+    def _self_stress(self, thickness: float, top: float, components: Components) -> Array:
         """Return the stress (components, 5, waves) in a layer by its own unit strains."""
         total = np.zeros((len(components.value), 5, len(self.x)))
         for direction in self._directions():
@@ -128,7 +128,7 @@ class ShortWaves:
             total += direction.weight * own_stress(direction, layer, top, self.moduli, components)
         return total
 
-    def _by_another(
+    def _stress_of_other_layer(
         self,
         thicknesses: tuple[float, float],
         tops: tuple[float, float],
@@ -141,7 +141,7 @@ class ShortWaves:
             source, layer = (Layer.from_ratio(direction.q * thickness) for thickness in thicknesses)
             begin, end = (direction.q * top for top in tops)
             sources = _unit_strains(direction, self.moduli)
-            tensor = by_another(sources, (source, layer), (begin, end), nu)
+            tensor = stress_of_other_layer(sources, (source, layer), (begin, end), nu)
             total += direction.weight * direction.stress(tensor, components)
         return total
 
@@ -150,7 +150,7 @@ class ShortWaves:
         (dx, dy), orders = self.volume.grid.cell, range(-ORDERS, ORDERS + 1)
         for shift in product(orders, repeat=2):
             if any(shift):
-                yield self.shifted(*shift)
+                yield self.alias(*shift)
         across, along = (
             sum(np.sinc(number * step / (2 * pi) + shift) ** 2 for shift in orders)
             for number, step in ((self.x, dx), (self.y, dy))
@@ -170,7 +170,7 @@ def own_stress(
     `top` [m] is the depth of its upper side.
     """
     sources = _unit_strains(direction, moduli)
-    tensor = by_itself(sources, direction.q * top, layer, moduli.poisson_ratio)
+    tensor = self_stress(sources, direction.q * top, layer, moduli.poisson_ratio)
     return direction.stress(tensor, components)
 
 
@@ -224,7 +224,7 @@ class Waves:
         e = _real(strain)
         direction = self._direction
         sources = Sources.from_strain(direction.strain(e), self.moduli)
-        tensor = by_layers(sources, self._layers, self.moduli.poisson_ratio)
+        tensor = layer_stresses(sources, self._layers, self.moduli.poisson_ratio)
         total = direction.stress(tensor, components)
         total *= direction.weight
         for coupling in self._couplings[components]:
@@ -245,25 +245,25 @@ class Waves:
             parts += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
 
-    def self_blocks(self, shares: Array) -> Array:
+    def self_blocks(self, fractions: Array) -> Array:
         """Return the stress that strain in a cell takes from that cell itself, by layer (layers, 5, 5) [Pa].
 
-        `shares` (orders,) are the shares of the waves in the strain of one cell.
+        `fractions` (orders,) are the fractions of the waves in the strain of one cell.
         """
-        share = np.broadcast_to(shares, (len(self.across), len(shares))).ravel()
+        fraction = np.broadcast_to(fractions, (len(self.across), len(fractions))).ravel()
         direction = self._direction
         blocks = np.empty((self.volume.shape[0], 5, 5))
         for number, layer in enumerate(self._layers):
             top = self.volume.edges[number]
             stress = own_stress(direction, layer, top, self.moduli, Components.DEVIATOR)
-            blocks[number] = -(stress @ (share * direction.weight))
+            blocks[number] = -(stress @ (fraction * direction.weight))
         signs = Components.DEVIATOR.signs
         # waves to either side cancel in odd blocks
         is_even = np.outer(signs, signs) > 0
         blocks *= is_even
         for coupling in self._couplings[Components.DEVIATOR]:
             if coupling.sources == coupling.layers:
-                blocks[coupling.layers] -= is_even * (coupling.blocks @ share)
+                blocks[coupling.layers] -= is_even * (coupling.blocks @ fraction)
         return blocks
 
     @property
@@ -278,15 +278,15 @@ class Waves:
         )
 
     @cached_property
-    def _short(self) -> ShortWaves:
+    def _short(self) -> Aliases:
         """Short waves that have the same values at the middles of cells as these."""
         x, y = np.repeat(self.across, len(self.along)), np.tile(self.along, len(self.across))
-        return ShortWaves(self.volume, self.moduli, x, y)
+        return Aliases(self.volume, self.moduli, x, y)
 
     @cached_property
     def _direction(self) -> WaveDirection:
         """WaveDirection of these waves, with their weights."""
-        return self._short.shifted(0, 0)
+        return self._short.alias(0, 0)
 
     @cached_property
     def _layers(self) -> tuple[Layer, ...]:
@@ -311,7 +311,7 @@ class Waves:
         total = self._short.stress_of_pressure(components)
         for number, layer in enumerate(self._layers):
             depth = direction.q * self.volume.edges[number]
-            tensor = pressed(depth, layer, self.moduli.poisson_ratio)
+            tensor = stress_under_pressure(depth, layer, self.moduli.poisson_ratio)
             total[:, number] += direction.weight * direction.stress(tensor, components)
         return total
 

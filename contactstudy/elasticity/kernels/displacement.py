@@ -320,11 +320,13 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
     }
     for form, rows in forms.items():
         if rows.any():
-            result[rows] = form(x[rows], _share(y, rows), _share(half_x, rows), half_y, period)
+            result[rows] = form(
+                x[rows], _for_rows(y, rows), _for_rows(half_x, rows), half_y, period
+            )
     return result
 
 
-def _share(lengths: Array, rows: NDArray[np.bool_]) -> Array:
+def _for_rows(lengths: Array, rows: NDArray[np.bool_]) -> Array:
     """Return the `lengths` of some `rows` of x; a single length holds for all rows."""
     return lengths[rows] if len(lengths) == len(rows) else lengths
 
@@ -454,14 +456,14 @@ def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
 
     The cell is cut into strips at fixed distances from the axis and two flanks.
     """
-    marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
+    breakpoints = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    for start, end in pairwise((-np.inf, *marks.tolist(), np.inf)):
+    for start, end in pairwise((-np.inf, *breakpoints.tolist(), np.inf)):
         low, high = np.maximum(x - half_x, start), np.minimum(x + half_x, end)
         rows = (low < high).reshape(len(x))
         if rows.any():
             middle, half = np.abs(low + high)[rows] / 2, (high - low)[rows] / 2
-            total[rows] += _mean_over_cell(middle, _share(y, rows), half, half_y, period) * half
+            total[rows] += _mean_over_cell(middle, _for_rows(y, rows), half, half_y, period) * half
     return total / half_x
 
 

@@ -69,7 +69,7 @@ class LayerRemainder:
         ys, at_y = np.unique(np.abs(y), return_inverse=True)
         across = CellEdges(xs / self.thickness, dx / self.thickness)
         along = CellEdges(ys / self.thickness, dy / self.thickness)
-        corners = quadrant(self.tables, across.levels, along.levels)
+        corners = quadrant(self.tables, across.unique_edges, along.unique_edges)
         cells = along.difference(across.difference(corners).T).T * self.thickness
         at_x, at_y = at_x.reshape(x.shape), at_y.reshape(y.shape)
         return np.asarray(cells[at_x, at_y]).reshape(shape)
@@ -163,20 +163,22 @@ class LayerRemainder:
         waves = int(LAST_WAVE / h * width / (2 * np.pi))
         if waves <= MOST_ACROSS:
             q = 2 * np.pi / width * np.arange(1, waves + 1)
-            share = np.real(self.response.remainder(q * h)) / q * np.sinc(q * dx / (2 * np.pi))
-            return np.asarray(np.cos(np.multiply.outer(x, q)) @ share * (4 * np.pi / width * dx))
+            integrand = np.real(self.response.remainder(q * h)) / q * np.sinc(q * dx / (2 * np.pi))
+            return np.asarray(
+                np.cos(np.multiply.outer(x, q)) @ integrand * (4 * np.pi / width * dx)
+            )
         far_field = FAR * h / self.response.nearest_pole
         last = int(np.ceil(max(far_field, 2 * dx) / width)) + 20
         total = -2 * np.pi * self.response.slope * h * dx / width * np.ones_like(x)
         second, fourth, sixth = self.tables.taylor
-        share = h / width
+        ratio = h / width
         for side in (1, -1):
             # beyond, the integral over a strip is between ends of 2 r2 h^2 / x - 4 r4 h^4 / x^3 + 48 r6 h^6 / x^5
             for end in (1, -1):
                 edge = last + 1 + (side * x + end * dx / 2) / width
-                far = -2 * second * share * digamma(edge)
-                far -= 4 * fourth * share**3 * zeta(3, edge)
-                far += 48 * sixth * share**5 * zeta(5, edge)
+                far = -2 * second * ratio * digamma(edge)
+                far -= 4 * fourth * ratio**3 * zeta(3, edge)
+                far += 48 * sixth * ratio**5 * zeta(5, edge)
                 total += end * h * far
             for image in range(1, last + 1):
                 total += self.strip(image * width + side * x, dx)
@@ -184,20 +186,20 @@ class LayerRemainder:
 
 
 class CellEdges:
-    """The two edges of each cell along one axis, with equal ones listed once in `levels`."""
+    """The two edges of each cell along one axis, with equal ones listed once in `unique_edges`."""
 
     def __init__(self, centres: Array, size: float) -> None:
         ends = np.concatenate([centres + size / 2, centres - size / 2])
-        self.levels, self._which = levels(np.abs(ends))
+        self.unique_edges, self._which = unique_within_rounding(np.abs(ends))
         self._sign = np.sign(ends)
 
     def difference(self, values: Array) -> Array:
-        """Return the difference of an odd function, given at `levels` (levels, ...), between both edges of each cell."""
+        """Return the difference of an odd function, given at `unique_edges` (edges, ...), between edges of each cell."""
         upper, lower = np.split(values[self._which] * self._sign[:, None], 2)
         return np.asarray(upper - lower)
 
 
-def levels(values: Array) -> tuple[Array, NDArray[np.intp]]:
+def unique_within_rounding(values: Array) -> tuple[Array, NDArray[np.intp]]:
     """Return the values that differ by more than rounding, in order, and the index among them of each value."""
     order = np.argsort(values, kind="stable")
     ordered = values[order]
@@ -220,8 +222,8 @@ def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
     Both are in order.
     """
     scale = float(np.hypot(aside[0], 2.0))
-    marks, positions = _marks(ends, scale)
-    middle, half = (marks[1:] + marks[:-1]) / 2, np.diff(marks) / 2
+    breakpoints, positions = _breakpoints(ends, scale)
+    middle, half = (breakpoints[1:] + breakpoints[:-1]) / 2, np.diff(breakpoints) / 2
     away = (middle + 1j * scale) / half
     radius = np.log(np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)))
     counts = np.ceil(np.log(ROUNDING) / (-2 * radius)).astype(int)
@@ -239,7 +241,7 @@ def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
     return np.asarray(summed[:, positions])
 
 
-def _marks(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
+def _breakpoints(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
     """Return ends of pieces from zero on, among them all of `ends`, and the indices of these.
 
     No piece is longer than its distance from the observer, or than `scale` next to it.
@@ -250,8 +252,8 @@ def _marks(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
     before = np.where(after > 0, ends[np.maximum(after - 1, 0)], 0.0)
     gap = ends[np.minimum(after, ends.size - 1)] - before
     useful = growing[(gap > growing / 2) & (after < ends.size)]
-    marks = np.unique(np.concatenate([[0.0], ends, useful]))
-    return marks, np.searchsorted(marks, ends)
+    breakpoints = np.unique(np.concatenate([[0.0], ends, useful]))
+    return breakpoints, np.searchsorted(breakpoints, ends)
 
 
 @dataclass(frozen=True)

@@ -180,8 +180,8 @@ class RemainderTables:
             far = k1(np.multiply.outer(s, tau)) @ (even * weight)
             return np.asarray((response.slope / s - 2 / np.pi * far) / s)
         k, weight = self._real(float(s[-1]))
-        share = np.real(response.remainder(k)) / k * weight
-        return np.asarray(j1(np.multiply.outer(s, k)) @ share / s)
+        integrand = np.real(response.remainder(k)) / k * weight
+        return np.asarray(j1(np.multiply.outer(s, k)) @ integrand / s)
 
     def _strip_at(self, s: Array) -> Array:
         """Return `strip` over `s` at distances `s` in order, by quadrature over k."""
@@ -192,8 +192,8 @@ class RemainderTables:
             far = np.exp(-np.multiply.outer(s, tau)) @ (even * weight)
             return np.asarray((np.pi / 2 * response.slope - far) / s)
         k, weight = self._real(float(s[-1]))
-        share = np.real(response.remainder(k)) / k * weight
-        return np.asarray(np.sinc(np.multiply.outer(s, k) / np.pi) @ share)
+        integrand = np.real(response.remainder(k)) / k * weight
+        return np.asarray(np.sinc(np.multiply.outer(s, k) / np.pi) @ integrand)
 
     def _real(self, s: float) -> tuple[Array, Array]:
         """Return Gauss points and weights for integrals over k of a field that oscillates with ``k s``."""

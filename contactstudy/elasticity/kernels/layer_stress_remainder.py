@@ -23,8 +23,8 @@ FAMILIES: Mapping[str, Mapping[str, Component]] = {
 }
 TURNED = {"pressure": "pressure", "across": "along", "along": "across"}
 Places = NDArray[np.intp]
-# exp(-LOST) is nothing.
-LOST = 34.0
+# exp(-NEGLIGIBLE_EXPONENT) is below rounding.
+NEGLIGIBLE_EXPONENT = 34.0
 # Phase of a wave, in radians, that the Gauss points of one piece resolve.
 PHASE = 12.0
 # A row's waves along it die within so many periods; a cell alone is one of a lattice so many times as wide as asked.
@@ -103,7 +103,7 @@ class LayerStressRemainder:
     def _line(self, x: Array, dx: float) -> Array:
         """Return the response to a strip, endless along y, at distances `x` at least 0, in order."""
         scaled, width = x / self.thickness, dx / self.thickness
-        far = max(LOST / self.stress.materials.first_pole, 2 * width)
+        far = max(NEGLIGIBLE_EXPONENT / self.stress.materials.first_pole, 2 * width)
         result = np.empty(x.size)
         ends = np.array([0.0, *(2.0 ** np.arange(0, 60)), np.inf])
         for start, end in pairwise(ends):
@@ -118,7 +118,7 @@ class LayerStressRemainder:
         """Return the response to a strip near it, by quadrature over real waves; all in thicknesses."""
         longest = min(0.5, PHASE / max(float(x[-1]) + width / 2, 1e-3))
         ends = [0.0, min(self.stress.materials.nearest_pole / 4, longest)]
-        while ends[-1] < LOST / self.stress.reach:
+        while ends[-1] < NEGLIGIBLE_EXPONENT / self.stress.reach:
             ends.append(ends[-1] + min(ends[-1], longest))
         k, weight = composite(np.array(ends))
         waves = self._plane_amplitude(k) * weight * width * np.sinc(k * width / 2 / np.pi) / np.pi
@@ -128,7 +128,7 @@ class LayerStressRemainder:
 
     def _far(self, x: Array, width: float) -> Array:
         """Return the response to a strip far from it, by quadrature over waves that decay; all in thicknesses."""
-        end = min(self.stress.materials.first_pole, LOST / (float(x[0]) - width / 2))
+        end = min(self.stress.materials.first_pole, NEGLIGIBLE_EXPONENT / (float(x[0]) - width / 2))
         start = 1e-3 * min(self.stress.materials.nearest_pole, end)
         count = int(np.ceil(np.log2(end / start)))
         tau, weight = composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
@@ -141,8 +141,8 @@ class LayerStressRemainder:
         rest = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
         normal, shear, across = rest
         if self.load == "along":
-            thwart, twist = self.stress.antiplane(k)
-            parts: dict[str, Numbers] = {"yz": thwart, "xy": 1j * twist}
+            s_tz, s_lt = self.stress.antiplane(k)
+            parts: dict[str, Numbers] = {"yz": s_tz, "xy": 1j * s_lt}
             return np.asarray(parts.get(self.name, np.zeros(k.size)) + 0j)
         parts = {"zz": normal, "xx": across, "xz": -1j * shear}
         parts["yy"] = self.stress.poisson_ratio * (normal + across)
@@ -160,28 +160,28 @@ def amplitudes(stress: LayerStress, load: str, across: Array, along: Array) -> d
         c = np.where(size > 0, across / size, 1.0)
         s = np.where(size > 0, along / size, 0.0)
     pressed, sheared = stress.interpolated(size)
-    thwart: Numbers
-    twist: Numbers
+    s_tz: Numbers
+    s_lt: Numbers
     if load == "pressure":
-        normal, shear, lengthwise = pressed[0], -1j * pressed[1], pressed[2]
-        thwart = twist = np.zeros_like(size)
+        normal, shear, s_ll = pressed[0], -1j * pressed[1], pressed[2]
+        s_tz = s_lt = np.zeros_like(size)
     else:
         part, other = (c, -s) if load == "across" else (s, c)
-        normal, shear, lengthwise = (
+        normal, shear, s_ll = (
             1j * part * sheared[0],
             part * sheared[1],
             1j * part * sheared[2],
         )
         down, around = stress.antiplane(size)
-        thwart, twist = other * down, 1j * other * around
-    crosswise = stress.poisson_ratio * (lengthwise + normal)
+        s_tz, s_lt = other * down, 1j * other * around
+    s_tt = stress.poisson_ratio * (s_ll + normal)
     return {
-        "xx": c * c * lengthwise + s * s * crosswise - 2 * c * s * twist,
-        "yy": s * s * lengthwise + c * c * crosswise + 2 * c * s * twist,
+        "xx": c * c * s_ll + s * s * s_tt - 2 * c * s * s_lt,
+        "yy": s * s * s_ll + c * c * s_tt + 2 * c * s * s_lt,
         "zz": normal,
-        "yz": s * shear + c * thwart,
-        "xz": c * shear - s * thwart,
-        "xy": c * s * (lengthwise - crosswise) + (c * c - s * s) * twist,
+        "yz": s * shear + c * s_tz,
+        "xz": c * shear - s * s_tz,
+        "xy": c * s * (s_ll - s_tt) + (c * c - s * s) * s_lt,
     }
 
 
@@ -197,14 +197,14 @@ def _lattice(
 ) -> dict[str, Array]:
     """Return the response (across, along) to one cell of a lattice at all its points, for each component.
 
-    Waves shorter than two cells fold onto the longer ones.
+    Waves shorter than two cells are aliased to the longer ones.
     """
     waves = {name: np.zeros((across, along // 2 + 1), dtype=complex) for name in COMPONENTS}
-    last = LOST / (stress.reach * thickness)
+    last = NEGLIGIBLE_EXPONENT / (stress.reach * thickness)
     first_x = 2 * np.pi * fft.fftfreq(across, dx)
     first_y = 2 * np.pi * fft.rfftfreq(along, dy)
-    for kx, rows in _folded(first_x, dx, last):
-        for ky, columns in _folded(first_y, dy, last):
+    for kx, rows in _aliased(first_x, dx, last):
+        for ky, columns in _aliased(first_y, dy, last):
             if np.hypot(np.abs(kx).min(), np.abs(ky).min()) > last:
                 continue
             mean = np.sinc(kx * dx / (2 * np.pi))[:, None] * np.sinc(ky * dy / (2 * np.pi))
@@ -214,8 +214,8 @@ def _lattice(
     return {name: fft.irfft2(sums, (across, along)) for name, sums in waves.items()}
 
 
-def _folded(first: Array, step: float, last: float) -> list[tuple[Array, Places]]:
-    """Return wave numbers up to `last`, with their places among the `first` ones that they cannot be told from."""
+def _aliased(first: Array, step: float, last: float) -> list[tuple[Array, Places]]:
+    """Return wave numbers up to `last`, with their places among the `first` ones whose aliases they are."""
     turns = int(np.ceil(last * step / (2 * np.pi) + 0.5))
     found = []
     for turn in range(-turns, turns + 1):

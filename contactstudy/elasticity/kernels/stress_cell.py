@@ -110,17 +110,17 @@ def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
     return np.asarray(-np.arctan2(x * y, z * r))
 
 
-def _arch(x: Array, y: Array, z: float, r: Array) -> Array:
+def _second_derivative_inverse(x: Array, y: Array, z: float, r: Array) -> Array:
     """Return the integral of ``-z (d/dx)^2 (1/r)``."""
     return np.asarray(z * x * y / ((x * x + z * z) * r))
 
 
-def _bulge(x: Array, y: Array, z: float, r: Array) -> Array:
+def _second_derivative_log(x: Array, y: Array, z: float, r: Array) -> Array:
     """Return the integral of ``(d/dx)^2 ln(r + z)``, its two arctangents as one that does not cancel."""
     return np.arctan2(x * y * (x * x + y * y) / (r + z), x * x * r + z * y * y)
 
 
-def _bulge_point(x: Array, y: Array, z: float, r: Array) -> Array:
+def _second_derivative_log_point(x: Array, y: Array, z: float, r: Array) -> Array:
     """Return ``(d/dx)^2 ln(r + z)``."""
     return np.asarray((1 - x * x * (2 * r + z) / (r * r * (r + z))) / (r * (r + z)))
 
@@ -128,14 +128,16 @@ def _bulge_point(x: Array, y: Array, z: float, r: Array) -> Array:
 def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return 2 pi times the stress xx under a unit force at the origin."""
     s = r * r
-    lateral = z / (s * r) - _bulge_point(x, y, z, r)
+    lateral = z / (s * r) - _second_derivative_log_point(x, y, z, r)
     return np.asarray((1 - 2 * nu) * lateral - 3 * z * (x * x) / (s * s * r))
 
 
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return the integral over x and y of 2 pi times the stress xx under a unit force."""
-    bulge = (1 - 2 * nu) * _bulge(x, y, z, r)
-    return np.asarray(2 * nu * _angle(x, y, z, r) + _arch(x, y, z, r) - bulge)
+    lateral = (1 - 2 * nu) * _second_derivative_log(x, y, z, r)
+    return np.asarray(
+        2 * nu * _angle(x, y, z, r) + _second_derivative_inverse(x, y, z, r) - lateral
+    )
 
 
 def _xy_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
@@ -174,7 +176,11 @@ COMPONENTS = {
             "zz",
             (1, 1),
             lambda x, y, z, r, nu: -3 * z**3 / ((r * r) * (r * r) * r),
-            lambda x, y, z, r, nu: _angle(x, y, z, r) - _arch(x, y, z, r) - _arch(y, x, z, r),
+            lambda x, y, z, r, nu: (
+                _angle(x, y, z, r)
+                - _second_derivative_inverse(x, y, z, r)
+                - _second_derivative_inverse(y, x, z, r)
+            ),
             lambda strip, nu: -strip.pole.real - strip.angle,
             "zz",
         ),

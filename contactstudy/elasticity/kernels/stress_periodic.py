@@ -154,10 +154,10 @@ def _tail(start: int) -> tuple[Array, Array]:
     end = start + TAIL_IMAGES
     m = np.arange(start, end, dtype=np.float64)
     # the sum from there on is an integral but for 1 / (12 end^3)
-    nodes, shares = np.array(gauss(TAIL_POINTS)).T
+    nodes, tail_weights = np.array(gauss(TAIL_POINTS)).T
     remainder = 1 / (end - 0.5)
     t = np.append(1 / m, (1 + nodes) / 2 * remainder)
-    weights = np.append(m**-2, shares * remainder)
+    weights = np.append(m**-2, tail_weights * remainder)
     # Lanczos: the three-term recurrence of the polynomials orthogonal over this sum
     vectors = [np.sqrt(weights / weights.sum())]
     diagonal, off = [], []

@@ -10,7 +10,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.periodic import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.eigenstrain.wave import Components, Layer, Sources, by_layers
+from contactstudy.elasticity.eigenstrain.wave import Components, Layer, Sources, layer_stresses
 from contactstudy.elasticity.eigenstrain.waves import Waves
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.kernels.stress_periodic import stress_cell_periodic
@@ -207,9 +207,9 @@ def test_thin_layers_of_one_strain_are_a_thick_one_at_any_wave_number() -> None:
     for ratio in (1e-8, 1e-4, 0.03, 3.0):
         q = np.full((1, 1), ratio)
         strain = tuple(rng.normal(size=(6, 1, 1, 1)))
-        whole = by_layers(Sources.from_strain(strain, STEEL), [Layer.from_ratio(q)], 0.3)
+        whole = layer_stresses(Sources.from_strain(strain, STEEL), [Layer.from_ratio(q)], 0.3)
         halves = Layer.from_ratio(q / 2)
         twice = tuple(np.repeat(one, 2, axis=0) for one in strain)
-        parts = by_layers(Sources.from_strain(twice, STEEL), [halves, halves], 0.3)
+        parts = layer_stresses(Sources.from_strain(twice, STEEL), [halves, halves], 0.3)
         for one, other in zip(whole, parts, strict=True):
             assert other.mean(axis=0) == pytest.approx(one[0], abs=1e-13)

@@ -12,7 +12,7 @@ from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solvers.contact_tangent import ContactTangent
 from contactstudy.solvers.elastoplastic_step import solve_elastoplastic_step
-from contactstudy.solvers.yielding_bodies import ROOT, Hardening, YieldingBodies
+from contactstudy.solvers.yielding_bodies import SQRT_TWO_THIRDS, Hardening, YieldingBodies
 from tests.conftest import LineContact
 
 RNG = np.random.default_rng(3)
@@ -148,7 +148,7 @@ def stepped(tolerance: float, before: np.ndarray | None = None, around: Any = No
 
 # |stress| of each cell: two layers of three cells, then two cells; 2 G is 160 and 80
 SIZE = np.array([4, 6, 1, 2, 3, 0.5, 6, 1])
-LIMIT = ROOT * np.array([3.0] * 6 + [2.0] * 2)
+LIMIT = SQRT_TWO_THIRDS * np.array([3.0] * 6 + [2.0] * 2)
 TWICE_SHEAR = np.array([160.0] * 6 + [80.0] * 2)
 SLOPE = np.array([20.0] * 6 + [0.0] * 2)
 FLOW = np.maximum(SIZE - LIMIT, 0) / (0.5 * TWICE_SHEAR + SLOPE)
@@ -158,7 +158,7 @@ def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
     found = stepped(1e-12)
     direction = np.array([0.6, -0.8, 0.0])[:, None]
     np.testing.assert_allclose(found.strain, FLOW * direction, atol=1e-12)
-    np.testing.assert_allclose(found.flow, ROOT * FLOW, atol=1e-12)
+    np.testing.assert_allclose(found.flow, SQRT_TWO_THIRDS * FLOW, atol=1e-12)
     assert found.residual <= 1e-12
     # linear hardening along a straight path: one step of Newton, and one solution of the contact for it
     assert found.iterations == 1
@@ -188,5 +188,5 @@ def test_stress_from_outside_adds_to_that_of_the_pressure() -> None:
     around[:, 2] = np.array([0.6, -0.8, 0.0]) * 5
     found = stepped(1e-12, around=around)
     wanted = (6 - LIMIT[2]) / (0.5 * 160 + 20)
-    assert found.flow[2] == pytest.approx(ROOT * wanted)
-    assert np.delete(found.flow, 2) == pytest.approx(np.delete(ROOT * FLOW, 2))
+    assert found.flow[2] == pytest.approx(SQRT_TWO_THIRDS * wanted)
+    assert np.delete(found.flow, 2) == pytest.approx(np.delete(SQRT_TWO_THIRDS * FLOW, 2))

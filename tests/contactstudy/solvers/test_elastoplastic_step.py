@@ -170,7 +170,7 @@ def test_the_residual_is_the_largest_error_over_the_yield_strain() -> None:
     assert found.iterations == 0
     flow = np.maximum(SIZE - LIMIT, 0) / (TWICE_SHEAR + SLOPE)
     np.testing.assert_allclose(found.strain[1], -0.8 * flow, rtol=1e-12)
-    assert found.residual == pytest.approx((0.8 * flow / BODIES.unit).max())
+    assert found.residual == pytest.approx((0.8 * flow / BODIES.yield_strain).max())
 
 
 def test_what_is_elastic_takes_no_iteration_and_keeps_its_strain() -> None:

@@ -60,7 +60,7 @@ def follow_adhesion(
     """
     load = scene.load
     if not isinstance(load, ChangingLoad) or scene.adhesion is None:
-        raise InvalidInput("Scene.load does not change beside Adhesion: give a LoadHistory.")
+        raise InvalidInput("Scene.load does not change together with Adhesion: give a LoadHistory.")
     breakpoints = schedule(load, times)
     first = load.at(breakpoints[0].time)
     problem = _under(scene, first).problem(grid, padding)

@@ -94,14 +94,14 @@ def coupled_state_variable(
     across, along = paddings
     if not problem.open_edges or along.window is not None:
         raise InvalidInput(
-            f"evolve.padding is {across!r} across and {along!r} along: plastic strain is known below a surface "
-            "that goes on across and repeats along, give ExactPeriodicity()."
+            f"evolve.padding is {across!r} across and {along!r} along: plastic strain is supported below a "
+            "surface that is infinite across and periodic along, give ExactPeriodicity()."
         )
     friction = getattr(scene.friction, "coefficient", 0.0)
     if friction and problem.grid.cells[1] > 1:
         raise InvalidInput(
-            f"Grid.cells[1] is {problem.grid.cells[1]} beside a body that yields while it slides: the stress by shear "
-            "is known in plane strain, give 1 cell along, or no friction."
+            f"Grid.cells[1] is {problem.grid.cells[1]} together with a body that yields while it slides: the "
+            "stress by shear is supported in plane strain only, give 1 cell along, or no friction."
         )
     return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision, friction)
 

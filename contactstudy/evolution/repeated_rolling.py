@@ -324,7 +324,7 @@ def _single_yielding_body(scene: Scene) -> YieldingBody:
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(
-            f"{field} changes in time beside repeated rolling: leave it out or give a LineLoad."
+            f"{field} changes in time together with repeated rolling: leave it out or give a LineLoad."
         )
     bodies = YieldingBody.in_scene(scene)
     if len(bodies) != 1:
@@ -339,12 +339,13 @@ def _check_grid(problem: Problem) -> None:
     """Raise InvalidInput for a grid or a padding on which repeated rolling has no operator."""
     if problem.grid.cells[1] > 1:
         raise InvalidInput(
-            f"Grid.cells[1] is {problem.grid.cells[1]}: repeated rolling is known in plane strain, give 1 cell along."
+            f"Grid.cells[1] is {problem.grid.cells[1]}: repeated rolling is supported in plane strain only, "
+            "give 1 cell along."
         )
     assert problem.paddings is not None
     across, along = problem.paddings
     if not problem.open_edges or along.window is not None:
         raise InvalidInput(
-            f"solve.padding is {across!r} across and {along!r} along: the half-space goes on across and "
-            "repeats along, give ExactPeriodicity()."
+            f"solve.padding is {across!r} across and {along!r} along: the half-space is infinite across "
+            "and periodic along, give ExactPeriodicity()."
         )

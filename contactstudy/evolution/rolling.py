@@ -161,7 +161,9 @@ def solve_rolling(
     assert scene.rolling is not None
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
-        raise InvalidInput(f"{field} changes in time beside Scene.rolling: leave one of them out.")
+        raise InvalidInput(
+            f"{field} changes in time together with Scene.rolling: leave one of them out."
+        )
     elastic = replace(scene, solids=sudden(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length

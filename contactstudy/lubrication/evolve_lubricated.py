@@ -161,7 +161,7 @@ def evolve_lubricated(
     """
     if lubricated_scales(scene).lubrication.thermal is not None:
         raise InvalidInput(
-            "Lubrication.thermal is known for a steady film only, and this one changes in time: leave it out."
+            "Lubrication.thermal is supported for a steady film only, and this one changes in time: leave it out."
         )
     instants = _instants(scene, times)
     _check_loaded(scene, instants)

@@ -37,7 +37,8 @@ COARSEST, COARSEST_ROUGH, COARSEST_ALONG, LEVELS = 200, 48, 16, 8
 def lubricated_scales(scene: Scene) -> FilmScales:
     """Return the units of a lubricated ``scene``.
 
-    Raises :class:`~contactstudy.InvalidInput` for a scene that is not lubricated, and for what no film is known with.
+    Raises :class:`~contactstudy.InvalidInput` for a scene that is not lubricated, and for an effect that is
+    not supported with a film.
     """
     if not isinstance(scene, Scene) or scene.lubrication is None:
         raise InvalidInput(
@@ -142,8 +143,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     if opening > EDGE * scales.film:
         raise InvalidInput(
-            f"Scene.shapes open the gap by {opening:.3g} m along the length, as a roller's sharp end does: a film ends "
-            "there in a way that is not known, give a Crown or a LundbergProfile, and a longer period."
+            f"Scene.shapes open the gap by {opening:.3g} m along the length, as a roller's sharp end does: a film that "
+            "ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
         )
     hertz = scales.hertz
     outlet = max(OUTLET, 1 + OUTLET_GROWTH * sqrt(2 * scales.expected_film)) * hertz.half_width

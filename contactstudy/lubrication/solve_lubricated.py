@@ -111,7 +111,7 @@ def solve_lubricated(
     Raises
     ------
     InvalidInput
-        For a scene without lubrication, or with what no film is known with.
+        For a scene without lubrication, or with an effect that is not supported with a film.
     """
     positive("solve_lubricated.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
     whole("solve_lubricated.max_iterations", max_iterations, 0, "give a whole number from 0 on")

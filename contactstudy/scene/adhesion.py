@@ -111,29 +111,30 @@ class Adhesion:
         """Raise :class:`~contactstudy.InvalidInput` if adhesion is not defined in this scene."""
         if scene.hardness != inf:
             raise InvalidInput(
-                f"Scene.hardness is {scene.hardness!r} beside Adhesion: how a cell that yields adheres is not "
-                "defined here, leave one of both out."
+                f"Scene.hardness is {scene.hardness!r} together with Adhesion: the adhesion of a cell that yields is "
+                "not supported, leave one of both out."
             )
         for name in ("wear", "rolling", "friction", "lubrication"):
             if getattr(scene, name) is not None:
                 raise InvalidInput(
-                    f"Scene.{name} is {getattr(scene, name)!r} beside Adhesion: both together are not defined "
-                    "here, leave one of both out."
+                    f"Scene.{name} is {getattr(scene, name)!r} together with Adhesion: both are not supported "
+                    "in one scene, leave one of both out."
                 )
         for number, solid in enumerate(scene.solids):
             for property_name, verb in (("creeps", "creeps"), ("yields", "yields")):
                 if getattr(solid, property_name, False):
                     raise InvalidInput(
-                        f"Scene.solids[{number}] {verb} beside Adhesion: both together are not defined here, give "
-                        "an elastic body, or no adhesion."
+                        f"Scene.solids[{number}] {verb} together with Adhesion: both are not supported in one scene, "
+                        "give an elastic body, or no adhesion."
                     )
         load: Any = scene.load
         if self.branch == Branch.FROM_AFAR.value and not isinstance(load, Approach):
             first = load.at(load.start) if isinstance(load, ChangingLoad) else load.largest
             if first <= 0:
                 raise InvalidInput(
-                    f"Scene.load begins with {first:g} N/m beside Adhesion: bodies from afar do not touch without a "
-                    "load, give a first load above 0 N/m, an Approach, or Adhesion.branch = 'from full contact'."
+                    f"Scene.load begins with {first:g} N/m together with Adhesion: bodies from afar do not touch "
+                    "without a load, give a first load above 0 N/m, an Approach, or Adhesion.branch = "
+                    "'from full contact'."
                 )
 
     def reference_load(self, scene: AdhesionContact) -> float:

@@ -30,10 +30,10 @@ SAMPLES = 201
 class Fretting:
     """Partial slip under tangential forces that follow one another.
 
-    Where a force turns back, slip begins anew at the edge of the contact against the shear that is left there. Beside a
-    constant load the answer is the contact under the last force; its traction has the loop of force and displacement,
-    and the slip and the energy lost since the last force acted before. With `times` the scene changes in time, also its
-    load, and ``Wear(coefficient, speed=0.0)`` wears by the slip.
+    Where a force reverses, reverse slip starts at the edge of the contact, opposed by the residual traction (Johnson
+    1985, sect. 7.4). Under a constant load the answer is the contact under the last force; its traction has the loop of
+    force and displacement, and the slip and the energy lost since the last force acted before. With `times` the scene
+    changes in time, also its load, and ``Wear(coefficient, speed=0.0)`` wears by the slip.
 
     Parameters
     ----------
@@ -43,10 +43,10 @@ class Fretting:
         Forces along x on the first body [N/m], of either sign and less than the coefficient times the load, from none
         on; see :meth:`cycle`.
     times
-        Instants [s] of the forces, which are linear in between; None beside a constant load.
+        Instants [s] of the forces, which are linear in between; None under a constant load.
     displacements
         Rigid displacements along x [m] of the first against the second body in place of the forces, with `times` and
-        beside a constant load. Beyond some size all of the contact slides: its ``stick_fraction`` is 0. They count from
+        under a constant load. Beyond some size all of the contact slides: its ``stick_fraction`` is 0. They count from
         the distance of Hertz's half-width where nothing else says how far the bodies reach.
 
     Raises
@@ -80,7 +80,9 @@ class Fretting:
             set_fields(self, times=tuple(self.times))
             assert self.history is not None  # which checks the times
         elif self.displacements is not None:
-            raise InvalidInput("Fretting.times is None beside displacements: give times [s].")
+            raise InvalidInput(
+                "Fretting.times is None together with displacements: give times [s]."
+            )
 
     @property
     def history(self) -> LoadHistory | None:
@@ -103,18 +105,18 @@ class Fretting:
         return cls(coefficient, (amplitude, *down, *(-force for force in down)))
 
     def check(self, scene: FrictionContact) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
+        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         self._check_motion(scene)
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(
-                    f"Scene.solids[{number}] is a {type(solid).__name__} beside Fretting: its response to shear is "
-                    "not known, give a HalfSpace."
+                    f"Scene.solids[{number}] is a {type(solid).__name__} together with Fretting: its response to shear "
+                    "is not supported, give a HalfSpace."
                 )
         if abs(beta := dundurs(scene.solids)) > ALIKE:
             raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) beside Fretting: pressing them makes "
-                "them slip already, give bodies of one material."
+                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with Fretting: pressing them "
+                "makes them slip already, give bodies of one material."
             )
         if self.times is not None:
             self._check_forces(scene)
@@ -128,18 +130,19 @@ class Fretting:
                 )
 
     def _check_motion(self, scene: FrictionContact) -> None:
-        """Raise InvalidInput beside what moves otherwise, or changes while the forces name no times."""
+        """Raise InvalidInput for another motion, or changes while the forces name no times."""
         if self.times is None or scene.rolling is not None:
             check_still(scene, "Fretting", "give Fretting.times [s] to its forces")
         if scene.wear is not None and scene.wear.speed != 0:
             raise InvalidInput(
-                f"Wear.speed is {scene.wear.speed!r} beside Fretting, whose slip is the sliding that wears: give 0 m/s."
+                f"Wear.speed is {scene.wear.speed!r} together with Fretting, whose slip is the sliding that "
+                "wears: give 0 m/s."
             )
         load = scene.load
         if self.displacements is not None and isinstance(load, ChangingLoad):
             raise InvalidInput(
-                "Scene.load changes in time beside Fretting.displacements: what a rising pressure locks in is known by "
-                "forces, give Fretting.forces, or a LineLoad."
+                "Scene.load changes in time together with Fretting.displacements: what a rising pressure locks in "
+                "follows from forces only, give Fretting.forces, or a LineLoad."
             )
 
     def _check_forces(self, scene: FrictionContact) -> None:
@@ -163,9 +166,9 @@ class Fretting:
     ) -> FrettingShear:
         """Return the law for this scene on a grid."""
         assert self.forces is not None
-        shares = np.array(self.forces) / (self.coefficient * scene.load.largest)
+        ratios = np.array(self.forces) / (self.coefficient * scene.load.largest)
         response = self.response(scene, grid, paddings, datum)
-        return FrettingShear(self.coefficient, tuple(shares.tolist()), response)
+        return FrettingShear(self.coefficient, tuple(ratios.tolist()), response)
 
     @staticmethod
     def response(
@@ -184,5 +187,5 @@ class Fretting:
         count = len(self.forces or self.displacements or ())
         return (
             f"friction: fretting by Newton's method, {count} steps of 20 to 80 applications of the "
-            "response, four transforms each, beside the normal solve."
+            "response, four transforms each, in addition to the normal solve."
         )

@@ -110,24 +110,25 @@ class Sliding:
         set_fields(self, coefficient=coefficient("Sliding", self.coefficient, zero=True))
 
     def check(self, scene: FrictionContact) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not known."""
+        """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""
         beta = dundurs(scene.solids)
         if scene.rolling is not None and scene.rolling.passes is not None:
             raise InvalidInput(
-                f"Scene.rolling has {scene.rolling.passes} passes beside Sliding: the shear below passes is not known "
-                "here, leave one of both out."
+                f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: shear by repeated rolling is "
+                "not supported, leave one of both out."
             )
         if abs(beta) <= ALIKE or self.coefficient == 0:
             return
         if any(getattr(solid, "creeps", False) for solid in scene.solids):
             raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) beside Sliding, and one creeps: how their "
-                "coupling creeps is not known here, give equal bodies, or an incompressible one on a rigid one."
+                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with Sliding, and one creeps: "
+                "creep of their coupling is not supported, give equal bodies, or an incompressible one on a rigid one."
             )
         if scene.rolling is not None:
             raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) beside Sliding and Scene.rolling: both "
-                "move the pressure forwards, which is not known here, give bodies of one material, or TractiveRolling."
+                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with Sliding and Scene.rolling: "
+                "both move the pressure forwards, which is not supported, give bodies of one material, or "
+                "TractiveRolling."
             )
 
     def law(
@@ -190,17 +191,17 @@ class PartialSlip:
         )
 
     def check(self, scene: FrictionContact) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if part of the contact cannot stick, or is not known to."""
+        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         check_still(scene, "PartialSlip")
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(
-                    f"Scene.solids[{number}] is a {type(solid).__name__} beside PartialSlip: its response to "
-                    "shear is not known, give a HalfSpace, or Sliding."
+                    f"Scene.solids[{number}] is a {type(solid).__name__} together with PartialSlip: its response to "
+                    "shear is not supported, give a HalfSpace, or Sliding."
                 )
         if abs(beta := dundurs(scene.solids)) > ALIKE:
             raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) beside PartialSlip: pressing them "
+                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with PartialSlip: pressing them "
                 "makes them slip already, give bodies of one material, or Sliding."
             )
         most = self.coefficient * scene.load.largest
@@ -214,16 +215,16 @@ class PartialSlip:
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> CiavarellaJaeger | CoulombDisks:
         """Return superposition where it is exact for this gap, else the problem of two components."""
-        share = self.tangential / (self.coefficient * scene.load.largest)
+        ratio = self.tangential / (self.coefficient * scene.load.largest)
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
-            return CiavarellaJaeger(self.coefficient, share)
+            return CiavarellaJaeger(self.coefficient, ratio)
         bodies = tuple(
             (solid.compliance, solid.poisson_ratio)
             for solid in scene.solids
             if isinstance(solid, HalfSpace)
         )
         response = shear_response(bodies, grid, paddings, datum)
-        return CoulombDisks(self.coefficient, share, response)
+        return CoulombDisks(self.coefficient, ratio, response)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
@@ -239,7 +240,7 @@ class PartialSlip:
                 if scene.hardness != inf
                 else "something varies along the length and Poisson's ratio is not 0;"
             )
-            + " 30 to 80 applications of four transforms each beside the normal solve."
+            + " 30 to 80 applications of four transforms each, in addition to the normal solve."
         )
 
     @staticmethod
@@ -261,7 +262,7 @@ def dundurs(solids: tuple[Body, ...]) -> float:
     """Return Dundurs' beta of two homogeneous bodies under a sudden load, 0 for two equal bodies of any kind.
 
     Source: Dundurs (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for other bodies,
-    whose coupling between shear and normal displacement is not known.
+    whose coupling between shear and normal displacement is not supported.
     """
     first, second = solids
     if first == second:
@@ -270,8 +271,8 @@ def dundurs(solids: tuple[Body, ...]) -> float:
         map(is_layered, solids)
     ):
         raise InvalidInput(
-            "Scene.solids are unlike and not both homogeneous beside a friction: how shear moves a coated surface "
-            "along its normal is not known, give two equal bodies, or two HalfSpace."
+            "Scene.solids are unlike and not both homogeneous together with friction: how shear moves a coated surface "
+            "along its normal is not supported, give two equal bodies, or two HalfSpace."
         )
     (soft1, hard1), (soft2, hard2) = (
         ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
@@ -297,14 +298,14 @@ def coefficient(name: str, value: object, *, zero: bool) -> float:
 
 
 def check_still(scene: FrictionContact, name: str, remedy: str = "") -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, beside the law `name`."""
+    """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
     if scene.rolling is not None:
         raise InvalidInput(
-            f"Scene.rolling is {scene.rolling!r} beside {name}: shear is carried through a contact that rolls, give "
-            "TractiveRolling without Scene.rolling."
+            f"Scene.rolling is {scene.rolling!r} together with {name}: shear is carried through a contact that rolls, "
+            "give TractiveRolling without Scene.rolling."
         )
     if (changing := scene.changing) is not None:
         raise InvalidInput(
-            f"{changing} changes in time beside {name}: shear depends on the path of its forces, "
+            f"{changing} changes in time together with {name}: shear depends on the path of its forces, "
             f"{remedy or 'give Fretting with times'}."
         )

@@ -171,16 +171,16 @@ class ElasticPlasticHalfSpace:
         return self.yield_stress < math.inf
 
     def check(self, scene: BodyContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for an effect that is not defined beside plastic strain."""
+        """Raise :class:`~contactstudy.InvalidInput` for an effect that is not supported together with plastic strain."""
         if not self.yields:
             return
         if scene.hardness < math.inf:
             raise InvalidInput(
-                f"Scene.hardness is {scene.hardness!r} beside a body that yields, which limits the pressure "
+                f"Scene.hardness is {scene.hardness!r} together with a body that yields, which limits the pressure "
                 "by itself: leave the hardness out, or give an elastic HalfSpace."
             )
         if scene.rolling is not None and scene.rolling.passes is None:
             raise InvalidInput(
-                f"Scene.rolling is {scene.rolling!r}, which is steady, beside a body that yields, whose strain "
+                f"Scene.rolling is {scene.rolling!r}, which is steady, together with a body that yields, whose strain "
                 "has a history: give Rolling its passes, or leave rolling out."
             )

@@ -29,7 +29,7 @@ class LineLoad:
     Parameters
     ----------
     per_length
-        Load over the length of the grid [N/m], above zero; beside :class:`~contactstudy.Adhesion` of any sign.
+        Load over the length of the grid [N/m], above zero; together with :class:`~contactstudy.Adhesion` of any sign.
 
     Raises
     ------
@@ -69,7 +69,7 @@ class TotalLoad:
     Parameters
     ----------
     total
-        Load [N], above zero; beside :class:`~contactstudy.Adhesion` of any sign.
+        Load [N], above zero; together with :class:`~contactstudy.Adhesion` of any sign.
     length
         Length of the roller [m], over which the load is spread in Hertz's values. None takes it from the shapes of
         the scene, such as :class:`~contactstudy.LundbergProfile` or :class:`~contactstudy.FiniteLength`.
@@ -171,7 +171,7 @@ class LoadHistory:
         Instants [s] that do not decrease; an instant given twice is a jump.
     per_length
         Load [N/m] at each instant, from zero on, at least one of them above zero. A first load above zero is
-        applied suddenly. Beside :class:`~contactstudy.Adhesion` loads may pull.
+        applied suddenly. Together with :class:`~contactstudy.Adhesion` loads may pull.
 
     Raises
     ------
@@ -244,8 +244,8 @@ class LoadHistory:
             return self.per_length[-1]
         t0, t1 = self.times[place - 1 : place + 1]
         p0, p1 = self.per_length[place - 1 : place + 1]
-        share = (time - t0) / (t1 - t0)
-        return p0 * (1 - share) + p1 * share
+        weight = (time - t0) / (t1 - t0)
+        return p0 * (1 - weight) + p1 * weight
 
     def mean(self, start: float, end: float) -> float:
         """Return the mean load [N/m] between two times [s] without a break between them."""

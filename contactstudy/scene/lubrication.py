@@ -506,7 +506,8 @@ class Lubrication:
             set_fields(self, supply=in_range("Lubrication.supply", self.supply, remedy))
             if not isinstance(self.cavitation, ElrodAdams):
                 raise InvalidInput(
-                    "Lubrication.supply is known with ElrodAdams(), which conserves the lubricant: leave one out."
+                    "Lubrication.supply is supported with ElrodAdams() only, which conserves the lubricant: "
+                    "leave one out."
                 )
         if self.thermal is not None:
             self._check_thermal(self.thermal)
@@ -518,7 +519,7 @@ class Lubrication:
             )
         if not isinstance(self.cavitation, ElrodAdams) or isinstance(speed, ChangingSpeed):
             raise InvalidInput(
-                "Lubrication.boundary is known for a steady film with ElrodAdams() only: leave it out."
+                "Lubrication.boundary is supported for a steady film with ElrodAdams() only: leave it out."
             )
 
     def _check_thermal(self, thermal: object) -> None:
@@ -527,7 +528,7 @@ class Lubrication:
             raise InvalidInput(f"Lubrication.thermal is {thermal!r}: give a FilmHeat(), or None.")
         if isinstance(self.mean_speed, ChangingSpeed):
             raise InvalidInput(
-                "Lubrication.thermal is known at a steady speed only: give one, or leave it out."
+                "Lubrication.thermal is supported at a steady speed only: give one, or leave it out."
             )
         if abs(self.slide_roll_ratio) == 2:
             raise InvalidInput(
@@ -536,7 +537,7 @@ class Lubrication:
             )
 
     def check(self, scene: "Flooded") -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not known with a film."""
+        """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not supported with a film."""
         creeps = any(getattr(body, "creeps", False) for body in scene.solids)
         yields = any(getattr(body, "yields", False) for body in scene.solids)
         for present, field, reason in (
@@ -561,11 +562,12 @@ class Lubrication:
                 "a limit to the pressure would break the balance of flow",
             ),
             (creeps, "solids", "the film is steady, and a creeping body is not"),
-            (yields, "solids", "the linearised film knows no plastic strain"),
+            (yields, "solids", "the linearised film has no plastic strain"),
         ):
             if present:
                 raise InvalidInput(
-                    f"Scene.{field} is not known beside Scene.lubrication, since {reason}: leave one of them out."
+                    f"Scene.{field} is not supported together with Scene.lubrication, since {reason}: "
+                    "leave one of them out."
                 )
 
     @property

@@ -185,7 +185,7 @@ class Scene:
     Raises
     ------
     InvalidInput
-        If a value is of another kind, both bodies are rigid, or two effects are not defined beside each other.
+        If a value is of another kind, both bodies are rigid, or two effects cannot be combined.
     """
 
     load: AnyLoad
@@ -253,17 +253,17 @@ class Scene:
             set_fields(self, load=replace(self.load, length=min(lengths)))
 
     def _check_sought(self) -> None:
-        """Check an approach in place of a load, once every effect is known."""
+        """Check an approach in place of a load, once every effect is checked."""
         if not isinstance(self.load, Approach):
             return
-        beside = "Scene.lubrication" if self.lubrication is not None else self.changing
+        other = "Scene.lubrication" if self.lubrication is not None else self.changing
         if self.rolling is not None:
-            beside = "Scene.rolling"
+            other = "Scene.rolling"
         if self.hardness != inf:
-            beside = "Scene.hardness"
-        if beside is not None:
+            other = "Scene.hardness"
+        if other is not None:
             raise InvalidInput(
-                f"Scene.load is an Approach beside {beside}, which is defined under a load alone: give a LineLoad."
+                f"Scene.load is an Approach together with {other}, which needs a given load: give a LineLoad."
             )
 
     def _check_outputs(self) -> None:

@@ -97,14 +97,14 @@ class TractiveRolling:
         for number, solid in enumerate(scene.solids):
             if not isinstance(solid, HalfSpace):
                 raise InvalidInput(
-                    f"Scene.solids[{number}] is a {type(solid).__name__} beside TractiveRolling: its response to "
-                    "shear is not known, give a HalfSpace."
+                    f"Scene.solids[{number}] is a {type(solid).__name__} together with TractiveRolling: its response to "
+                    "shear is not supported, give a HalfSpace."
                 )
         for number, shape in enumerate(scene.shapes):
             if hasattr(shape, "gap_after"):
                 raise InvalidInput(
-                    f"Scene.shapes[{number}] is carried by a body beside TractiveRolling: heights that travel through "
-                    "the contact make no steady state, give heights that stand still in it."
+                    f"Scene.shapes[{number}] is carried by a body together with TractiveRolling: heights that travel "
+                    "through the contact make no steady state, give heights that stand still in it."
                 )
         most = self.coefficient * scene.load.largest
         if self.tangential is not None and not abs(self.tangential) < most:
@@ -125,8 +125,8 @@ class TractiveRolling:
         """
         if paddings[0].wraps:
             raise InvalidInput(
-                f"padding[0] is {paddings[0]!r} beside TractiveRolling: what leaves the contact would enter it again, "
-                "give ZeroPadding across."
+                f"padding[0] is {paddings[0]!r} together with TractiveRolling: what leaves the contact would enter it "
+                "again, give ZeroPadding across."
             )
         bodies = tuple(
             (solid.compliance, solid.poisson_ratio)
@@ -142,13 +142,13 @@ class TractiveRolling:
                     for axis in "xy"
                 )
             )
-        share = None
+        ratio = None
         if self.tangential is not None:
-            share = self.tangential / (self.coefficient * scene.load.largest)
+            ratio = self.tangential / (self.coefficient * scene.load.largest)
         return TractiveShear(
             self.coefficient,
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
-            share,
+            ratio,
             self.speed,
             partial(_response, bodies, paddings, datum),
             coupling,

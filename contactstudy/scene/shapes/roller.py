@@ -292,7 +292,7 @@ class FiniteLength:
 
     Cells whose centre lies beyond the ends stand back by `length`: more than any elastic displacement, which is a
     small part of the body's own size, and finite, so that averages over blocks of cells stay finite too. The end is
-    resolved to a cell, and exactly where it falls between two; a cell that it divides counts by its share in the mean
+    resolved to a cell, and exactly where it falls between two; a cell that it divides counts by its fraction in the mean
     gap, which is that of the roller's length. Under a scene's load per length of the grid, the
     roller carries that load times the grid's period over its own length. Along a free length a grid of the roller's
     own length ends it as well, without a cell to spare.

@@ -28,7 +28,7 @@ class Profile(Protocol):
     """Shape of the flank of a dimple or a groove, from its middle to its rim."""
 
     def __call__(self, t: Array) -> Array:
-        """Return the share of the depth at the share `t` in [0, 1] of the way from the middle to the rim."""
+        """Return the fraction of the depth at the fraction `t` in [0, 1] of the way from the middle to the rim."""
         ...
 
 
@@ -38,7 +38,7 @@ class Parabolic:
     """Parabolic flank ``1 - t^2``: a spherical cap, as the paraboloid that stands for a sphere in Hertz's theory."""
 
     def __call__(self, t: Array) -> Array:
-        """Return the share of the depth at the share `t` of the way to the rim."""
+        """Return the fraction of the depth at the fraction `t` of the way to the rim."""
         return (1 - t) * (1 + t)
 
 
@@ -48,7 +48,7 @@ class Cosine:
     """Cosine flank ``(1 + cos(pi t)) / 2``, without a kink at the rim."""
 
     def __call__(self, t: Array) -> Array:
-        """Return the share of the depth at the share `t` of the way to the rim."""
+        """Return the fraction of the depth at the fraction `t` of the way to the rim."""
         return np.asarray((1 + np.cos(np.pi * t)) / 2)
 
 
@@ -58,7 +58,7 @@ class FlatBottomed:
     """Flat bottom: the full depth up to the rim, for cylindrical dimples and rectangular grooves."""
 
     def __call__(self, t: Array) -> Array:
-        """Return one: the full depth at every share `t` of the way to the rim."""
+        """Return one: the full depth at every fraction `t` of the way to the rim."""
         return np.ones_like(t)
 
 
@@ -95,7 +95,7 @@ class Dimple:
         return self.diameter
 
     def density(self, pitch: tuple[float, float]) -> float:
-        """Return the dimpled share of the surface, ``pi d^2 / 4`` over the cell of the lattice."""
+        """Return the dimpled fraction of the surface, ``pi d^2 / 4`` over the cell of the lattice."""
         return pi / 4 * (self.diameter / pitch[0]) * (self.diameter / pitch[1])
 
 
@@ -132,7 +132,7 @@ class Groove:
         return self.width
 
     def density(self, pitch: tuple[float, float]) -> float:
-        """Return the grooved share of the surface."""
+        """Return the grooved fraction of the surface."""
         return self.width / min(pitch)
 
 
@@ -185,11 +185,11 @@ class Texture:
 
     @classmethod
     def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
-        """Return the texture that covers a share `area_density` of the surface, by its pitch across the length.
+        """Return the texture that covers a fraction `area_density` of the surface, by its pitch across the length.
 
         `along` [m] is the pitch along the length, infinite for grooves.
         """
-        remedy = "give a share of the surface above 0 and below 1"
+        remedy = "give a fraction of the surface above 0 and below 1"
         density = positive("Texture area_density", area_density, remedy)
         if density >= 1:
             raise InvalidInput(f"Texture area_density is {area_density!r}: {remedy}.")
@@ -201,7 +201,7 @@ class Texture:
 
     @property
     def area_density(self) -> float:
-        """Textured share of the surface."""
+        """Textured fraction of the surface."""
         return self.feature.density(self.pitch)
 
     @property
@@ -217,7 +217,7 @@ class Texture:
         size, (across, along) = self.feature.size, self.pitch
         finest = _narrowest(size, across), _narrowest(size, along)
         repeat = along if along < inf else 0.0
-        # a depth over half the size, on the textured share of the surface
+        # a depth over half the size, on the textured fraction of the surface
         slope = 2 * self.feature.depth / size * self.area_density**0.5
         return Detail(finest, repeat, slope=slope)
 

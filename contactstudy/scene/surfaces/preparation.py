@@ -107,24 +107,24 @@ class HarmonicFill:
     Parameters
     ----------
     up_to
-        Largest share of missing points, above 0 and below 1; a surface with more is refused.
+        Largest fraction of missing points, above 0 and below 1; a surface with more is refused.
     """
 
     up_to: float = 0.1
 
     def __post_init__(self) -> None:
-        remedy = "give a share above 0 and below 1"
-        share = positive("HarmonicFill.up_to", self.up_to, remedy)
-        if share >= 1:
+        remedy = "give a fraction above 0 and below 1"
+        fraction = positive("HarmonicFill.up_to", self.up_to, remedy)
+        if fraction >= 1:
             raise InvalidInput(f"HarmonicFill.up_to is {self.up_to!r}: {remedy}.")
-        set_fields(self, up_to=share)
+        set_fields(self, up_to=fraction)
 
     def admit(self, missing: int, points: int) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the share allows."""
+        """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the fraction allows."""
         if missing > self.up_to * points:
             raise InvalidInput(
-                f"MeasuredSurface.heights has {missing} missing points of {points}, a share of "
-                f"{missing / points:.2g}: give missing=HarmonicFill(up_to=...) with a larger share, or "
+                f"MeasuredSurface.heights has {missing} missing points of {points}, a fraction of "
+                f"{missing / points:.2g}: give missing=HarmonicFill(up_to=...) with a larger fraction, or "
                 "another surface."
             )
 
@@ -251,18 +251,18 @@ class Tapered:
 
     Parameters
     ----------
-    share
-        Tapered share of the length, half of it at each end, above 0 and up to 1.
+    fraction
+        Tapered fraction of the length, half of it at each end, above 0 and up to 1.
     """
 
-    share: float = 0.1
+    fraction: float = 0.1
 
     def __post_init__(self) -> None:
-        remedy = "give a share of the length above 0 and up to 1"
-        share = positive("Tapered.share", self.share, remedy)
-        if share > 1:
-            raise InvalidInput(f"Tapered.share is {self.share!r}: {remedy}.")
-        set_fields(self, share=share)
+        remedy = "give a fraction of the length above 0 and up to 1"
+        fraction = positive("Tapered.fraction", self.fraction, remedy)
+        if fraction > 1:
+            raise InvalidInput(f"Tapered.fraction is {self.fraction!r}: {remedy}.")
+        set_fields(self, fraction=fraction)
 
     @property
     def lengths(self) -> int:
@@ -273,7 +273,7 @@ class Tapered:
         """Return the windowed surface."""
         count = heights.shape[1]
         from_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
-        window = (1 - np.cos(np.pi * np.minimum(from_end / (self.share / 2), 1))) / 2
+        window = (1 - np.cos(np.pi * np.minimum(from_end / (self.fraction / 2), 1))) / 2
         mean = heights.mean()
         return np.asarray(mean + (heights - mean) * window)
 

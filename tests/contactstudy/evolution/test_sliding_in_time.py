@@ -150,12 +150,15 @@ def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plast
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"solids": (replace(RUBBER, poisson_ratio=0.4), RIGID)}, "one creeps: how their coupling"),
+        (
+            {"solids": (replace(RUBBER, poisson_ratio=0.4), RIGID)},
+            "one creeps: creep of their coupling",
+        ),
         ({"rolling": cs.Rolling(1.0), "solids": (STEEL, RIGID)}, "or TractiveRolling"),
-        ({"rolling": cs.Rolling(passes=2)}, "has 2 passes beside Sliding"),
+        ({"rolling": cs.Rolling(passes=2)}, "has 2 passes together with Sliding"),
     ],
 )
-def test_what_sliding_is_not_known_beside_is_refused(
+def test_what_sliding_does_not_support_is_refused(
     changes: dict[str, object], sentence: str
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=sentence):

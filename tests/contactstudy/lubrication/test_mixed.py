@@ -166,7 +166,9 @@ def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
     with pytest.raises(cs.InvalidInput, match=r"Boundary\.film is 0\.0"):
         cs.Boundary(0.0)
     assert scene.lubrication is not None
-    with pytest.raises(cs.InvalidInput, match=r"Lubrication\.boundary is known for a steady film"):
+    with pytest.raises(
+        cs.InvalidInput, match=r"Lubrication\.boundary is supported for a steady film"
+    ):
         replace(scene.lubrication, cavitation=cs.ReynoldsCavitation())
 
 

@@ -17,13 +17,16 @@ MOTION = cs.Lubrication(OIL, 1.0)
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear is not known beside Scene.lubrication"),
-        ({"rolling": cs.Rolling(1.0)}, "Scene.rolling is not known"),
-        ({"friction": cs.Sliding(0.1)}, "Scene.friction is not known"),
-        ({"hardness": 2e9}, "Scene.hardness is not known"),
+        (
+            {"wear": cs.Wear(1e-15, 1.0)},
+            "Scene.wear is not supported together with Scene.lubrication",
+        ),
+        ({"rolling": cs.Rolling(1.0)}, "Scene.rolling is not supported"),
+        ({"friction": cs.Sliding(0.1)}, "Scene.friction is not supported"),
+        ({"hardness": 2e9}, "Scene.hardness is not supported"),
         (
             {"solids": (cs.ViscoelasticHalfSpace(1e9, 0.4, ((1e9, 1.0),)), STEEL)},
-            "Scene.solids is not known",
+            "Scene.solids is not supported",
         ),
         ({"lubrication": OIL}, "give a Lubrication, or None"),
     ],

@@ -34,13 +34,13 @@ def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> No
 @pytest.mark.parametrize(
     ("effect", "message"),
     [
-        ({"hardness": 1e6}, r"^Scene\.hardness is 1000000\.0 beside Adhesion"),
+        ({"hardness": 1e6}, r"^Scene\.hardness is 1000000\.0 together with Adhesion"),
         ({"friction": cs.Sliding(0.1)}, r"^Scene\.friction is Sliding"),
         ({"wear": cs.Wear(1e-17, 1.0)}, r"^Scene\.wear is Wear"),
         ({"rolling": cs.Rolling(1.0)}, r"^Scene\.rolling is Rolling"),
         (
             {"solids": (cs.ElasticPlasticHalfSpace(1e6, 0.3, 1e4, 0.0), RIGID)},
-            r"^Scene\.solids\[0\] yields beside Adhesion",
+            r"^Scene\.solids\[0\] yields together with Adhesion",
         ),
     ],
 )
@@ -55,7 +55,9 @@ def test_adhesion_is_refused_beside_effects_that_it_is_not_defined_with(
     "load", [cs.LineLoad(0.0), cs.LineLoad(-1.0), cs.LoadHistory((0.0, 1.0), (-1.0, 1.0))]
 )
 def test_bodies_from_afar_need_a_load_that_brings_them_together(load: Any) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Scene\.load begins with .* beside Adhesion"):
+    with pytest.raises(
+        cs.InvalidInput, match=r"^Scene\.load begins with .* together with Adhesion"
+    ):
         replace(SCENE, load=load)
     replace(SCENE, load=load, adhesion=cs.Adhesion(0.05, branch="from full contact"))
 
@@ -163,5 +165,7 @@ def test_solvers_agree_under_a_given_approach(solver: Any) -> None:
     ],
 )
 def test_an_approach_is_for_elastic_bodies_at_rest(effect: Any, name: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=f"^Scene.load is an Approach beside Scene.{name}"):
+    with pytest.raises(
+        cs.InvalidInput, match=f"^Scene.load is an Approach together with Scene.{name}"
+    ):
         replace(SCENE, adhesion=None, load=cs.Approach(1e-6), **effect)

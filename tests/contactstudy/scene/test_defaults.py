@@ -23,7 +23,7 @@ def test_a_number_that_is_left_out_is_this_one() -> None:
     check_defaults(cs.Scene, hardness=inf)
     check_defaults(cs.SineLoad, phase=0)
     check_defaults(cs.SubsurfaceStress, solid=0)
-    check_defaults(cs.Tapered, share=0.1)
+    check_defaults(cs.Tapered, fraction=0.1)
     check_defaults(cs.Waviness, across=inf, along=inf, phase=0)
     check_defaults(cs.Wear, body=0)
     check_defaults(cs.Window, number=0)

@@ -82,8 +82,8 @@ def refusal(first: str, second: str) -> str:
 def sentence(text: str) -> str:
     """A refusal without the value that it names, which the page has no use for."""
     start, _, rest = text.partition(" is ")
-    value, beside, reason = rest.partition(" beside ")
-    return f"{start}{beside}{reason}" if beside and "(" in value else text
+    value, between, reason = rest.partition(" together with ")
+    return f"{start}{between}{reason}" if between and "(" in value else text
 
 
 def page() -> str:

@@ -34,13 +34,13 @@ def test_missing_points_are_refused_with_their_count() -> None:
     with pytest.raises(cs.InvalidInput, match="has 10 missing points of 108: fill them, or give"):
         cs.MeasuredSurface(heights)
     with pytest.raises(
-        cs.InvalidInput, match=r"has 10 missing points of 108, a share of 0\.093: give"
+        cs.InvalidInput, match=r"has 10 missing points of 108, a fraction of 0\.093: give"
     ):
         cs.MeasuredSurface(heights, missing=cs.HarmonicFill(up_to=0.05))
     assert cs.MeasuredSurface(heights, missing=cs.HarmonicFill())
 
 
-@pytest.mark.parametrize("share", [0.0, 1.0, np.nan])
-def test_a_share_that_cannot_be_is_refused(share: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^HarmonicFill\.up_to is .*: give a share"):
-        cs.HarmonicFill(share)
+@pytest.mark.parametrize("fraction", [0.0, 1.0, np.nan])
+def test_a_fraction_that_cannot_be_is_refused(fraction: float) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^HarmonicFill\.up_to is .*: give a fraction"):
+        cs.HarmonicFill(fraction)

@@ -19,7 +19,7 @@ def test_mirrored_meets_itself_at_both_ends() -> None:
 
 
 def test_tapered_keeps_the_middle_and_meets_the_mean_at_the_ends() -> None:
-    closed = cs.Tapered(share=0.5).close(HEIGHTS)
+    closed = cs.Tapered(fraction=0.5).close(HEIGHTS)
     mean = HEIGHTS.mean()
     np.testing.assert_allclose(closed[:, 10:30], HEIGHTS[:, 10:30], rtol=1e-14)
     # half a point from the end of a taper of ten, sin^2 is small
@@ -33,7 +33,7 @@ def test_a_flat_surface_stays_flat(seam: cs.Mirrored) -> None:
     assert not seam.close(np.zeros((4, 10))).any()
 
 
-@pytest.mark.parametrize("share", [0.0, 1.1, np.nan])
-def test_a_taper_that_cannot_be_is_refused(share: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Tapered\.share is .*: give a share"):
-        cs.Tapered(share)
+@pytest.mark.parametrize("fraction", [0.0, 1.1, np.nan])
+def test_a_taper_that_cannot_be_is_refused(fraction: float) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^Tapered\.fraction is .*: give a fraction"):
+        cs.Tapered(fraction)

@@ -87,7 +87,7 @@ class KrylovStep:
     inverse: SpectralInverse | ExactInverse | None = None
 
     def step(
-        self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
+        self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
     ) -> FilmStep:
         """Return the step for given ``active`` sets.
 
@@ -116,7 +116,7 @@ class KrylovStep:
             system = replace(system, extension=inverse.extension(touching.astype(float)))
         known = equation.deflection(total)
         to_boundary = equation.boundary - film.film
-        missing = load_missing - system.mean * total.sum()
+        missing = load_residual - system.mean * total.sum()
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, known))
         balance = -(linear.residual + change)
         right = system.joined(balance, (to_boundary - known) * touching, system.flow * missing)

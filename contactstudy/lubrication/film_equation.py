@@ -6,7 +6,7 @@ face between two neighbours across flows ``q = -rho C phi (P1 - P0) / (lambda dX
 
 - ``phi``, the logarithmic mean of the fluidity ``eta0 / eta``: the exact mean for Barus' law;
 - ``C = 2 H0^2 H1^2 / (H0 + H1)``, the exact conductance of a wedge, zero where either film is;
-- ``W``, the content drawn along by the surfaces, of second order and never negative: with ``r`` the content of the cell
+- ``W``, the Couette (entrainment) flow, of second order and never negative: with ``r`` the content of the cell
   upstream over the cell's own, ``W = m r^(-1/2)`` where the film falls (r >= 1), else ``m (3 - r) / 2``.
 
 The balance is that of Elrod & Adams (1974): as much lubricant leaves each cell as enters it, cavitated or not. With
@@ -233,7 +233,7 @@ class FilmEquation:
         filled[:2] = np.minimum(filled[:2], self.supply / film.film[:2])
         return filled
 
-    def load_missing(self, film: Film) -> float:
+    def load_residual(self, film: Film) -> float:
         """Return the load less what the pressure carries."""
         carried = film.total_pressure.sum() * self.cell[0] / film.pressure.shape[1]
         return float(self.load - carried)
@@ -252,10 +252,12 @@ class FilmEquation:
         by_film[:2] *= film.film[:2] <= self.supply
         slopes = (filled * density_slope * film.film, by_film, by_void)
         dx, dy = self.cell
-        across = _conducted(
+        across = _poiseuille_flow(
             cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
         )
-        wedge, wedge_own, wedge_upstream = (self.speed * values for values in _drawn_along(content))
+        wedge, wedge_own, wedge_upstream = (
+            self.speed * values for values in _couette_flow(content)
+        )
         least = self.speed * (filled * density * self.boundary)[:-1]
         on_boundary = wedge < least
         wedge[on_boundary] = least[on_boundary]
@@ -332,8 +334,8 @@ def _face_before(faces: Array) -> Array:
     return np.concatenate((np.zeros_like(faces[:1]), faces))
 
 
-def _conducted(before: _FaceSide, behind: _FaceSide, factor: float) -> _FaceFlow:
-    """Return the flow that the difference of pressure drives through the faces between two sets of cells."""
+def _poiseuille_flow(before: _FaceSide, behind: _FaceSide, factor: float) -> _FaceFlow:
+    """Return the Poiseuille flow through the faces between two sets of cells."""
     half = (behind.log_fluidity - before.log_fluidity) / 2
     small = np.abs(half) < SERIES
     safe = np.where(small, 1.0, half)
@@ -368,7 +370,7 @@ def _balance_along(
     film: dict[tuple[int, int], Array],
 ) -> Array:
     """Return the balance of the flow along the length, and add its derivatives to the bands."""
-    along = _conducted(cells, cells.next_along(), factor)
+    along = _poiseuille_flow(cells, cells.next_along(), factor)
     last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
     for bands, ahead, behind, last_ahead, last_behind in (
         (pressure, along.pressure_behind, along.pressure_before, *last[1:3]),
@@ -379,8 +381,8 @@ def _balance_along(
     return np.asarray(along.flux - last.flux)
 
 
-def _drawn_along(content: Array) -> tuple[Array, Array, Array]:
-    """Return the content drawn through each face, and its derivatives by the cell upstream and the one before it.
+def _couette_flow(content: Array) -> tuple[Array, Array, Array]:
+    """Return the Couette flow through each face, and its derivatives by the cell upstream and the one before it.
 
     The first face has one cell upstream and is of first order.
     """

@@ -31,9 +31,9 @@ class MixedTuning:
     change
         Largest change of ln(eta) in a step from a film.
     rounds
-        Rounds that settle the active sets of a step.
-    flips_along, steps_along
-        Along the length, the fraction of the cells that may leave the sets unsettled, as refusing steps took longer, and
+        Largest number of iterations for the active sets of a step.
+    set_changes_along, steps_along
+        Along the length, the fraction of the cells that may still change sets, as refusing steps took longer, and
         steps at most: films that converge took up to 60. A start where asperities bear more than half is as the dry one.
     dry_steps
         Steps from the dry contact: more are spent where there is a film.
@@ -47,7 +47,7 @@ class MixedTuning:
     from_dry: float = 10.0
     change: float = 6.0
     rounds: int = 12
-    flips_along: float = 5e-3
+    set_changes_along: float = 5e-3
     steps_along: int = 80
     dry_steps: int = 30
     dry_residual: float = 1e-10
@@ -68,12 +68,12 @@ def solve_mixed(
     controls = replace(controls, rounds=TUNING.rounds)
     if not smooth:
         most = min(controls.max_iterations, TUNING.steps_along)
-        controls = replace(controls, flips=TUNING.flips_along, max_iterations=most)
+        controls = replace(controls, set_changes=TUNING.set_changes_along, max_iterations=most)
     film_controls = replace(
         controls,
         time_step=TUNING.from_film,
         viscosity_change=TUNING.change,
-        settled_only=smooth,
+        converged_only=smooth,
     )
     dry_controls = replace(controls, time_step=TUNING.from_dry, max_iterations=TUNING.dry_steps)
     found: list[FilmIteration] = []

@@ -30,7 +30,7 @@ class DirectStep:
         return cls(column[np.abs(index[:, None] - index)])
 
     def step(
-        self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
+        self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
     ) -> FilmStep:
         """Return the step for given ``active`` sets.
 
@@ -39,7 +39,7 @@ class DirectStep:
         """
         if self.last is None or self.last.linear is not linear:
             fresh = replace(self, last=DenseCoefficients(linear, self.influence))
-            return fresh.step(linear, film, active, load_missing)
+            return fresh.step(linear, film, active, load_residual)
         equation, width = linear.equation, linear.equation.cell[0]
         n, fixed, empty = len(film.film), equation.fixed[:, 0], active.cavitated[:, 0]
         bears = ~(empty | fixed)
@@ -48,13 +48,13 @@ class DirectStep:
         void = np.where(empty, 0.0, -film.void[:, 0])
         change = linear.change(pressure[:, None], void[:, None], 0.0)
         balance = -(linear.residual + change)[:, 0]
-        load_missing -= width * pressure.sum()
+        load_residual -= width * pressure.sum()
         contact, places = None, np.empty(0, dtype=int)
         if film.contact is not None and active.touching is not None:
             touching = active.touching[:, 0]
             contact, places = np.where(touching, 0.0, -film.contact[:, 0]), np.flatnonzero(touching)
             balance -= self.last.by_film @ contact
-            load_missing -= width * contact.sum()
+            load_residual -= width * contact.sum()
         balance[fixed] = 0
 
         size = n + len(places) + 1
@@ -64,7 +64,7 @@ class DirectStep:
         system[:n, -1] = self.last.by_separation
         system[-1, :n] = width * bears
         right = np.zeros(size)
-        right[:n], right[-1] = balance, load_missing
+        right[:n], right[-1] = balance, load_residual
         if len(places):
             assert contact is not None
             system[:n, n:-1] = self.last.by_film[:, places]

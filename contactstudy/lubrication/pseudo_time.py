@@ -91,7 +91,7 @@ class ActiveSets(NamedTuple):
     cavitated: Mask
     touching: Mask | None = None
 
-    def flips(self, other: "ActiveSets") -> int:
+    def changes(self, other: "ActiveSets") -> int:
         """Return how many cells are in other sets."""
         return sum(
             int(np.count_nonzero(one != two))
@@ -120,7 +120,7 @@ class StepSolver(Protocol):
     """Method that solves the linear system of a step."""
 
     def step(
-        self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
+        self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
     ) -> FilmStep:
         """Return the step after which cavitated cells have no pressure, touching ones the boundary film."""
         ...
@@ -131,10 +131,10 @@ class FilmControls:
     """When the iteration stops, and how it starts.
 
     A step that takes the film or the logarithm of the viscosity too far is shortened to the fraction that does not, and
-    refused below the fraction ``shortest``. The active sets of a step are settled in ``rounds`` at most; far from the
-    answer a fraction ``flips`` of the cells may leave them unsettled. A step whose sets are not settled is taken, or
-    refused if ``settled_only``: near a mixed film in plane strain it would throw the residual back, from the dry contact
-    there is no near film to lose.
+    refused below the fraction ``shortest``. The active sets of a step converge in ``rounds`` at most; far from the
+    answer a fraction ``set_changes`` of the cells may still change. A step whose sets do not converge is taken, or
+    refused if ``converged_only``: near a mixed film in plane strain it would throw the residual back, from the dry
+    contact there is no near film to lose.
     """
 
     tolerance: float = 1e-8
@@ -143,8 +143,8 @@ class FilmControls:
     viscosity_change: float = inf
     shortest: float = 0.05
     rounds: int = 6
-    settled_only: bool = False
-    flips: float = 1e-3
+    converged_only: bool = False
+    set_changes: float = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,7 +187,7 @@ def iterate(
     cavitated: Mask | None = None,
     watch: Callable[[FilmIteration], None] | None = None,
 ) -> FilmIteration:
-    """Iterate from ``start`` until the residual is below the tolerance or rests, the limit, or steps without length."""
+    """Iterate from ``start`` until the residual converges or stagnates, at the limit, or when steps vanish."""
     linear = equation.linearise(start, storage)
     active = _sets_of(equation, start, cavitated)
     last = FilmIteration(start, linear, active, _residual(linear, start), 0, 0)
@@ -199,7 +199,7 @@ def iterate(
         and time_step > TUNING.least
         and np.isfinite(last.residual)
     ):
-        step = _settled(last, solver, time_step, controls)
+        step = _step_of_active_sets(last, solver, time_step, controls)
         solver = step.change.solver
         fraction = _fraction(last, step, controls)
         film = _moved(last, step, fraction)
@@ -229,7 +229,7 @@ def _residual(linear: Linearised, film: Film) -> float:
     Heights are what a touching film is off the boundary film, and any film below it, over that film.
     """
     unbalanced = float(np.abs(linear.residual).sum() / _flow(linear))
-    residual = max(unbalanced, abs(linear.equation.load_missing(film)))
+    residual = max(unbalanced, abs(linear.equation.load_residual(film)))
     if film.contact is None:
         return residual
     boundary = linear.equation.boundary
@@ -252,37 +252,37 @@ def _sets_of(equation: FilmEquation, start: Film, cavitated: Mask | None) -> Act
     return ActiveSets(cavitated, start.contact > 0)
 
 
-class _SettledStep(NamedTuple):
+class _ActiveSetStep(NamedTuple):
     """Step with the sets it was solved for, those that hold after it, and the linear iterations it took."""
 
     change: FilmStep
     active: ActiveSets
     next: ActiveSets
-    settled: bool
+    converged: bool
     iterations: int
 
 
-def _settled(
+def _step_of_active_sets(
     last: FilmIteration, solver: StepSolver, time_step: float, controls: FilmControls
-) -> _SettledStep:
+) -> _ActiveSetStep:
     """Solve a step of ``time_step`` for its active sets, and correct the sets until they hold."""
     film, next_active, iterations = last.film, last.active, 0
     delayed = last.linear.delayed(1 / time_step)
-    missing = last.linear.equation.load_missing(film)
+    missing = last.linear.equation.load_residual(film)
     # near the answer every cell counts
-    allowed = controls.flips * min(1.0, last.residual) * film.film.size
+    allowed = controls.set_changes * min(1.0, last.residual) * film.film.size
     for _ in range(controls.rounds):
         active = next_active
         change = solver.step(delayed, film, active, missing)
-        solver, settled = change.solver, False
+        solver, converged = change.solver, False
         iterations += change.iterations
         if not change.solved:
             break
         next_active = _sets_after(last, active, change)
-        settled = active.flips(next_active) <= allowed
-        if settled:
+        converged = active.changes(next_active) <= allowed
+        if converged:
             break
-    return _SettledStep(change, active, next_active, settled, iterations)
+    return _ActiveSetStep(change, active, next_active, converged, iterations)
 
 
 def _sets_after(last: FilmIteration, active: ActiveSets, change: FilmStep) -> ActiveSets:
@@ -306,13 +306,13 @@ def _change_of_film(equation: FilmEquation, change: FilmStep) -> Array:
     return equation.deflection(total) + change.separation
 
 
-def _fraction(last: FilmIteration, step: _SettledStep, controls: FilmControls) -> float:
+def _fraction(last: FilmIteration, step: _ActiveSetStep, controls: FilmControls) -> float:
     """Return the largest fraction of a step, up to 1, that keeps film and viscosity within their limits.
 
-    Zero for a step that was not solved, and for one whose sets have to be settled and are not.
+    Zero for a step that was not solved, and for one whose sets have to converge and do not.
     """
     change, film, equation = step.change, last.film, last.linear.equation
-    if not change.solved or (controls.settled_only and not step.settled):
+    if not change.solved or (controls.converged_only and not step.converged):
         return 0.0
     rise = _change_of_film(equation, change) / film.film
     log_slope = equation.log_viscosity(film.pressure)[1]
@@ -325,7 +325,7 @@ def _fraction(last: FilmIteration, step: _SettledStep, controls: FilmControls) -
     return 1.0 if largest <= 1 else 1 / largest
 
 
-def _moved(last: FilmIteration, step: _SettledStep, fraction: float) -> Film:
+def _moved(last: FilmIteration, step: _ActiveSetStep, fraction: float) -> Film:
     """Return the film after a ``fraction`` of a step, with pressures and voids in their range."""
     film, equation, change = last.film, last.linear.equation, step.change
     pressure = np.maximum(film.pressure + fraction * change.pressure, 0)

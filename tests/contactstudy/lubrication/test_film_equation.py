@@ -11,7 +11,7 @@ from contactstudy.lubrication.film_equation import (
     FilmEquation,
     Linearised,
     Storage,
-    _drawn_along,
+    _couette_flow,
 )
 from contactstudy.lubrication.plane_strain import DirectStep
 from contactstudy.lubrication.pseudo_time import ActiveSets, FilmControls, FilmStep, iterate
@@ -73,7 +73,7 @@ def test_the_content_drawn_through_a_face_is_of_second_order() -> None:
     for cells in (40, 80):
         x = (np.arange(cells) + 0.5) / cells
         content = 2 + np.sin(2 * np.pi * x)
-        flux = _drawn_along(content[:, None])[0][1:, 0]
+        flux = _couette_flow(content[:, None])[0][1:, 0]
         exact = 2 + np.sin(2 * np.pi * (np.arange(2, cells) / cells))
         errors.append(np.abs(flux - exact).max())
     assert errors[0] / errors[1] > 2**1.8
@@ -81,7 +81,7 @@ def test_the_content_drawn_through_a_face_is_of_second_order() -> None:
 
 def test_the_content_drawn_through_a_face_is_never_negative() -> None:
     content = 10.0 ** np.random.default_rng(3).uniform(-6, 6, (1000, 1))
-    assert (_drawn_along(content)[0] >= 0).all()
+    assert (_couette_flow(content)[0] >= 0).all()
 
 
 def rigid_film(inlet: float, cells: int) -> Film:
@@ -113,7 +113,7 @@ class Unmoved:
     """Return steps that change nothing."""
 
     def step(
-        self, linear: Linearised, film: Film, active: ActiveSets, load_missing: float
+        self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
     ) -> FilmStep:
         still = np.zeros_like(film.pressure)
         return FilmStep(still, still, 0.0, self)

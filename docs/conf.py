@@ -56,6 +56,7 @@ nitpicky = True
 # names say what they are without a link.
 nitpick_ignore_regex = [
     ("py:class", r"(numpy|xarray|matplotlib|collections\.abc|os)\.[\w.]+"),
+    ("py:obj", r"typing\.Annotated\[float"),
     # parts of answers and of scenes, whose classes have no page of their own
     ("py:class", r"SteadyRolling|RepeatedRolling|Trajectory|FilmTrajectory|Medium|Adhesive"),
 ]

@@ -61,8 +61,10 @@ def evolution_quantities(
             place = {"time": float(times[number])}
             numbers[name] = replace(frames[number][name], label=words, place=place)
     kept = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
+    peak = frames[-1].get("peak_pressure")
+    apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
     for name in (*kept, "friction_coefficient"):
-        if name in frames[-1]:
+        if name in frames[-1] and not (apart and name == "approach"):
             final = frames[-1][name]
             numbers[f"final_{name}"] = replace(final, label=f"{final.label} at the end", place=None)
     fields = {} if last is None else last.fields

@@ -1,8 +1,5 @@
 """What a solve holds, counted by hand, and the machine that has a little less."""
 
-import subprocess
-import sys
-from platform import libc_ver
 from types import SimpleNamespace
 from typing import Any
 
@@ -61,23 +58,3 @@ def test_on_a_device_the_library_s_room_counts_twice(line_contact: LineContact) 
 def test_what_every_machine_has_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(memory, "available_bytes", lambda: pytest.fail("asked"))
     memory.refuse_too_large(GRID, PADDINGS)
-
-
-@pytest.mark.skipif(
-    libc_ver()[0] != "glibc", reason="other C libraries do not learn to keep memory"
-)
-def test_a_second_solve_gets_few_new_pages() -> None:
-    """Of 4 KiB, fewer than two arrays have: its solution stays, and its temporary arrays were there before."""
-    code = """
-import contactstudy as cs, resource
-steel = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
-shapes = (cs.Cylinder(radius=0.01),)
-scene = cs.Scene(load=cs.LineLoad(1e5), solids=(steel, steel), shapes=shapes)
-problem = scene.problem(cs.Grid((256, 256), (8e-4, 8e-4)), cs.ExactPeriodicity())
-cs.solve(problem)
-before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-cs.solve(problem)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
-"""
-    ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert int(ran.stdout) < 2 * 8 * 256**2 / 4096

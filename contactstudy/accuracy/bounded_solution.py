@@ -7,7 +7,7 @@ from math import inf, log, sqrt
 import numpy as np
 
 from contactstudy.accuracy.coarser import change, halved
-from contactstudy.accuracy.contact_edge import edge_discretisations
+from contactstudy.accuracy.contact_edge import edge_error_of_means
 from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.subcell import SubgridHeights
@@ -192,25 +192,6 @@ def _axis_error(along: Array, limited: Array, *, wraps: bool) -> float:
         ends = touching[1:-1] & ~touching[beyond] & ~exact[inward]
         error += float(edge_error_of_means(along[ends], padded[inward][ends]).sum())
     return error
-
-
-def edge_error_of_means(last: Array, inner: Array) -> Array:
-    """Return the L1 error at an edge of a smooth contact against the means in the cells, from the two cells beside it.
-
-    Other than :func:`~contactstudy.accuracy.contact_edge.edge_error`, which bounds a single edge, it is expected to hold
-    in the mean over many edges.
-
-    Parameters
-    ----------
-    last
-        Pressure of the last touching cell at each edge.
-    inner
-        Pressure of the next cell inward; 0 where it does not touch.
-    """
-    _, _, error, outer, second = edge_discretisations()
-    ratio = outer / second
-    inner = np.maximum(inner, last / ratio[-1])
-    return np.asarray(np.interp(last / inner, ratio, error / second) * inner)
 
 
 def _end_error(solution: Solution) -> float:

@@ -104,6 +104,25 @@ def edge_error(last: Array, inner: Array) -> Array:
     return np.asarray(np.interp(last / inner, ratio, error) * inner)
 
 
+def edge_error_of_means(last: Array, inner: Array) -> Array:
+    """Return the L1 error at an edge of a smooth contact against the means in the cells, from the two cells beside it.
+
+    Other than :func:`edge_error`, which bounds a single edge, it is expected to hold
+    in the mean over many edges.
+
+    Parameters
+    ----------
+    last
+        Pressure of the last touching cell at each edge.
+    inner
+        Pressure of the next cell inward; 0 where it does not touch.
+    """
+    _, _, error, outer, second = _edge_discretisations()
+    ratio = outer / second
+    inner = np.maximum(inner, last / ratio[-1])
+    return np.asarray(np.interp(last / inner, ratio, error / second) * inner)
+
+
 def edge_position(last: Array, inner: Array) -> Array:
     """Return the position of each edge, in cells outward of the centre of the last touching cell.
 
@@ -116,7 +135,7 @@ def edge_position(last: Array, inner: Array) -> Array:
     inner
         Pressure of the next cell inward; 0 where it does not touch.
     """
-    edge, _, _, outer, second = edge_discretisations()
+    edge, _, _, outer, second = _edge_discretisations()
     ratio = np.where(inner > 0, last / np.where(inner > 0, inner, 1), np.nan)
     position = np.interp(ratio, outer / second, edge)
     return np.asarray(np.where(inner > 0, position, sum(EDGE_RANGE) / 2))
@@ -124,21 +143,21 @@ def edge_position(last: Array, inner: Array) -> Array:
 
 def worst_edge_error() -> float:
     """Return the largest L1 error of an edge over cell^1.5, where the pressure is the root of the distance from it."""
-    _, at_centres, of_means, _, _ = edge_discretisations()
+    _, at_centres, of_means, _, _ = _edge_discretisations()
     return float(np.maximum(at_centres, of_means).max())
 
 
 @cache
 def _edge_errors() -> tuple[Array, Array]:
     """Return the ratio of the last two cells, and the L1 error over the inner one, for edges from inside outwards."""
-    edge, at_centres, of_means, last, inner = edge_discretisations()
+    edge, at_centres, of_means, last, inner = _edge_discretisations()
     error = np.maximum(at_centres, of_means)
     near = np.abs(edge[:, None] - edge) <= LEAP
     return last / inner, np.where(near, error / inner, 0).max(axis=1)
 
 
 @cache
-def edge_discretisations() -> tuple[Array, Array, Array, Array, Array]:
+def _edge_discretisations() -> tuple[Array, Array, Array, Array, Array]:
     """Return the pressure of the cells beside an edge at several positions, and its error.
 
     The continuous pressure is the root of the distance from the edge. Returned are positions of the edge, in cells

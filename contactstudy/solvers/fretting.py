@@ -4,7 +4,7 @@ Under a constant pressure a step from one reversal to the next is exact in plane
 it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fretting_traction import FrettingTraction
+from contactstudy.solvers.friction import with_traction
 from contactstudy.solvers.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
@@ -61,8 +62,8 @@ class FrettingShear:
             applications += step.applications
             residual = max(residual, step.residual)
             stalled |= step.applications < options.max_iterations
-        status = normal.status
-        if status is Status.CONVERGED and residual > options.tolerance:
+        status = Status.CONVERGED
+        if residual > options.tolerance:
             status = Status.STALLED if stalled else Status.ITERATION_LIMIT
         first = _cycle(self.fractions)
         slid = sum(sliding[first:], start=np.zeros_like(limit))
@@ -78,14 +79,7 @@ class FrettingShear:
             energy=limit * slid,
             cycle_start=first,
         )
-        return replace(
-            normal,
-            status=status,
-            residual=max(normal.residual, residual),
-            iterations=normal.iterations + applications,
-            convolutions=normal.convolutions + 2.0 * applications,
-            traction=traction,
-        )
+        return with_traction(normal, status, residual, applications, 2.0 * applications, traction)
 
 
 def _cycle(fractions: tuple[float, ...]) -> int:

@@ -90,7 +90,7 @@ class CiavarellaJaeger:
         across *= self.coefficient * self.fraction * outer.pressure.sum() / across.sum()
         shear = np.stack([across, np.zeros_like(across)])
         traction = Traction(shear, inner.pressure > 0, "Ciavarella-Jaeger", 2)
-        return _with_traction(
+        return with_traction(
             outer, inner.status, inner.residual, inner.iterations, inner.convolutions, traction
         )
 
@@ -127,12 +127,12 @@ class CoulombDisks:
             limited = step.applications >= options.max_iterations
             status = Status.ITERATION_LIMIT if limited else Status.STALLED
         traction = Traction(step.shear, step.stick, "Coulomb disks", step.applications)
-        return _with_traction(
+        return with_traction(
             normal, status, step.residual, step.applications, 2.0 * step.applications, traction
         )
 
 
-def _with_traction(
+def with_traction(
     solution: Solution,
     status: Status,
     residual: float,

@@ -76,7 +76,7 @@ class Answer:
 
     @property
     def met(self) -> bool | None:
-        """Whether the accuracy asked for is met, by its bound; None where none was asked for."""
+        """True if the bound meets the accuracy asked for; None where none was asked for."""
         if self.requested is None:
             return None
         return self.judged[1] <= self.requested

@@ -17,7 +17,13 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.bodies import HalfSpace
-from contactstudy.scene.friction import ALIKE, FrictionContact, check_still, coefficient, dundurs
+from contactstudy.scene.friction import (
+    FrictionContact,
+    check_alike,
+    check_half_spaces,
+    check_still,
+    coefficient,
+)
 from contactstudy.scene.load import ChangingLoad, LoadHistory
 from contactstudy.solvers.fretting import FrettingShear
 
@@ -107,17 +113,8 @@ class Fretting:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         self._check_motion(scene)
-        for number, solid in enumerate(scene.solids):
-            if not isinstance(solid, HalfSpace):
-                raise InvalidInput(
-                    f"Scene.solids[{number}] is a {type(solid).__name__} together with Fretting: its response to shear "
-                    "is not supported, give a HalfSpace."
-                )
-        if abs(beta := dundurs(scene.solids)) > ALIKE:
-            raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with Fretting: pressing them "
-                "makes them slip already, give bodies of one material."
-            )
+        check_half_spaces(scene, "Fretting")
+        check_alike(scene, "Fretting")
         if self.times is not None:
             self._check_forces(scene)
             return

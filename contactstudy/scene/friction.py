@@ -193,17 +193,8 @@ class PartialSlip:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         check_still(scene, "PartialSlip")
-        for number, solid in enumerate(scene.solids):
-            if not isinstance(solid, HalfSpace):
-                raise InvalidInput(
-                    f"Scene.solids[{number}] is a {type(solid).__name__} together with PartialSlip: its response to "
-                    "shear is not supported, give a HalfSpace, or Sliding."
-                )
-        if abs(beta := dundurs(scene.solids)) > ALIKE:
-            raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with PartialSlip: pressing them "
-                "makes them slip already, give bodies of one material, or Sliding."
-            )
+        check_half_spaces(scene, "PartialSlip", ", or Sliding")
+        check_alike(scene, "PartialSlip", ", or Sliding")
         most = self.coefficient * scene.load.largest
         if not abs(self.tangential) < most:
             raise InvalidInput(
@@ -295,6 +286,25 @@ def coefficient(name: str, value: object, *, zero: bool) -> float:
     if number < 0 or number >= 1 or (number == 0 and not zero):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return number if number == 0 else in_range(field, number, remedy)
+
+
+def check_half_spaces(scene: FrictionContact, name: str, otherwise: str = "") -> None:
+    """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
+    for number, solid in enumerate(scene.solids):
+        if not isinstance(solid, HalfSpace):
+            raise InvalidInput(
+                f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: its response to shear is "
+                f"not supported, give a HalfSpace{otherwise}."
+            )
+
+
+def check_alike(scene: FrictionContact, name: str, otherwise: str = "") -> None:
+    """Raise InvalidInput for bodies that slip when they are pressed, which the law of friction `name` excludes."""
+    if abs(beta := dundurs(scene.solids)) > ALIKE:
+        raise InvalidInput(
+            f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with {name}: pressing them makes "
+            f"them slip already, give bodies of one material{otherwise}."
+        )
 
 
 def check_still(scene: FrictionContact, name: str, remedy: str = "") -> None:

@@ -22,7 +22,14 @@ from contactstudy.elasticity.tangential import (
     shear_response,
 )
 from contactstudy.scene.bodies import HalfSpace
-from contactstudy.scene.friction import ALIKE, FrictionContact, check_still, coefficient, dundurs
+from contactstudy.scene.friction import (
+    ALIKE,
+    FrictionContact,
+    check_half_spaces,
+    check_still,
+    coefficient,
+    dundurs,
+)
 from contactstudy.solvers.rolling_traction import Creepage
 from contactstudy.solvers.tractive_rolling import Coupling, TractiveShear
 
@@ -94,12 +101,7 @@ class TractiveRolling:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         check_still(scene, "TractiveRolling", "and steady rolling has none: leave one of both out")
-        for number, solid in enumerate(scene.solids):
-            if not isinstance(solid, HalfSpace):
-                raise InvalidInput(
-                    f"Scene.solids[{number}] is a {type(solid).__name__} together with TractiveRolling: its response to "
-                    "shear is not supported, give a HalfSpace."
-                )
+        check_half_spaces(scene, "TractiveRolling")
         for number, shape in enumerate(scene.shapes):
             if hasattr(shape, "gap_after"):
                 raise InvalidInput(
@@ -165,8 +167,6 @@ class TractiveRolling:
         """Return a sentence on the solves of the shear."""
         work = "130" if varies else "75"
         said = f"friction: tractive rolling by Newton's method, up to about {work} applications of the shear operator"
-        if self.tangential is not None:
-            said += " for each of about 6 creepages until the force is the one given"
         if abs(dundurs(scene.solids)) > ALIKE:
             said += ", and again with the pressure under this shear until neither changes"
         return f"{said}." + (f" {TRAVELS}" if self._travels(scene) else "")

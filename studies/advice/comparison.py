@@ -41,7 +41,7 @@ def label_of(padding: cs.Padding | cs.Paddings) -> str:
 
 @dataclass(frozen=True)
 class PaddingError:
-    """What a padding alone does: its answer against the scene's own boundary on the same grid.
+    """Error of a padding alone: its answer against the scene's own boundary on the same grid.
 
     Attributes
     ----------

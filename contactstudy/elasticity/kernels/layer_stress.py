@@ -47,7 +47,7 @@ class LayerStress:
 
     @property
     def in_layer(self) -> bool:
-        """Whether the depth is in the layer; the bond belongs to it."""
+        """True if the depth is in the layer, to which the bond belongs."""
         return self.depth <= 1
 
     @property

@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,7 +5,6 @@ import xarray as xr
 import studies.accessor  # noqa: F401 (registers dataset.study)
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus
-from studies.store.netcdf import read
 
 GRID = [16, 32, 64, 128]
 
@@ -96,10 +93,3 @@ def test_what_is_not_there_is_refused_with_a_remedy(dataset: xr.Dataset) -> None
         dataset.study.cheapest("error_max", 1e-9)
     with pytest.raises(InvalidInput, match="give three or more"):
         dataset.isel(grid=slice(2)).study.order("error_max", "grid", mode="a")
-
-
-def test_a_stored_sweep_answers(small_run: Path) -> None:
-    dataset = read(small_run / "padding.nc")
-    front = dataset.study.pareto("pressure_error_l1")
-    assert (np.diff(front["cost"]) > 0).all()
-    assert len(dataset.study.table()) == dataset["case_status"].size

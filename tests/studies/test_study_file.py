@@ -7,7 +7,6 @@ import pytest
 from contactstudy import InvalidInput
 from studies.registry import load
 from studies.store.request import Request
-from studies.study_file import _short
 
 GOOD = '''"""Plain numbers."""
 from dataclasses import dataclass
@@ -87,8 +86,3 @@ def test_the_first_line_of_its_text_is_the_title(tmp_path: Path) -> None:
         assert load(str(path)).title == title
     path.write_text(GOOD.replace('"""Plain numbers."""', ""))
     assert load(str(path)).title == "mine"
-
-
-def test_a_long_path_is_cut_after_a_hundred_characters() -> None:
-    assert _short(Path("x" * 100)) == repr("x" * 100)
-    assert _short(Path("x" * 101)) == repr("x" * 100 + " ...")

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy import contact_edge
-from contactstudy.accuracy.contact_edge import RESOLVED, corrected_pressure, half_widths, modes
+from contactstudy.accuracy.contact_edge import RESOLVED, corrected_pressure, half_widths
 from tests.conftest import STEEL, LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -107,21 +106,3 @@ def test_few_cells_count_by_their_faces() -> None:
     pressure = np.zeros((8, 2))
     pressure[3:5, 0] = 1.0
     np.testing.assert_array_equal(half_widths(pressure, x), [1.0, 0.0])
-
-
-def test_an_edge_is_resolved_where_it_runs_straight_inside_the_width() -> None:
-    """Beside a row whose contact ends at another cell, or at the last one of the width, it is not."""
-
-    def rows(*ends: int) -> list[int]:
-        pressure = np.zeros((40, len(ends)))
-        for row, last in enumerate(ends):
-            pressure[last::-1, row] = modes(last + 1)[:, 0]
-        return contact_edge._resolved(pressure).rows.tolist()
-
-    assert rows(30, 30, 30, 30) == [0, 1, 2, 3]
-    assert rows(30, 30, 30, 31, 31) == [1]
-    assert rows(31, 30, 30, 30, 31) == [2]
-    assert rows(38, 38, 38) == [0, 1, 2]
-    assert rows(39, 39, 39) == []
-    assert rows(RESOLVED - 1, RESOLVED - 1) == [0, 1]
-    assert rows(RESOLVED - 2, RESOLVED - 2) == []

@@ -29,11 +29,6 @@ def test_edge_error_is_that_of_a_solved_contact_or_of_one_a_little_aside(
     assert np.median(found) < 1.5
 
 
-def test_single_cells_count_as_edges() -> None:
-    alone = edge_error(np.array([1.0]), np.array([0.0]))
-    assert 0.01 < alone[0] < 1
-
-
 @pytest.mark.parametrize("wraps", [(False, True), (True, True)], ids=str)
 @pytest.mark.parametrize(("first", "rows"), [(3, slice(2, 9)), (0, slice(None))])
 def test_rows_without_pressure_change_no_error(

@@ -2,8 +2,6 @@
 
 import sys
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,9 +10,8 @@ import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.domain.device import using
 from contactstudy.domain.fields import compiled_loops
-from contactstudy.problem.passes import ArrayPasses, passes_for
 from tests.conftest import LineContact
-from tests.contactstudy.domain.test_devices import BOTH, STRICT, agree
+from tests.contactstudy.domain.test_devices import BOTH, agree
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
 
 
@@ -71,39 +68,6 @@ def test_heights_that_are_not_finite_are_seen(line_contact: LineContact) -> None
     posed = problem(line_contact, 32, "smooth", BOTH)
     posed.undeformed_gap[3, 4] = np.nan
     assert cs.solve(posed).status is cs.Status.NOT_FINITE
-
-
-def test_small_fields_do_not_load_the_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fields, "_loops", lambda: pytest.fail("loaded"))
-    assert compiled_loops((fields.LARGE // 8 - 1, 8)) is None
-
-
-def test_fields_of_so_many_cells_and_no_fewer_are_worked_on_by_compiled_loops(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(fields, "_loops", lambda: "loops")
-    assert compiled_loops((fields.LARGE // 8, 8)) == "loops"
-    with using(STRICT):
-        assert compiled_loops((fields.LARGE // 8, 8)) is None
-
-
-@pytest.mark.parametrize(("along", "compiled"), [(1, False), (3, False), (4, True)])
-def test_rows_of_few_cells_are_left_to_array_operations(
-    along: int,
-    compiled: bool,  # noqa: FBT001
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """A compiled loop would begin a row more often than it has cells to work on."""
-    monkeypatch.setattr(fields, "_loops", lambda: "loops")
-    assert compiled_loops((fields.LARGE, along)) == ("loops" if compiled else None)
-
-
-def test_a_constraint_of_one_s_own_is_left_to_array_operations(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(fields, "LARGE", 1)
-    own: Any = SimpleNamespace(capacity=lambda cells: cells)
-    assert isinstance(passes_for(own, (64, 64)), ArrayPasses)
 
 
 def test_without_the_compiler_array_operations_do_the_work(monkeypatch: pytest.MonkeyPatch) -> None:

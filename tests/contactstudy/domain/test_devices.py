@@ -12,11 +12,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.device import Device, Library, using
+from contactstudy.domain.device import Device, Library
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity import convolution
-from contactstudy.elasticity.approximate_inverse import SmoothedExtension
-from contactstudy.problem.constraint import Constraint
 from contactstudy.solvers.solve import ReportingSolver
 from tests.conftest import LineContact
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
@@ -137,62 +134,6 @@ def test_who_watches_sees_numpy(device: Device, line_contact: LineContact) -> No
     found = cs.solve(posed, on=device, solver=ReportingSolver(lambda _, p: seen.append(p.copy())))
     assert {type(one) for one in seen} == {np.ndarray}
     np.testing.assert_array_equal(seen[-1] * posed.scales.pressure, found.pressure)
-
-
-def extended(shape: tuple[int, int], elongation: float, device: Device) -> tuple[Array, Array]:
-    """An extension from a random contact, and its transpose, of random fields, as it is worked out at present."""
-    rng = np.random.default_rng(5)
-    contact = (rng.random(shape) < 0.3).astype(float)
-    contact[0, 0] = 1
-    known, pressure = rng.standard_normal((2, *shape))
-    known *= contact
-    operator = cs.convolution(
-        1.0, cs.Grid(shape, (1.0 * shape[0], elongation * shape[1])), BOTH, 1.0
-    )
-    inverse = operator.scaled(1.0, cs.Precision.DOUBLE).approximate_inverse()
-    extension = inverse.extension(device.put(contact))
-    assert isinstance(extension, SmoothedExtension)
-    found = extension(device.put(known)), extension.transposed(device.put(pressure))
-    return device.take(found[0]), device.take(found[1])
-
-
-@on_every_device
-@pytest.mark.parametrize("shape", [(16, 16), (13, 10), (25, 1)], ids=str)
-@pytest.mark.parametrize("elongation", [1.0, 0.02, 30.0])
-def test_an_extension_is_the_same(
-    shape: tuple[int, int], elongation: float, device: Device, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(convolution, "FEW", 0)
-    expected = extended(shape, elongation, cs.Cpu())
-    with using(device):
-        found = extended(shape, elongation, device)
-    for one, two in zip(found, expected, strict=True):
-        # sums of at most so many terms of size one, over weights that may be small
-        np.testing.assert_allclose(one, two, rtol=0, atol=1e-13 * two.size)
-
-
-CONSTRAINTS: list[Constraint] = [cs.Compressive(), *map(cs.HardnessLimited, (4.0, 1.0, 10 / 12))]
-
-
-@on_every_device
-@pytest.mark.parametrize("which", CONSTRAINTS, ids=str)
-def test_what_a_constraint_admits_is_the_same(which: Constraint, device: Device) -> None:
-    rng = np.random.default_rng(3)
-    trial = rng.standard_normal((3, 4))
-    cells = (trial > -0.5).astype(float)
-    expected = (
-        which.scale_to_load(trial.copy(), 10.0),
-        which.project(trial.copy(), 10.0),
-        which.project_to_load(trial.copy(), cells, 10.0),
-    )
-    with using(device):
-        found = (
-            which.scale_to_load(device.put(trial.copy()), 10.0),
-            which.project(device.put(trial.copy()), 10.0),
-            which.project_to_load(device.put(trial.copy()), device.put(cells), 10.0),
-        )
-    for one, two in zip(found, expected, strict=True):
-        np.testing.assert_allclose(device.take(one), two, rtol=1e-14, atol=1e-15)
 
 
 class Spring:

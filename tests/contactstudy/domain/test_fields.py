@@ -7,7 +7,6 @@ from contactstudy.domain import fields as rows
 from contactstudy.domain.device import Library, using
 from contactstudy.domain.fields import (
     in_blocks,
-    in_parts,
     inner,
     total,
 )
@@ -50,15 +49,6 @@ def test_fields_are_equal_unless_a_cell_differs(cell: tuple[int, int] | None) ->
     if cell:
         second[cell] += 1
     assert rows.equal(first, second) == (cell is None)
-
-
-def test_what_a_part_raises_is_raised() -> None:
-    def refuse(part: slice) -> None:
-        if part.start > 0:
-            raise ZeroDivisionError
-
-    with using(cs.Cpu(2)), pytest.raises(ZeroDivisionError):
-        in_parts(refuse, (100, 9))
 
 
 def test_blocks_of_blocks_wait_for_no_thread() -> None:

@@ -120,20 +120,6 @@ def signed(path: Path, **held: object) -> Path:
     return path
 
 
-def test_a_file_that_was_removed_or_replaced_is_not_the_one_that_is_open(tmp_path: Path) -> None:
-    path = tmp_path / "lock"
-    with path.open("w") as file:
-        assert module._is_at(file.fileno(), path)
-        other = tmp_path / "other"
-        other.write_text("another run's")
-        assert not module._is_at(file.fileno(), other)
-        if os.name == "posix":
-            other.replace(path)
-            assert not module._is_at(file.fileno(), path)
-            path.unlink()
-            assert not module._is_at(file.fileno(), path)
-
-
 def test_the_file_says_who_holds_it_and_is_removed_at_the_end(tmp_path: Path) -> None:
     path = tmp_path / ".study.lock"
     with locked(path, quiet):
@@ -168,27 +154,6 @@ def test_who_comes_second_says_who_is_first_and_waits(tmp_path: Path) -> None:
     holder = f"process {os.getpid()} on {socket.gethostname()} (since {since})"
     assert said == [f"study: waiting for {holder}, which writes to the same output"]
     assert not path.exists()
-
-
-def test_who_signed_is_read_to_the_letter(tmp_path: Path) -> None:
-    path = signed(tmp_path / "lock", pid=17, host="there")
-    with path.open() as file:
-        held = module._read_holder(file.fileno())
-    assert held == {"pid": 17, "host": "there", "since": "2026-01-02T03:04:05"}
-    assert module._in_words(held) == "process 17 on there (since 2026-01-02T03:04:05)"
-    path.write_text("{", encoding="utf-8")
-    with path.open() as file:
-        assert module._read_holder(file.fileno()) is None
-    assert module._in_words(None) == "another process"
-
-
-def test_a_holder_here_is_alive_if_there_is_its_process_and_one_elsewhere_may_be() -> None:
-    here = socket.gethostname()
-    parent = psutil.Process().ppid()
-    assert module._may_be_alive({"pid": parent, "host": here})
-    assert not module._may_be_alive({"pid": NEVER, "host": here})
-    assert not module._may_be_alive({"pid": os.getpid(), "host": here})
-    assert module._may_be_alive({"pid": NEVER, "host": "there"})
 
 
 def test_without_locks_on_a_file_system_what_the_file_says_counts(

@@ -20,10 +20,6 @@ def test_cells_are_the_extent_parted() -> None:
     assert grid.y.tolist() == [-1.5, 1.5]
 
 
-def test_one_cell_along_the_length_is_plane_strain_and_allowed() -> None:
-    assert cs.Grid(cells=(2, 1), extent=(1.0, 1.0)).y.tolist() == [0.0]
-
-
 @pytest.mark.parametrize(
     ("cells", "extent", "field", "value"),
     [

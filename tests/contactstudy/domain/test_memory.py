@@ -8,21 +8,6 @@ import pytest
 from contactstudy.domain import device as memory
 
 
-def test_the_least_of_three_counts_and_nothing_is_less_than_none(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    for amounts, wanted in (
-        ((3.0, 2.0, 4.0), 2.0),
-        ((1.0, 2.0, 4.0), 1.0),
-        ((3.0, -2.0, 4.0), 0.0),
-    ):
-        for name, amount in zip(
-            ("_of_system", "_of_container", "_of_process"), amounts, strict=True
-        ):
-            monkeypatch.setattr(memory, name, lambda amount=amount: amount)
-        assert memory.available_bytes() == wanted
-
-
 def test_linux_says_kibibytes_and_swap_counts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -30,19 +15,6 @@ def test_linux_says_kibibytes_and_swap_counts(
     said.write_text("MemFree: 1 kB\nMemAvailable:  300 kB\nSwapFree: 50 kB\n")
     monkeypatch.setattr(memory, "Path", lambda _: said)
     assert memory._of_system() == 350 * 1024
-
-
-def test_elsewhere_what_is_free_and_the_swap_are_psutil_s(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    amounts = {
-        "virtual_memory": SimpleNamespace(available=300),
-        "swap_memory": SimpleNamespace(free=50),
-    }
-    psutil = SimpleNamespace(**{name: lambda one=one: one for name, one in amounts.items()})
-    monkeypatch.setattr(memory, "Path", lambda _: tmp_path / "nowhere")
-    monkeypatch.setattr(memory, "import_module", lambda _: psutil)
-    assert memory._of_system() == 350
 
 
 def test_a_container_has_its_limit_less_what_it_uses(

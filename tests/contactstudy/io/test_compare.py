@@ -9,7 +9,6 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.io.compare import _union
 from tests.conftest import LineContact
 
 
@@ -69,14 +68,6 @@ def test_cells_count_by_their_area() -> None:
     a, b = contact([[1, 2]] * 2, period=6.0), contact([[1, 5, 2]] * 2, period=6.0)
     found = cs.compare(a, b)
     assert (found.l1, found.load) == pytest.approx((7 / 9, 7 / 9))
-
-
-def test_edges_apart_by_rounding_are_one() -> None:
-    """To a billionth of the width, which is 8 m."""
-    ends = np.array([-2.0, 6.0])
-    for apart, count in ((6e-9, 3), (1e-8, 4)):
-        edges = np.array([-2.0, apart, 6.0])
-        assert len(_union(np.insert(ends, 1, 0.0), edges)) == count
 
 
 def test_periods_apart_by_rounding_are_one() -> None:

@@ -2,13 +2,11 @@ from dataclasses import replace
 from math import log
 from typing import Any
 
-import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.device import threads
 from contactstudy.planning import cost
-from contactstudy.planning.cost import CALLS, CostModel, Timing, memory, padded_points, times_faster
+from contactstudy.planning.cost import CALLS, CostModel, Timing, memory, padded_points
 
 EXACT = cs.ExactPeriodicity()
 
@@ -71,22 +69,6 @@ def test_an_interrupted_run_hardly_counts() -> None:
         assert seconds == pytest.approx(clean.seconds(square(cells), EXACT, 10.0), rel=0.1)
 
 
-def test_a_clock_that_ticks_every_16_ms_gives_a_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of five solves of 10 ms, each set up in 1 ms."""
-    passed = iter(np.cumsum([0.0, *[1e-3, 10e-3, 0.0] * 20]))
-    monkeypatch.setattr(cost, "process_time", lambda: next(passed) // 0.016 * 0.016)
-    scene = cs.Scene(
-        cs.LineLoad(1e4), (cs.HalfSpace(1e11, 0.3), cs.HalfSpace(1e11, 0.3)), (cs.Cylinder(0.01),)
-    )
-    grid = cs.Grid((32, 1), (3e-4, 1e-3))
-    solution, timing = cost.timed(lambda one: scene.problem(one, EXACT), grid, 1e-8)
-    assert timing.setup > 0
-    assert 5e-3 < timing.setup + timing.solve < 20e-3
-    assert (timing.grid, timing.padding) == (grid, solution.problem.paddings)
-    assert timing.convolutions == solution.convolutions
-    assert solution.status is cs.Status.CONVERGED
-
-
 @pytest.mark.parametrize(
     ("padding", "images"),
     [
@@ -130,36 +112,3 @@ def test_memory_counts_the_padded_grid() -> None:
         memory(grid, padding) for padding in (cs.ExactPeriodicity(), cs.Superposition(1))
     )
     assert more - fewer == 8 * 2 * 2 * 64 * 32
-
-
-def test_memory_is_fourteen_fields_and_a_complex_one_of_the_padded_grid() -> None:
-    grid = cs.Grid((64, 32), (1.0, 1.0))
-    assert memory(grid, cs.ExactPeriodicity()) == 8 * (14 * 64 * 32 + 2 * 128 * 32)
-
-
-def test_one_thread_is_no_faster_than_one_thread_and_not_timed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(cost, "perf_counter", None)
-    assert times_faster(cs.Grid((64, 64), (1.0, 1.0)), cs.ExactPeriodicity(), cs.Cpu()) == 1.0
-
-
-@pytest.mark.parametrize(
-    ("cells", "sample"), [((64, 32), (64, 32)), ((4096, 1), (512, 1)), ((600, 700), (512, 512))]
-)
-def test_threads_are_as_many_times_faster_as_a_convolution_on_at_most_512_cells_either_way(
-    cells: tuple[int, int], sample: tuple[int, int], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """By a clock that is wound by hand: 2 s on one thread, 1.25 s on three, at the least."""
-    at, seen = [0.0], set()
-
-    def applied(operator: cs.Convolution, pressure: np.ndarray) -> np.ndarray:
-        seen.add(operator.cells)
-        at[0] += {1: 2.0, 3: 1.25}[threads()] + 7.0 * (at[0] == 0)
-        return pressure
-
-    monkeypatch.setattr(cs.Convolution, "__call__", applied)
-    monkeypatch.setattr(cost, "perf_counter", lambda: at[0])
-    found = times_faster(cs.Grid(cells, (1.0, 1.0)), cs.ExactPeriodicity(), cs.Cpu(3))
-    assert found == 1.6
-    assert seen == {sample}

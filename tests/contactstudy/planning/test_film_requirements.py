@@ -1,6 +1,5 @@
 """What a lubricated scene asks of a grid, and what a solve on it costs."""
 
-import contactstudy as cs
 from contactstudy.planning.film_requirements import film_requirements
 from contactstudy.planning.grid_requirements import requirements_of
 from tests.contactstudy.lubrication.scenes import by_moes, grid
@@ -17,17 +16,6 @@ def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
     assert cells.startswith(f"cells of {given.cell[0]:.2g} m across")
     assert found.bytes == 8 * 6 * 100**2
     assert "the grid is given" in found.warnings[0]
-
-
-def test_a_film_along_the_length_holds_a_basis_and_matrices() -> None:
-    """180 numbers a cell; 50 matrices (x, x)."""
-    scene = by_moes(20, 5, cs.Waviness(1e-8, across=1e-4, along=5e-5))
-    found = film_requirements(scene, requirements_of(scene), 0.01, None, grid(20, 4.5, along=4))
-    assert found.bytes == 8 * (180 * 80 + 50 * 20**2)
-    assert found.reasons[-1] == "8 cells or more for the shortest wave"
-    assert (
-        found.warnings[-1] == "the error of a film between rough surfaces is not known beforehand"
-    )
 
 
 def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:

@@ -1,13 +1,12 @@
 """What a plan asks of a grid, by hand."""
 
 from dataclasses import replace
-from math import acosh, erf, inf, pi, sqrt
+from math import acosh, inf, pi, sqrt
 
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.expected_error import smooth_l1
-from contactstudy.planning.grid_requirements import ROUGH, requirements_of
+from contactstudy.planning.grid_requirements import requirements_of
 from tests.conftest import LineContact
 
 
@@ -45,29 +44,6 @@ def test_what_yields_needs_room_for_the_load(line_contact: LineContact) -> None:
     """Under a hardness of p_H / 4 the load, pi a p_H / 2, needs a half-width of pi a."""
     soft = replace(line_contact.scene, hardness=line_contact.hertz.peak_pressure / 4)
     assert width(soft, line_contact) == pytest.approx(pi, rel=1e-12)
-
-
-def test_a_smooth_contact_s_error_follows_the_measured_law(line_contact: LineContact) -> None:
-    """0.446 (cell / a)^1.5 + 0.1 (cell / a)^2."""
-    requirements, a = requirements_of(line_contact.scene), line_contact.hertz.half_width
-    for cell in (0.1, 0.01):
-        error = requirements.error((cell * a, a))
-        assert error == pytest.approx(0.446 * cell**1.5 + 0.1 * cell**2, rel=1e-2)
-
-
-def test_a_wave_s_error_is_that_of_its_share_in_contact(line_contact: LineContact) -> None:
-    """Persson's share of area for the rms slope ``sqrt 2 pi A / wavelength``, to the power -0.65."""
-    a = line_contact.hertz.half_width
-    amplitude = 3e-7
-    scene = with_shapes(line_contact, cs.Waviness(amplitude, along=a / 2))
-    grid = cs.Grid((64, 32), (2.4 * a, a))
-    slope = sqrt(2) * pi * amplitude / (a / 2)
-    mean = pi / 4 * line_contact.hertz.peak_pressure / line_contact.scene.contact_modulus
-    share = erf(sqrt(2) * mean / slope)
-    assert 0.1 < share < 0.99
-    # 16 cells along in a wave, 64 / 2.4 across in a half-width
-    expected = smooth_l1(2.4 / 64) + ROUGH * share**-0.65 * (1 / 16) ** 1.5
-    assert requirements_of(scene).error(grid.cell) == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_period_holds_four_of_the_longest_waves(line_contact: LineContact) -> None:

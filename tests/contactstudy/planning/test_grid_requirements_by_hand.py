@@ -1,7 +1,7 @@
 """What shapes ask of a grid, of scales that are written here."""
 
 from dataclasses import replace
-from math import acosh, inf, pi, sqrt
+from math import inf, pi
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,7 +12,6 @@ from contactstudy.analytic import HertzLine
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
     _cells_per_wave,
-    _common_period,
 )
 from contactstudy.scene.shapes.shape import Detail
 
@@ -27,30 +26,6 @@ def requirements(*details: Detail, hardness: float = inf, **more: Any) -> GridRe
 
 
 BOTH, SMOOTH = requirements(FINE, COARSE), requirements(Detail())
-
-
-@pytest.mark.parametrize("t", [1.5, 10.0])
-def test_the_contact_may_end_where_hertz_s_gap_is_as_high_as_the_highest(t: float) -> None:
-    height = 0.2 * (t * sqrt(t**2 - 1) - acosh(t))
-    assert requirements(Detail(height=height)).half_width == pytest.approx(2 * t)
-
-
-def test_a_measured_surface_is_put_on_its_own_points() -> None:
-    """A contact 9.6 m wide with its room, on points 0.5 m and 0.25 m apart."""
-    spaced = Detail(finest=(1.0, 0.5), repeat=12.0, widest=20.0, spacing=(0.5, 0.25))
-    asked = requirements(spaced)
-    grid = asked.grid_of_points(None)
-    assert grid.cell == pytest.approx((0.5, 0.25))
-    assert grid.extent[0] >= 2 * 1.2 * asked.half_width > grid.extent[0] - 0.5
-    assert grid.period == 12.0
-    # no wider than the surface
-    narrow = requirements(replace(spaced, widest=2.0)).grid_of_points(None)
-    assert narrow.cells == (4, 48)
-
-
-def test_a_grid_is_no_wider_than_the_surface_is_known() -> None:
-    assert requirements(Detail(widest=4.0)).grid(0.1, None).extent[0] == 4
-    assert requirements(Detail(widest=4.9)).grid(0.1, None).extent[0] == pytest.approx(4.8)
 
 
 WAVES = Detail(finest=(inf, 0.2))
@@ -90,19 +65,6 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     assert "from end to end 0.5 m" in requirements(Detail(roller=0.5)).period_check(0.5)
 
 
-def test_reasons_count_cells_in_half_widths_and_waves_and_say_the_dimension() -> None:
-    grid = cs.Grid((64, 32), (8.0, 4.0))
-    _, cells, dimension, padding = BOTH.reasons(grid, 0.1)
-    assert "64 x 32 cells: 16 in a half-width, 2 in the finest wavelength, for" in cells
-    assert dimension.startswith("dimension 2: the gap varies")
-    assert padding.startswith("padding exact")
-    _, cells, dimension, _ = SMOOTH.reasons(cs.Grid((64, 2), (8.0, 4.0)), 0.1)
-    assert "16 in a half-width, for" in cells
-    assert dimension.startswith("dimension 2: as asked")
-    assert SMOOTH.reasons(cs.Grid((64, 1), (8.0, 4.0)), 0.1)[2].startswith("dimension 1")
-    assert requirements(Detail(roller=3.0)).reasons(grid, 0.1)[3].startswith("padding zero")
-
-
 def coat(stiffer: float) -> Any:
     """Of 0.4 m, so many times as stiff as a substrate of 50 Pa."""
     return SimpleNamespace(
@@ -111,12 +73,6 @@ def coat(stiffer: float) -> Any:
         compliance_at=lambda half_width: half_width / 200,
         substrate=SimpleNamespace(compliance=1 / 50),
     )
-
-
-def test_a_coat_is_felt_as_a_modulus_between_its_own_and_the_substrate_s() -> None:
-    said = requirements(coatings=(coat(4.0),)).reasons(cs.Grid((80, 1), (8.0, 4.0)), 0.1)[4]
-    assert "coating 0.4 m: 0.2 half-widths and 4 cells across thick" in said
-    assert "about 100 Pa, between 200 Pa of the coating and 50 Pa" in said
 
 
 @pytest.mark.parametrize(
@@ -158,12 +114,3 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
     assert _cells_per_wave(cs.Grid((32, 64), (8.0, 4.0)), (0.5, 0.25)) == 2
     odd = replace(waves, details=(replace(WAVES, repeat=0.3),))
     assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
-
-
-def test_lengths_share_the_shortest_that_is_a_whole_number_of_each() -> None:
-    assert _common_period({0.5, 0.75}) == 1.5
-    assert _common_period({2.0, 3.0, 5.0}) == 30
-    # ratios of numbers up to 64
-    assert _common_period({1.0, 65 / 64}) == 65
-    with pytest.raises(cs.InvalidInput, match="share no period"):
-        _common_period({1.0, 66 / 65})

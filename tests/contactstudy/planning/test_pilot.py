@@ -8,31 +8,10 @@ import pytest
 import contactstudy as cs
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import requirements_of
-from contactstudy.planning.grid_search import MOST, PLANE, _coarse, affordable, forecast
+from contactstudy.planning.grid_search import affordable, forecast
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
-
-
-def test_a_small_grid_is_solved_as_it_is_and_a_large_one_on_fewer_cells_that_show_the_surface() -> (
-    None
-):
-    def small(cells: tuple[int, int], fewest: tuple[int, int]) -> tuple[int, int]:
-        return _coarse(cs.Grid(cells, (1.0, 1.0)), fewest).cells
-
-    assert small((128, 64), (32, 32)) == (128, 64)
-    assert small((2**15, 1), (32, 1)) == (2**13, 1)
-    across, along = small((1024, 512), (32, 32))
-    assert across * along == pytest.approx(PLANE, rel=0.02)
-    assert across / along == pytest.approx(2, rel=0.05)
-    # what an axis cannot do without, the other gives
-    across, along = small((1024, 4096), (32, 4096))
-    assert along == 4096
-    assert across == 32
-    # and where both need more than can be solved, both give
-    across, along = small((2**13, 2**13), (2**13, 2**13))
-    assert across == along
-    assert across * along == pytest.approx(MOST, rel=0.02)
 
 
 def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(

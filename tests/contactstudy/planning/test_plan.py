@@ -215,41 +215,6 @@ def test_what_does_not_fit_in_memory_is_refused_before_it_is_made(
         line_contact.scene.problem(grid, cs.ExactPeriodicity())
 
 
-def test_a_modulus_in_gigapascals_is_noticed() -> None:
-    soft = cs.HalfSpace(youngs_modulus=210, poisson_ratio=0.3)
-    scene = cs.Scene(cs.LineLoad(1e5), (soft, soft), (cs.Cylinder(0.01),))
-    assert "in Pa" in " ".join(cs.plan(scene).warnings)
-
-
-def test_a_solve_refuses_what_the_memory_left_does_not_hold(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """13 fields of 64 x 32 cells and 1.5 of the padded 128 x 32 are 262144 bytes in double precision, half in single."""
-    grid = cs.Grid((64, 32), (1e-3, 1e-3))
-    problem = line_contact.scene.problem(grid, cs.ExactPeriodicity())
-    monkeypatch.setattr("contactstudy.problem.memory.ALWAYS_THERE", 0)
-    monkeypatch.setattr("contactstudy.problem.memory.available_bytes", lambda: 262143.0)
-    said = r"^Grid\.cells is \(64, 32\): a solve needs 0\.000262 GB more and this machine has 0\.000262 GB left"
-    with pytest.raises(cs.InvalidInput, match=said):
-        cs.solve(problem)
-    cs.solve(problem, precision="single", tolerance=1e-3)
-    monkeypatch.setattr("contactstudy.problem.memory.available_bytes", lambda: 262144.0)
-    cs.solve(problem)
-
-
-def test_a_plan_names_the_device_its_seconds_are_for(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    one = cs.Grid((64, 1), (line_contact.hertz.half_width * 3, 1e-3))
-    monkeypatch.setattr("contactstudy.planning.cost.CostModel.seconds", lambda *_: 8.0)
-    monkeypatch.setattr("contactstudy.planning.cost._seconds", lambda _, __, on: 1 / on.threads)
-    alone, shared = (cs.plan(line_contact.scene, grid=one, on=cs.Cpu(k)) for k in (1, 4))
-    assert (alone.seconds / shared.seconds, alone.on, shared.on) == (4, cs.Cpu(1), cs.Cpu(4))
-    assert shared.bytes == alone.bytes
-    with pytest.raises(cs.InvalidInput, match=r"^plan\.on is 2: give Cpu\(threads=2\) or Gpu\(\)"):
-        cs.plan(line_contact.scene, on=2)  # type: ignore[arg-type]
-
-
 def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     line_contact: LineContact,
 ) -> None:
@@ -268,3 +233,8 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     without = replace(flat, shapes=(cs.MeasuredSurface(heights),))
     with pytest.raises(cs.NotDefined, match="MeasuredSurface with its extent"):
         cs.solve(without)
+
+
+def test_a_device_that_is_none_is_refused(line_contact: LineContact) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^plan\.on is 2: give Cpu\(threads=2\) or Gpu\(\)"):
+        cs.plan(line_contact.scene, on=2)  # type: ignore[arg-type]

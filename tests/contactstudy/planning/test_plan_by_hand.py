@@ -79,13 +79,6 @@ def test_a_grid_that_is_too_narrow_is_said_with_the_width_to_try() -> None:
     assert warned(GRID, seen(0.1)) == []
 
 
-def test_what_memory_lacks_is_said_of_a_machine_that_has_a_quarter_more() -> None:
-    """Of 14 fields and 2 padded ones: 294912 bytes; a plan takes four fifths of what there is."""
-    assert warned(GRID, seen(0.1), limit=294912.0) == []
-    (said,) = warned(GRID, seen(0.1), limit=240000.0)
-    assert "needs 0.000295 GB, and this machine has 0.0003 GB" in said
-
-
 def test_an_error_that_is_not_reached_is_said_with_what_stands_between() -> None:
     assert warned(GRID, seen(0.2), error=0.2) == []
     assert warned(GRID, seen(inf), error=0.1) == []

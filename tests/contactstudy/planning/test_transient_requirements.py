@@ -84,13 +84,3 @@ def test_a_finer_grid_of_what_yields_is_said_to_take_more() -> None:
     )
     # operators are matrices over layers for every wave: twice of both
     assert 5 < fine.bytes / coarse.bytes < 9
-
-
-RIGID = cs.HalfSpace(np.inf, 0.3)
-HELD = cs.LineLoad(0.02 * np.pi)
-HISTORY = cs.LoadHistory((0.0, 2.0), (0.02 * np.pi, 0.02 * np.pi))
-
-
-def rolled(body: cs.Body, load: object = HISTORY, **named: object) -> cs.Scene:
-    """A cylinder of 4 m on a body of 2 Pa at once: a half-width of 0.4 m."""
-    return cs.Scene(load, (body, RIGID), (cs.Cylinder(4.0),), **named)  # type: ignore[arg-type]

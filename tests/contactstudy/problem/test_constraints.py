@@ -7,9 +7,7 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.domain import fields
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
-from contactstudy.problem.passes import CompiledPasses, Direction, passes_for
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
@@ -65,40 +63,6 @@ def test_an_admissible_pressure_is_its_own_admitted_and_nearest() -> None:
             which.scale_to_load(pressure.copy(), TOTAL), pressure, rtol=1e-14
         )
         np.testing.assert_allclose(which.project(pressure.copy(), TOTAL), pressure, rtol=1e-12)
-
-
-@pytest.mark.parametrize("compiled", ["", "compiled"])
-@pytest.mark.parametrize("seed", range(5))
-def test_too_much_load_is_taken_off_all_chosen_cells_alike_and_too_little_scaled(
-    seed: int, compiled: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if compiled:
-        pytest.importorskip("numba")
-        monkeypatch.setattr(fields, "LARGE", 1)
-    rng = np.random.default_rng(seed)
-    cells = (rng.random((30, 40)) < 0.7) * 1.0
-    pressure, height = np.zeros((30, 40)), rng.standard_normal((30, 40))
-    closing = rng.standard_normal((30, 40))
-    left = np.maximum(-closing * cells, 0)
-    passes = passes_for(Compressive(), pressure.shape)
-    assert isinstance(passes, CompiledPasses) == bool(compiled)
-    lower, higher = np.empty((30, 40)), np.empty((30, 40))
-    for trial, share in ((lower, 0.6), (higher, 1.4)):
-        found = passes.trial(pressure, height, Direction(closing, cells, 0.0, 0.0), 1.0, trial)
-        assert found.cut
-        load = PrescribedLoad(share * left.sum())
-        slope = passes.project_to_load(trial, found, cells, load, pressure, height)
-        assert slope == pytest.approx((height * trial).sum(), abs=1e-12)
-    bears = lower > 0
-    shifts = (left - lower)[bears]
-    shift = shifts.mean()
-    assert shift > 0
-    # to some roundings of numbers of size one
-    assert np.ptp(shifts) <= 1e-14
-    # none else could bear, and all carry the load together
-    assert left[~bears].max() <= shift + 1e-12
-    assert lower.sum() == pytest.approx(0.6 * left.sum(), rel=1e-14)
-    np.testing.assert_allclose(higher, 1.4 * left, rtol=1e-14)
 
 
 def test_a_hardness_everywhere_may_just_carry_the_load() -> None:

@@ -1,8 +1,5 @@
 """What a solve holds, counted by hand, and the machine that has a little less."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import pytest
 
 import contactstudy as cs
@@ -40,21 +37,3 @@ def test_beside_a_problem_its_gap_and_half_a_padded_field_are_there_already(
     left(monkeypatch, more - 1)
     with pytest.raises(cs.InvalidInput, match="GB more and this machine has"):
         memory.refuse_solve(problem, precision)
-
-
-def test_on_a_device_the_library_s_room_counts_twice(line_contact: LineContact) -> None:
-    problem = line_contact.scene.problem(line_contact.grid((64, 16), 1.0), PADDINGS)
-    operator: Any = problem.operator
-    needed = 8 * (14 * 64 * 16 + 4 * 128 * 16)
-    device: Any = SimpleNamespace(available_bytes=needed)
-    memory.refuse_on(device, operator, cs.Precision.DOUBLE)
-    device.available_bytes = needed - 1
-    with pytest.raises(
-        cs.InvalidInput, match=r"the solve needs 0\.00018 GB and it has 0\.00018 GB"
-    ):
-        memory.refuse_on(device, operator, cs.Precision.DOUBLE)
-
-
-def test_what_every_machine_has_is_not_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(memory, "available_bytes", lambda: pytest.fail("asked"))
-    memory.refuse_too_large(GRID, PADDINGS)

@@ -9,7 +9,7 @@ import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.domain.device import using
 from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
-from contactstudy.problem.passes import FAR, ArrayPasses, CompiledPasses, Direction, passes_for
+from contactstudy.problem.passes import ArrayPasses, CompiledPasses, Direction, passes_for
 
 SHAPES = [(6, 9), (8, 5)]
 CONSTRAINTS = [Compressive(), HardnessLimited(0.9)]
@@ -125,15 +125,3 @@ def test_a_line_search(both: tuple[Any, Any], given: list[np.ndarray], fraction:
         assert (one is None) == (other is None)
         if one is not None:
             assert other == pytest.approx(one, rel=1e-13)
-
-
-def test_large_fields_are_preconditioned_in_single_precision_where_heights_allow_it(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    small, given = np.array([[0.0, 1.0]]), ArrayPasses(cs.Compressive())
-    assert given.preconditioner(small) is None
-    monkeypatch.setattr("contactstudy.problem.passes.LARGE", 2)
-    for passes in (given, CompiledPasses(cs.Compressive(), None)):
-        assert passes.preconditioner(small) is cs.Precision.SINGLE
-        for far in ((0.0, FAR), (-2 * FAR, -FAR), (0.0, np.nan)):
-            assert passes.preconditioner(np.array([far])) is None

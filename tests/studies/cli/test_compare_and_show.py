@@ -80,20 +80,6 @@ def test_two_runs_of_a_study_are_compared(folder: Path) -> None:
     assert "contact_area" not in text
 
 
-def test_the_times_of_two_runs_are_compared_where_one_processor_took_them(folder: Path) -> None:
-    stored = xr.load_dataset(folder / "study" / "smooth-sweep.nc")
-    first, slower, elsewhere = (folder / f"{name}.nc" for name in ("first", "slower", "elsewhere"))
-    stored["solve_time"][:], stored["solve_time_cpu"][:] = 0.25, 0.125
-    stored.to_netcdf(first)
-    stored["solve_time_cpu"][:] = 0.125 * np.array([[2.0, 2.0], [3.0, 4.0]])
-    stored.to_netcdf(slower)
-    text = said("compare", first, slower)
-    assert "solve_time: 1 of the first in the median of 4 points, from 1 to 1" in text
-    assert "solve_time_cpu: 2.5 of the first in the median of 4 points, from 2 to 4" in text
-    stored.assign_attrs(cpu="another").to_netcdf(elsewhere)
-    assert "times are of two processors" in said("compare", first, elsewhere)
-
-
 def test_what_is_not_of_one_kind_is_not_compared(folder: Path) -> None:
     with pytest.raises(cs.InvalidInput, match="not of one kind"):
         said("compare", folder / "out" / "smooth.nc", folder / "study" / "smooth-sweep.nc")
@@ -252,24 +238,6 @@ def test_a_study_is_a_table_with_a_row_for_each_point(tmp_path: Path) -> None:
     assert [row["peak [Pa]"] for row in rows] == ["0", "2", "4", "1", "3", "5"]
     assert [row["case_status"] for row in rows] == ["ok", "ok", "ok", "ok", "failed", "ok"]
     assert [(row["load [N/mm]"], row["n"]) for row in rows[2:4]] == [("1", "2"), ("2", "0")]
-
-
-def test_times_are_the_last_columns_of_a_table_that_has_them(tmp_path: Path) -> None:
-    timed = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no not_timed"}
-    columns = {
-        "solve_time": ("n", [0.5, 0.25], {"units": "s"}),
-        "contended": ("n", np.array([0, 1], dtype=np.int8), timed),
-        "iterations": ("n", [7, 8]),
-        "peak": ("n", [2e6, 5e8], {"units": "Pa"}),
-        "peak_bound": ("n", [2e3, 5e5], {"units": "Pa"}),
-        "case_status": ("n", np.array([1, 1], dtype=np.int8), OUTCOMES),
-    }
-    points = xr.Dataset(columns, {"n": [0, 1]})
-    points.to_netcdf(tmp_path / "timed.nc")
-    heads = ["n", "peak [MPa]", "peak_bound [MPa]", "iterations", "case_status"]
-    assert list(table(tmp_path / "timed.nc")[0]) == [*heads, "contended", "solve_time [s]"]
-    points.isel(n=[1]).to_netcdf(tmp_path / "untimed.nc")
-    assert list(table(tmp_path / "untimed.nc")[0]) == heads
 
 
 OUTCOMES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed ok"}

@@ -97,25 +97,6 @@ def test_numbers_are_in_the_units_that_are_usual(study: xr.Dataset, march: xr.Da
     assert contents(march, "march")["variables"]["pressure"]["unit"] == "MPa"
 
 
-@pytest.mark.parametrize(
-    ("axis", "logarithmic"),
-    [
-        ([1.0, 31.0], True),
-        ([1.0, 29.0], False),
-        ([1.0, 2.0, 4.0], True),
-        ([1.0, 2.0, 3.0], False),
-        ([0.0, 50.0, 100.0], False),
-    ],
-)
-def test_an_axis_in_equal_ratios_or_over_a_factor_of_30_begins_logarithmic(
-    axis: list[float],
-    logarithmic: bool,  # noqa: FBT001
-    study: xr.Dataset,
-) -> None:
-    varied = study.isel(load=slice(len(axis))).assign_coords(load=axis)
-    assert contents(varied, "study")["axes"]["load"]["log"] == logarithmic
-
-
 def test_a_browser_draws_a_study_with_its_choosers(study: xr.Dataset, tmp_path: Path) -> None:
     drawn = shown(page_of(study, "page"), tmp_path)
     for label in ("variable", "horizontal axis", "colour", "logarithmic axis"):
@@ -124,15 +105,6 @@ def test_a_browser_draws_a_study_with_its_choosers(study: xr.Dataset, tmp_path: 
     assert drawn.count('class="point"') == 5  # one for each case with a number
     assert 'type="range"' not in drawn  # both axes are shown
     assert "case: ok" in drawn
-
-
-def test_a_slider_says_its_value_and_an_axis_that_is_shown_has_none(
-    study: xr.Dataset, tmp_path: Path
-) -> None:
-    alone = 'const list = document.querySelector("[name=colour]"); list.value = "none"; list.onchange();'
-    drawn = shown(page_of(study, "page"), tmp_path, alone)
-    assert drawn.count('type="range"') == 1
-    assert "<output>mode = b </output>" in drawn
 
 
 def test_a_march_has_a_slider_over_time(march: xr.Dataset, tmp_path: Path) -> None:

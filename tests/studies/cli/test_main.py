@@ -37,14 +37,6 @@ def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> 
     assert "xarray" in code
 
 
-def test_options_of_a_scene_stand_apart() -> None:
-    shown = CliRunner().invoke(cli, ["run", "--help"]).output
-    every, of_scenes = shown.split("Options of a scene in a .toml file:")
-    assert "--workers" in every
-    assert "--vary" in of_scenes
-    assert "--vary" not in every
-
-
 @pytest.mark.parametrize(
     ("period", "sentence"),
     [

@@ -1,13 +1,9 @@
 """What the study of coated bodies records, and stress in a layer on a rigid base and in a thin one, in closed form."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
 from contactstudy.scene.coated import CoatedHalfSpace
 from studies.definitions import coating
 
@@ -53,18 +49,6 @@ def test_a_thin_layer_is_stretched_like_the_surface_under_it(
     # what bends is of the order of the wave number; balance along the layer leaves its thickness' worth of shear
     np.testing.assert_allclose(along, wanted, rtol=20 * k[0])
     np.testing.assert_allclose(shear, k * wanted, rtol=20 * k[0])
-
-
-def test_the_image_of_a_coating_lies_two_thicknesses_below() -> None:
-    whole: Any = SimpleNamespace(response=SimpleNamespace(contrast=0.7), thickness=0.4)
-    alone = coating.ImageAlone(whole)
-    x, y = np.array([0.0, 0.3]), np.array([0.1, 0.5])
-    for found, wanted in (
-        (alone.cell(x, y, 0.2, 0.3), image_cell(x, y, 0.2, 0.3, 0.8)),
-        (alone.row(x, y, 0.2, 0.3, 1.5), image_row(x, y, 0.2, 0.3, 1.5, 0.8)),
-        (alone.lattice(x, y, 0.2, 0.3, 1.0, 1.5), image_lattice(x, y, 0.2, 0.3, 1.0, 1.5, 0.8)),
-    ):
-        np.testing.assert_allclose(found, 0.7 * wanted, rtol=1e-12)
 
 
 @pytest.mark.parametrize("ratio", [0.25, 4.0])

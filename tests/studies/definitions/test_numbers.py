@@ -7,9 +7,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.engine.workers import compute as timing
 from studies.model.case import OperatorCase
-from studies.model.outcome import timing_variables
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 
@@ -50,27 +48,6 @@ def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
     found = load("solvers").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
     assert float(found["memory"]) == pytest.approx(40_000_000 / (64 * 4 * 8), rel=1e-2)
     assert float(found["contact_share"]) == 0.25
-
-
-def test_times_are_seconds_of_set_up_and_solve(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By clocks that are wound by hand: a set-up of 2 s, 1.5 s of it computed, a solve of 5 s, 4 s of it."""
-    wall = {"at": 100.0}
-    monkeypatch.setattr(timing, "perf_counter", lambda: wall["at"])
-    monkeypatch.setattr(timing, "process_time", lambda: 0.75 * wall["at"])
-
-    class Clockwork:
-        def prepare(self) -> None:
-            wall["at"] += 2.0
-
-        def run(self, prepared: None) -> None:
-            wall["at"] += 5.0
-
-    sample = timing.time_once(Clockwork())  # type: ignore[arg-type]
-    assert (sample.setup, sample.solve) == (2.0, 5.0)
-    assert (sample.setup_cpu, sample.solve_cpu) == (1.5, 3.75)
-    found = timing_variables((), np.asarray(0), [[sample]])
-    assert (float(found["setup_time"]), float(found["solve_time"])) == (2.0, 5.0)
-    assert {found[name].attrs["units"] for name in ("setup_time", "solve_time")} == {"s"}
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,11 @@
 """What the study of growing grids measures."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.special import erf
 
 import contactstudy as cs
-from studies.definitions.speed import SLOPE, CaseOnDevice, self_affine
+from studies.definitions.speed import SLOPE, self_affine
 from studies.reference.line_contact import SCENE
 from studies.registry import load
 
@@ -55,13 +52,3 @@ def test_a_point_that_is_none_is_refused_with_a_remedy(
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         load("speed").scene_at(POINT | change)
-
-
-def test_single_precision_is_solved_to_1e_5_and_another_device_takes_one_thread() -> None:
-    study = load("speed")
-    for precision, tolerance in (("single", 1e-5), ("double", 1e-8)):
-        case = study.scene_at(POINT | {"precision": precision, "threads": 3})
-        assert isinstance(case, CaseOnDevice)
-        assert (case.case.options.tolerance, case.threads) == (tolerance, 3)
-    elsewhere: Any = SimpleNamespace()
-    assert CaseOnDevice(case.case, elsewhere).threads == 1

@@ -7,49 +7,9 @@ import pytest
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.outcome import CaseStatus, Sample, is_contended, timing_variables
+from studies.model.outcome import CaseStatus
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
-
-
-def sample(wall: float, cpu: float | None = None) -> Sample:
-    return Sample(0.25 * wall, 0.75 * wall, 0.0, wall if cpu is None else cpu, 1)
-
-
-@pytest.mark.parametrize(
-    ("samples", "is_flagged"),
-    [
-        ([sample(1.0), sample(1.05)], False),
-        ([sample(1.0), sample(3.0), sample(1.02)], False),
-        ([sample(1.0), sample(1.2)], True),
-        ([sample(1.0)], True),
-        ([sample(1.0, cpu=0.8), sample(1.0)], True),
-        ([sample(1.0), sample(1.05, cpu=0.5)], False),
-    ],
-)
-def test_a_time_that_no_repeat_confirms_or_that_lacked_the_processor_is_flagged(
-    samples: list[Sample], is_flagged: object
-) -> None:
-    assert is_contended(samples) is is_flagged
-
-
-def test_a_time_taken_while_the_processor_was_slow_is_flagged() -> None:
-    slow = [replace(sample(1.0), pace=1.2e-3)] * 2
-    assert is_contended(slow, pace=1e-3)
-    assert not is_contended(slow, pace=1.15e-3)
-
-
-def test_every_sample_is_kept_with_least_median_and_processor_time() -> None:
-    data = timing_variables(
-        ("n",), np.arange(3), [[sample(1.0), sample(3.0), sample(2.0)], [sample(4.0)], []]
-    )
-    assert data["solve_time"].values[:2] == pytest.approx([0.75, 3.0])
-    assert data["solve_time_median"].values[0] == pytest.approx(1.5)
-    assert data["solve_time_cpu"].values[0] == pytest.approx(1.0)
-    assert data["solve_time_all"].dims == ("n", "repeat")
-    assert data["solve_time_all"].values[0] == pytest.approx([0.75, 2.25, 1.5])
-    assert np.isnan(data["solve_time"].values[2])
-    assert data["contended"].values.tolist() == [1, 1, 2]
 
 
 @pytest.mark.whole

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +33,6 @@ TROUBLES = {
     DIES: CaseStatus.KILLED,
 }
 Workers = list[subprocess.Popen[bytes]]
-MakeCluster = Callable[[], Cluster]
 
 
 def examine(dataset: xr.Dataset) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.io.dataset import flags
-from studies.model.case import OperatorCase, contact_share, solver_status
+from studies.model.case import contact_share, solver_status
 
 GRID = cs.Grid((8, 4), (1e-4, 1e-4))
 
@@ -18,14 +18,6 @@ def test_a_status_is_a_flag_of_all_that_there_are() -> None:
     two = flags(("x",), np.array([1, 0]), ("no", "yes"), "whether")
     assert two.dims == ("x",)
     assert two.dtype == np.int8
-
-
-def test_an_operator_s_size_is_that_of_its_padded_grid() -> None:
-    """Twice the cells across, once along, where it repeats."""
-    operator = OperatorCase(1e11, GRID, cs.ExactPeriodicity(), 1e-4)
-    prepared = operator.prepare()
-    assert prepared.padded == (16, 4)
-    assert float(operator.record(operator.run(prepared))["padded_cells"]) == 64
 
 
 def test_every_cell_that_bears_is_in_contact_however_little() -> None:

@@ -77,11 +77,6 @@ def test_an_unknown_study_is_refused_with_a_remedy(name: str, message: str) -> N
         load(name)
 
 
-def test_an_unknown_parameter_is_refused_with_a_remedy() -> None:
-    with pytest.raises(InvalidInput, match="did you mean 'period'"):
-        load("padding").override({"perid": "1"})
-
-
 @pytest.mark.parametrize(
     ("axis", "values", "message"),
     [

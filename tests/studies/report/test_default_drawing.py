@@ -79,13 +79,6 @@ def test_the_unit_is_the_largest_that_the_largest_number_reaches(
     assert _scale(values) == (size, unit)
 
 
-def test_two_numbers_are_an_axis_before_any_names() -> None:
-    dataset = swept({"padding": ["exact", "duplicated", "zero"], "rms": RMS[:2]})
-    ax = curves(dataset)[0].figure.axes[0]
-    assert ax.get_xlabel() == "rms height [nm]"
-    assert list(labelled(ax)) == ["padding exact", "padding duplicated", "padding zero"]
-
-
 def test_a_third_axis_has_a_figure_for_each_value_and_says_it() -> None:
     axes = {"rms": RMS, "load_per_length": LOADS, "padding": ["exact", "zero"]}
     dataset = swept(axes)
@@ -102,24 +95,6 @@ def test_a_film_is_drawn_beside_its_formula() -> None:
     dataset["case_status"] = "speed", np.full(3, CaseStatus.OK)
     ax, *_ = curves(dataset)[0].figure.axes
     assert same(labelled(ax)["Moes"], [0.1, 1.0, 10.0], dataset["moes_film"])
-
-
-def test_names_stand_side_by_side_and_one_case_is_a_point() -> None:
-    named = swept({"padding": ["exact", "duplicated", "zero"]})
-    [drawn] = curves(named)
-    for ax, name, unit in zip(
-        drawn.figure.axes, ("contact_share", "peak_pressure", "approach"), (1.0, 1e6, 1e-9), strict=True
-    ):  # fmt: skip
-        x, y = np.asarray(ax.lines[0].get_xydata(), dtype=float).T
-        assert x.tolist() == [0, 1, 2]
-        np.testing.assert_allclose(y[1:], named[name][1:] / unit)
-        assert [text.get_text() for text in ax.get_xticklabels()] == ["exact", "duplicated", "zero"]
-    one = numbered({"grid": [32]}, "approach").isel(grid=0, drop=True)
-    one["approach"].attrs["units"] = "m"
-    one["case_status"] = (), CaseStatus.OK
-    [ax] = curves(one)[0].figure.axes
-    assert same(np.asarray(ax.lines[0].get_xydata()).T, [0], [100])
-    assert ax.get_ylabel() == "approach [µm]"
 
 
 def test_maps_show_a_measure_over_two_axes() -> None:
@@ -160,47 +135,3 @@ def test_the_measures_that_are_asked_for_are_drawn_alone() -> None:
     assert [ax.get_ylabel() for ax in drawn.figure.axes] == ["approach [µm]"]
     with pytest.raises(InvalidInput, match="did you mean 'approach'"):
         curves(dataset, ["aproach"])
-
-
-def test_names_are_points_side_by_side() -> None:
-    [drawn] = curves(swept({"padding": ["zero", "duplicated", "exact"]}))
-    assert all(line.get_linestyle() == "None" for ax in drawn.figure.axes for line in ax.lines)
-
-
-def test_bounds_are_bars() -> None:
-    dataset = swept({"load_per_length": LOADS})
-    dataset["approach_bound"] = 0.1 * dataset["approach"]
-    [drawn] = curves(dataset, ["approach"])
-    (bars,) = drawn.figure.axes[0].collections
-    lengths = [np.ptp(segment[:, 1]) for segment in bars.get_segments() if len(segment)]
-    shown = 1e6 * dataset["approach"].values[1:]  # the first case failed
-    np.testing.assert_allclose([one for one in lengths if one > 0], 0.2 * shown, rtol=1e-9)
-
-
-def test_samples_of_a_surface_are_their_mean_with_its_spread() -> None:
-    dataset = swept({"shapes_1_seed": [1, 2, 3], "load_per_length": LOADS})
-    dataset["case_status"][:] = CaseStatus.OK
-    [drawn] = curves(dataset, ["approach"])
-    (ax,) = drawn.figure.axes
-    (line,) = ax.lines
-    np.testing.assert_allclose(line.get_ydata(), 1e6 * dataset["approach"].mean("shapes_1_seed"))
-    assert len(ax.collections) == 1
-
-
-def test_many_values_of_a_parameter_are_lines_with_a_colour_bar() -> None:
-    rms = [1e-7 * 2**k for k in range(10)]
-    [drawn] = curves(
-        swept({"rms": rms, "load_per_length": list(np.linspace(1e4, 2e4, 12))}), ["approach"]
-    )
-    panel, bar = drawn.figure.axes
-    assert len(panel.lines) == 10
-    assert bar.get_ylabel() == "rms height [µm]"
-    assert bar.get_yscale() == "log"
-
-
-def test_values_in_equal_ratios_have_a_logarithmic_axis() -> None:
-    scales = []
-    for loads in ([1e4, 2e4, 4e4], [1e4, 2e4, 3e4]):
-        [drawn] = curves(swept({"load_per_length": loads}), ["approach"])
-        scales.append(drawn.figure.axes[0].get_xscale())
-    assert scales == ["log", "linear"]

@@ -1,7 +1,7 @@
 import pytest
 import xarray as xr
 
-from studies.report.style import percent, power, select_evenly, variation_text
+from studies.report.style import percent, power, variation_text
 
 
 @pytest.mark.parametrize(
@@ -19,12 +19,6 @@ from studies.report.style import percent, power, select_evenly, variation_text
 )
 def test_a_share_is_in_per_cent_with_two_digits(share: float, text: str | None) -> None:
     assert percent(share) == ("not known" if text is None else f"{text}\u00a0%")
-
-
-def test_a_figure_has_room_for_the_first_the_last_and_those_between() -> None:
-    assert select_evenly([1, 2, 4]) == [1, 2, 4]
-    assert select_evenly([1, 2, 4, 8, 16]) == [1, 4, 16]
-    assert select_evenly(range(10), 4) == [0, 3, 6, 9]
 
 
 @pytest.mark.parametrize(

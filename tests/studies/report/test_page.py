@@ -132,13 +132,6 @@ def test_the_claims_of_the_paper_stand_beside_its_figures_with_measured_numbers(
         assert shown in paper
 
 
-def test_the_report_lists_every_other_chapter_with_its_command_and_seconds(text: str) -> None:
-    for chapter in CHAPTERS.values():
-        if chapter != MAIN:
-            assert f"<code>contactstudy report {chapter.name}</code>" in text
-            assert f'<td class="number">{chapter.seconds}</td>' in text
-
-
 @pytest.mark.parametrize(
     ("names", "pages"),
     [

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 
-from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, film_picture, picture, scaled
+from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, picture, scaled
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -69,28 +69,6 @@ def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
     assert named(gaped) == ("across [µm]", "gap [nm]", "gap in the middle")
 
 
-def test_between_two_rows_of_cells_the_middle_is_their_mean_and_one_beside_counts_once() -> None:
-    even = labelled().isel(x=[0, 2])
-    assert picture(even).axes[1].lines[0].get_ydata() == pytest.approx([3, 4, 5, 6])
-    beside = labelled().assign_coords(x=[-3e-4, -2e-4, 1e-4])
-    assert picture(beside).axes[1].lines[0].get_ydata() == pytest.approx([5, 6, 7, 8])
-
-
-def test_a_contact_outside_of_its_hertz_width_has_no_hertz_pressure_there() -> None:
-    narrow = picture(labelled(hertz_half_width=0.5e-4)).axes[2].lines[1]
-    assert narrow.get_ydata() == pytest.approx([0, 45, 0])
-    bare = picture(labelled().drop_vars(["hertz_half_width", "hertz_peak_pressure"]))
-    assert [len(ax.lines) for ax in bare.axes[1:3]] == [1, 1]
-
-
-def test_a_line_has_two_panels_and_no_band() -> None:
-    across, gaped = picture(labelled().isel(y=[1])).axes
-    assert not across.collections
-    assert picture(labelled().isel(y=[0, 1])).axes[2].collections
-    assert across.lines[0].get_ydata() == pytest.approx([2, 20, 6])
-    assert gaped.lines[0].get_ydata() == pytest.approx([10, 50, 90])
-
-
 def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     stressed = labelled(von_mises=(("z", "x", "y"), STRESS))
     figure = picture(stressed)
@@ -112,13 +90,3 @@ def test_a_warning_is_written_over_the_panels_in_lines_that_fit() -> None:
     assert max(map(len, title.splitlines())) <= len("warning: ") + 140
     assert picture(labelled()).get_suptitle() == ""
     assert to_hex(picture(labelled()).axes[3].lines[0].get_color()) == "#009e73"
-
-
-def test_colours_of_interference_cover_the_cells_of_two_rows_and_of_one() -> None:
-    filmed = labelled(film=(("x", "y"), 1e-7 + GAP)).assign_coords(y=2 * Y)
-    figure = film_picture(filmed.isel(y=[0, 1]), colours="interference")
-    [image] = figure.axes[2].images
-    assert image.get_extent() == pytest.approx((-1, 3, -150, 150))
-    line = film_picture(filmed.isel(y=[1]), colours="interference").axes[2]
-    assert line.images[0].get_extent()[2:] == pytest.approx((-150, 150))
-    assert not line.get_xticks().size

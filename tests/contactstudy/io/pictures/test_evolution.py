@@ -41,29 +41,6 @@ def test_profiles_are_those_of_the_middle_of_the_length_at_each_instant() -> Non
     assert (np.diff(brightness) > 0).all()
 
 
-def test_six_profiles_at_the_most_from_first_to_last() -> None:
-    long = labelled().isel(time=[0] * 20 + [3]).assign_coords(time=np.arange(21.0))
-    lines = evolution_picture(long).axes[0].lines
-    assert [line.get_label() for line in lines] == ["0 s", "4 s", "8 s", "12 s", "16 s", "20 s"]
-
-
-def test_peaks_of_the_load_and_the_end_are_drawn_and_no_curve_of_zeros() -> None:
-    load = np.zeros(25)
-    load[[3, 10, 17]] = 1.0, 2.0, 1.0
-    load[24] = 0.5
-    pressure = (
-        1e6 * load[:, None, None] * np.ones((1, 3, 2)) + 1e5 * (np.arange(25) % 2)[:, None, None]
-    )
-    instants = {"time": np.arange(25.0)}
-    pulses = labelled().isel(time=[0] * 25).assign_coords(instants)
-    pulses = pulses.assign(load=("time", load, {"long_name": "load", "units": "N/m"}))
-    pulses["pressure"].values[:] = pressure
-    drawn = [line.get_label() for line in evolution_picture(pulses).axes[0].lines]
-    assert {"3 s", "10 s", "17 s", "24 s"} < set(drawn)
-    assert len(drawn) == 6
-    assert "0 s" not in drawn  # all zero
-
-
 def test_the_map_is_of_the_mean_along_the_length_without_the_instant_before_a_jump() -> None:
     shown = evolution_picture(labelled()).axes[1]
     [mesh] = shown.collections
@@ -90,14 +67,6 @@ def test_numbers_are_shares_of_their_largest_and_errors_those_that_are_known() -
     assert steps.get_xydata() == pytest.approx(np.array([[1, 1e-3], [4, 1e-2]]))
 
 
-def test_wear_has_a_panel_of_its_depth() -> None:
-    depth = 1e-6 * np.arange(24.0).reshape(4, 3, 2)
-    worn = labelled(worn_depth=(("time", "x", "y"), depth, {"long_name": "worn depth"}))
-    panel = evolution_picture(worn).axes[4]
-    assert panel.lines[-1].get_ydata() == pytest.approx([19, 21, 23])
-    assert panel.get_ylabel() == "worn depth [µm]"
-
-
 def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at_the_end() -> None:
     dent = -1e-6 * np.arange(24.0).reshape(4, 3, 2)
     strain = 1e-3 * np.arange(48.0).reshape(4, 2, 3, 2)
@@ -118,25 +87,3 @@ def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at
     assert (shown.get_xlabel(), shown.get_ylabel()) == ("across [mm]", "depth [mm]")
     assert shown.get_title() == "strain at the end [%]"
     assert shown.yaxis_inverted()
-
-
-def test_a_body_that_did_not_yield_has_no_panel_and_the_other_its_name_and_residual_stress() -> (
-    None
-):
-    cells = ("time", "z", "x", "y")
-    strain = np.full((4, 2, 3, 2), 1e-3)
-    stress = np.zeros((4, 6, 2, 3, 2))
-    stress[-1, :3, :, 1, 1] = 1e8 * np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
-    named = {"long_name": "equivalent plastic strain of solids[0]"}
-    yielded = labelled(
-        residual_displacement=(("time", "x", "y"), np.ones((4, 3, 2)), {"long_name": "dent"}),
-        equivalent_plastic_strain_0=(cells, strain, named),
-        residual_stress_0=(("time", "component", *cells[1:]), stress, {}),
-        equivalent_plastic_strain_1=(cells, 0 * strain, {}),
-    ).assign_coords(z=[1e-3, 5e-3], component=["xx", "yy", "zz", "yz", "xz", "xy"])
-    *_, shown, residual = [ax for ax in evolution_picture(yielded).axes if ax.get_visible()][:7]
-    assert shown.get_title() == "equivalent plastic strain of solids[0] at the end [%]"
-    assert residual.get_title() == "residual stress of solids[0] at the end"
-    across, along, down = residual.lines
-    assert across.get_xydata() == pytest.approx(np.array([[100, 1], [200, 5]]))
-    assert [line.get_label() for line in (along, down)] == ["along", "in depth"]

@@ -15,99 +15,18 @@ from tests.campaigns.conftest import share
 
 ROOT = Path(__file__).parents[2]
 ODD = [
-    "1e400",
-    "-1e400",
-    "nan",
-    "inf",
-    "-inf",
-    "１",
-    "１２",
-    "-0",
-    "0",
-    "1e-320",
-    "5e-324",
-    "0:1e12",
-    "0:1000000000000",
-    "0:99999999",
-    "::",
-    "1:",
-    ",",
-    ",,",
-    "1,,2",
-    "a",
-    "1,a",
-    "0x10",
-    "1_000",
-    "1e3",
-    "1:0",
-    "0:10:0",
-    "0:10:-1",
-    "0:10:2:3",
-    "𝟙",
-    "٣",
-    "'",
-    "--",
-    "-",
-    "1;2",
-    "None",
-    "True",
-    "[1,2]",
-    "1.5",
-    "-1",
-    "1e308",
-    "2e9",
-    "4294967296",
-    "½",
-    "-5:5",
-    "1j",
-    "%s",
-    "$(id)",
-    "../..",
-    "é",
-    "9223372036854775808",
-    "0:5:1000000000000",
-]
+    "1e400", "-1e400", "nan", "inf", "-inf", "１", "１２", "-0", "0", "1e-320", "5e-324", "0:1e12", "0:1000000000000",
+    "0:99999999", "::", "1:", ",", ",,", "1,,2", "a", "1,a", "0x10", "1_000", "1e3", "1:0", "0:10:0", "0:10:-1",
+    "0:10:2:3", "𝟙", "٣", "'", "--", "-", "1;2", "None", "True", "[1,2]", "1.5", "-1", "1e308", "2e9", "4294967296",
+    "½", "-5:5", "1j", "%s", "$(id)", "../..", "é", "9223372036854775808", "0:5:1000000000000",
+]  # fmt: skip
 ODD += ["", " ", "\t", "\n", "9" * 5000, "9" * 400, "a" * 300, "\udcff", " 1 "]
 SCENE_ODD = [
-    "1e400",
-    "nan",
-    "-inf",
-    "inf",
-    "-0.0",
-    "5e-324",
-    "1e308",
-    "-1",
-    "0",
-    "''",
-    "'１mm'",
-    "'1e400m'",
-    "true",
-    "[]",
-    "{}",
-    "[1,2]",
-    "[[1]]",
-    "'nanm'",
-    "1979-05-27",
-    "99999999999999999999",
-    "'9e99999mm'",
-    "'10parsec'",
-    "'10degC'",
-    "'1e-400m'",
-    "'0x10m'",
-    "1e-61",
-    "1e61",
-    "'<script>'",
-    "[1000000,1000000]",
-    "[2,1]",
-    "[3000000000,1]",
-    "[0,0]",
-    "[-1,2]",
-    "[1.5,2]",
-    '["1",2]',
-    "'infm'",
-    "1" * 5000,
-    "[" * 3000,
-]
+    "1e400", "nan", "-inf", "inf", "-0.0", "5e-324", "1e308", "-1", "0", "''", "'１mm'", "'1e400m'", "true", "[]",
+    "{}", "[1,2]", "[[1]]", "'nanm'", "1979-05-27", "99999999999999999999", "'9e99999mm'", "'10parsec'", "'10degC'",
+    "'1e-400m'", "'0x10m'", "1e-61", "1e61", "'<script>'", "[1000000,1000000]", "[2,1]", "[3000000000,1]", "[0,0]",
+    "[-1,2]", "[1.5,2]", '["1",2]', "'infm'", "1" * 5000, "[" * 3000,
+]  # fmt: skip
 STUDY = '''"""Plain numbers."""
 
 from dataclasses import dataclass
@@ -184,29 +103,15 @@ def check(code: int, said: str, words: object) -> None:
 
 def command_lines(rng: random.Random) -> list[str]:
     axis = rng.choice(["period", "grid", "images", "padding", "perod"])
-    option = rng.choice(
-        [
-            "--workers",
-            "--repeats",
-            "--time-limit",
-            "--retry",
-            "--scheduler",
-            "--out",
-            "--only",
-            "--yes",
-        ]
-    )
+    options = "workers repeats time-limit retry scheduler out only yes"
+    option = f"--{rng.choice(options.split())}"
     odd = rng.choice(ODD)
     small = ["--period=2.4", "--grid=16", "--images=0"]
     return rng.choice(
         [
             ["run", "padding", "--dry-run", "--out", "cf", f"--{axis}={odd}"],
             ["run", "padding", "--dry-run", *small, option, odd],
-            [
-                "recommend",
-                rng.choice(["--error", "--seconds", "--scene"]),
-                odd,
-            ],
+            ["recommend", rng.choice(["--error", "--seconds", "--scene"]), odd],
             [rng.choice(["run", "draw", "plan", "solve", "studies", "nope", odd]), odd],
             ["draw", "padding", "--out", odd],
             ["run", odd, "--dry-run"],

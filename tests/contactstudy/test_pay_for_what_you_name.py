@@ -5,6 +5,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.util import find_spec
 from math import inf
 from typing import Any
 
@@ -15,7 +16,7 @@ from scipy import fft
 import contactstudy as cs
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.solvers.solve import SolveOptions
-from tests.conftest import STEEL, LineContact
+from tests.conftest import LineContact
 
 NOTHING: dict[str, cs.Shape] = {
     "waviness": cs.Waviness(0.0, across=3e-5, along=3e-5),
@@ -154,76 +155,51 @@ def test_one_cell_along_gives_the_pressure_of_many_where_nothing_varies(
     np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-9 * line.max())
 
 
-HEAVY = (
-    "SurfaceTopography",
-    "cattrs",
-    "contactstudy.elasticity.coating",
-    "contactstudy.elasticity.eigenstrain",
-    "contactstudy.elasticity.kernels.layer",
-    "contactstudy.elasticity.viscoelastic",
-    "contactstudy.elasticity.viscoelastic",
-    "contactstudy.evolution",
-    "contactstudy.io.dataset",
-    "contactstudy.elasticity.kernels.traction",
-    "contactstudy.elasticity.tangential",
-    "contactstudy.evolution.adhesive_history",
-    "contactstudy.scene.adhesion",
-    "contactstudy.solvers.adhesion",
-    "contactstudy.scene.coated",
-    "contactstudy.scene.inelastic",
-    "contactstudy.scene.friction",
-    "contactstudy.solvers.friction",
-    "contactstudy.solvers.plasticity",
-    "contactstudy.solvers.friction",
-    "contactstudy.scene.motion",
-    "contactstudy.scene.stress",
-    "matplotlib",
-    "pandas",
-    "scipy.interpolate",
-    "scipy.ndimage",
-    "xarray",
+# One after the other in one process: what is run, and modules that nothing up to then has named.
+RUN = (
+    ("import sys, contactstudy as cs, studies", "numpy xarray dask matplotlib"),
+    (
+        """
+steel, exact = cs.HalfSpace(210e9, 0.3), cs.ExactPeriodicity()
+scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))
+grid = cs.Grid((16, 4), (2.5e-4, 1e-4))
+cs.MeasuredSurface([[0.0] * 4] * 16).gap(grid)
+assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
+""",
+        """SurfaceTopography cattrs dask matplotlib pandas scipy.interpolate scipy.ndimage xarray studies.engine
+        contactstudy.elasticity.coating contactstudy.elasticity.eigenstrain contactstudy.elasticity.tangential
+        contactstudy.elasticity.kernels.layer_response contactstudy.elasticity.kernels.traction contactstudy.evolution
+        contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
+        contactstudy.scene.adhesion contactstudy.scene.coated contactstudy.scene.friction contactstudy.scene.motion
+        contactstudy.scene.inelastic contactstudy.scene.stress contactstudy.solvers.adhesion
+        contactstudy.solvers.friction contactstudy.solvers.elastoplastic_step""",
+    ),
+    (
+        """
+wearing = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 1.0))
+cs.solve(wearing, cs.Grid((64, 1), (2.5e-4, 1e-4)), exact, times=(0, 1))
+""",
+        "contactstudy.elasticity.eigenstrain contactstudy.evolution.plastic contactstudy.lubrication",
+    ),
+    (
+        """
+body, rigid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9), cs.HalfSpace(float("inf"), 0.3)
+yields = cs.Scene(cs.LineLoad(5e5), (body, rigid), (cs.Cylinder(0.01),))
+once = cs.TimeSteps((0,), step_error=cs.StepError.NONE)
+cs.solve(yields, cs.Grid((16, 1), (8e-4, 1e-4)), exact, times=once)
+assert "contactstudy.elasticity.eigenstrain.plane_strain" in sys.modules
+""",
+        "contactstudy.elasticity.eigenstrain.periodic contactstudy.elasticity.eigenstrain.waves",
+    ),
+    ("cs.solve(scene.problem(grid, exact)).to_dataset()", "matplotlib contactstudy.scene.stress"),
 )
 
 
-def test_a_plain_scene_imports_nothing_that_it_does_not_name() -> None:
-    code = (
-        f"import sys; from math import inf; import contactstudy as cs\nsteel = {STEEL!r}\n".replace(
-            "HalfSpace", "cs.HalfSpace"
-        )
-        + "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))\n"
-        "grid = cs.Grid((64, 32), (2.5e-4, 1e-4))\n"
-        "assert cs.solve(scene.problem(grid, cs.ExactPeriodicity())).status is cs.Status.CONVERGED\n"
-        f"print(sorted(set({HEAVY!r}) & set(sys.modules)))"
+def test_no_module_is_imported_before_a_scene_names_it() -> None:
+    ours = [name for _, names in RUN for name in names.split() if name.startswith("contactstudy")]
+    assert all(find_spec(name) for name in ours)
+    code = "\n".join(
+        f"{step}\nprint(set({names.split()!r}) & sys.modules.keys())" for step, names in RUN
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
-def test_a_march_of_bodies_that_do_not_yield_imports_no_plastic_strain() -> None:
-    code = (
-        f"import sys; from math import inf; import contactstudy as cs\nsteel = {STEEL!r}\n".replace(
-            "HalfSpace", "cs.HalfSpace"
-        )
-        + "wear = cs.Wear(1e-15, 1.0)\n"
-        "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=wear)\n"
-        "cs.solve(scene, cs.Grid((64, 1), (2.5e-4, 1e-4)), cs.ExactPeriodicity(), times=(0, 1))\n"
-        "print([name for name in sys.modules if 'plastic' in name or 'eigenstrain' in name])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
-
-
-def test_a_body_that_yields_in_plane_strain_imports_no_waves_along_the_length() -> None:
-    code = (
-        "import sys; from math import inf; import contactstudy as cs\n"
-        "body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9)\n"
-        "shapes = (cs.Cylinder(0.01),)\n"
-        "scene = cs.Scene(cs.LineLoad(5e5), (body, cs.HalfSpace(float('inf'), 0.3)), shapes)\n"
-        "grid = cs.Grid((16, 1), (8e-4, 1e-4))\n"
-        "cs.solve(scene, grid, cs.ExactPeriodicity(), times=cs.TimeSteps((0,), step_error=cs.StepError.NONE))\n"
-        "print([name for name in sys.modules if name.startswith('contactstudy.elasticity.eigenstrain.')])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "plane_strain" in done.stdout
-    assert "rows" not in done.stdout
-    assert "wave" not in done.stdout
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.split() == ["set()"] * len(RUN), done.stderr

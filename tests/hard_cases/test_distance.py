@@ -41,26 +41,6 @@ def test_any_number_of_images_leaves_what_lies_beyond_them(
     assert found == pytest.approx(float(law), rel=0.1)
 
 
-def test_no_images_are_no_neighbours() -> None:
-    assert peak(cs.Superposition(0), 1.2) == peak(cs.ZeroPadding(), 1.2)
-
-
-@pytest.mark.parametrize("period", [1e-3, 1e-2, 1.0, 1e2, 1e3])
-@pytest.mark.parametrize("along", [1, 2, 3, 7])
-def test_exact_periodicity_sees_no_period(period: float, along: int) -> None:
-    plane, there = _pressure((24, 1), 1.0), _pressure((24, along), period)
-    # two residuals of 1e-11 times the condition of waves along a period of 1e-3 half-widths: those a
-    # uniform contact has none of, so that of 24 cells across is left
-    np.testing.assert_allclose(there, np.broadcast_to(plane, there.shape), rtol=0, atol=2 * 24e-11)
-
-
-def _pressure(cells: tuple[int, int], period: float) -> np.ndarray:
-    posed = SCENE.problem(grid(cells, period=period), cs.ExactPeriodicity())
-    solution = cs.solve(posed, tolerance=1e-11)
-    assert solution.status is cs.Status.CONVERGED
-    return np.asarray(solution.pressure / P_H)
-
-
 @pytest.mark.parametrize("aspect", [1e-3, 1e3])
 def test_cells_of_any_shape_give_hertz(aspect: float) -> None:
     cells = (48, 8)

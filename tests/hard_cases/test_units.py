@@ -119,12 +119,6 @@ def test_heights_that_are_admitted_end_well(field: str, solver: cs.Solver) -> No
         assert np.isfinite(solution.pressure).all()
 
 
-@pytest.mark.parametrize("aspect", [1e-10, 1e10])
-def test_cells_beyond_any_shape_are_refused(aspect: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Grid\.extent is .* as long as wide"):
-        grid(CELLS, 2.4, 1.2 * aspect)
-
-
 @pytest.mark.parametrize("height", [1e300, 1.7e308])
 def test_heights_beyond_all_numbers_end_in_a_status(height: float) -> None:
     rough = replace(

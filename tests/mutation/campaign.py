@@ -24,13 +24,8 @@ from tests.mutation.mutations import Mutation, chosen, mutations
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("contactstudy", "studies", "tests", "docs", "examples")
 FILES = (
-    "README.md",
-    "CONTRIBUTING.md",
-    "CHANGELOG.md",
-    "CITATION.cff",
-    "LICENSE",
-    "pyproject.toml",
-)
+    "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "LICENSE", "pyproject.toml",
+)  # fmt: skip
 KILLED, SURVIVED, OUT_OF_TIME = "killed by", "survived", "ran out of time"
 
 
@@ -121,14 +116,7 @@ def _compiled_copy(folder: Path) -> Path:
         shutil.copy2(ROOT / name, folder)
     command = [
         sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "--collect-only",
-        "-n",
-        "0",
-        "-p",
-        "no:cacheprovider",
+        *["-m", "pytest", "-q", "--collect-only", "-n", "0", "-p", "no:cacheprovider"],
     ]
     environment = os.environ | {"PYTHONPATH": str(folder)}
     subprocess.run(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)

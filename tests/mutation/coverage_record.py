@@ -33,16 +33,7 @@ class CoverageRecord:
         if self._outcomes.exists():
             return
         self.folder.mkdir(parents=True, exist_ok=True)
-        command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-q",
-            "-n",
-            str(jobs),
-            "-p",
-            "no:cacheprovider",
-        ]
+        command = [sys.executable, *f"-m pytest -q -n {jobs} -p no:cacheprovider".split()]
         measured = ["--cov=contactstudy", "--cov=studies", "--cov-context=test", "--cov-report="]
         environment = os.environ | {
             "PYTHONPATH": str(copy),

@@ -11,20 +11,12 @@ from pathlib import Path
 
 import pytest
 
-IMPORTED = (
-    *("numpy.testing", "scipy.fft", "scipy.integrate", "scipy.interpolate", "scipy.linalg"),
-    *("scipy.optimize", "scipy.signal", "scipy.sparse.linalg", "scipy.special", "scipy.stats"),
-    *("xarray", "netCDF4", "pandas", "matplotlib.pyplot", "hypothesis", "hypothesis.strategies"),
-    *(
-        "hypothesis.extra.numpy",
-        "cattrs",
-        "click.testing",
-        "ducc0",
-        "mpmath",
-        "pint",
-        "distributed",
-    ),
-)
+IMPORTED = [
+    "numpy.testing", "scipy.fft", "scipy.integrate", "scipy.interpolate", "scipy.linalg", "scipy.optimize",
+    "scipy.signal", "scipy.sparse.linalg", "scipy.special", "scipy.stats", "xarray", "netCDF4", "pandas",
+    "matplotlib.pyplot", "hypothesis", "hypothesis.strategies", "hypothesis.extra.numpy", "cattrs", "click.testing",
+    "ducc0", "mpmath", "pint", "distributed",
+]  # fmt: skip
 ENDED = "ended "  # a process that dies does not say so
 
 

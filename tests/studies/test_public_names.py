@@ -1,7 +1,5 @@
 """What a user of studies imports stands in one place, and costs nothing until it is used."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -37,14 +35,6 @@ def test_every_public_name_is_there() -> None:
     assert set(studies.__all__) <= set(dir(studies))
     with pytest.raises(AttributeError, match="no attribute"):
         _ = studies.Axes
-
-
-def test_importing_studies_imports_no_array_library() -> None:
-    code = (
-        "import sys, studies; print({'numpy', 'xarray', 'dask', 'matplotlib'} & set(sys.modules))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "set()"
 
 
 def test_a_study_without_a_figure_is_drawn(tmp_path: Path) -> None:

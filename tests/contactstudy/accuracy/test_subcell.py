@@ -13,10 +13,7 @@ from contactstudy.accuracy.subcell import (
     HeightsAlong,
     Subcell,
     SubgridHeights,
-    _lines,
     _modulus,
-    _off_lines,
-    _with_neighbours,
 )
 from tests.conftest import LineContact
 
@@ -112,45 +109,6 @@ def test_what_stands_out_is_measured_from_the_centres_of_three_cells() -> None:
     assert np.count_nonzero(protrusion_off_lines > 0.03) == 1
 
 
-def test_what_stands_out_off_the_lines_is_measured_from_the_centres_of_nine_cells() -> None:
-    """A cell stands out by 0.5 though a centre two cells away is higher by 1; beside that centre it does not."""
-    grid = cs.Grid((12, 12), (12.0, 12.0))
-
-    def gap(at: cs.Grid) -> np.ndarray:
-        x, y = np.broadcast_arrays(at.x[:, None], at.y)
-        found = np.zeros(x.shape)
-        high = (np.abs(x + 0.5) < 0.5) & (np.abs(y + 0.5) < 0.5)
-        for i, j in ((2, 0), (-2, 0), (0, 2), (0, -2), (1, 1)):
-            beside = np.hypot(x + 0.5 - i, y + 0.5 - j)
-            found[
-                (beside > 0.05) & (np.abs(x + 0.5 - i) < 0.5) & (np.abs(y + 0.5 - j) < 0.5)
-            ] = -0.5
-        found[high] = -1.0
-        return found
-
-    problem: Any = SimpleNamespace(
-        source=SimpleNamespace(gap=gap), grid=grid, paddings=(cs.ZeroPadding(), cs.ZeroPadding())
-    )
-    protrusion_off_lines = _off_lines(problem, 0.9)[1]
-    assert [protrusion_off_lines[place] for place in ((7, 5), (3, 5), (5, 7), (5, 3))] == [0.5] * 4
-    assert protrusion_off_lines[6, 6] == 0
-
-
-def test_lines_beside_each_other_are_at_most_64_or_every_fourth() -> None:
-    assert _lines((100, 40), 0, 4) == (400, 40)
-    assert _lines((100, 40), 1, 4) == (64, 160)
-    assert _lines((1000, 40), 1, 1) == (250, 40)
-    assert _lines((40, 300), 0, 48) == (1920, 75)
-
-
-def test_neighbours_lie_over_the_seam_of_an_axis_that_wraps_alone() -> None:
-    pressure = np.zeros((4, 3))
-    pressure[0, 2], pressure[3, 0] = 5.0, 2.0
-    problem: Any = SimpleNamespace(paddings=(cs.ZeroPadding(), cs.ExactPeriodicity()))
-    found = _with_neighbours(pressure, problem)
-    assert found.tolist() == [[5, 5, 5], [5, 5, 5], [2, 2, 2], [2, 2, 2]]
-
-
 def test_the_modulus_is_that_of_a_half_space_to_what_its_cells_are_stiffer(
     line_contact: LineContact,
 ) -> None:
@@ -166,50 +124,6 @@ def test_the_modulus_is_that_of_a_half_space_to_what_its_cells_are_stiffer(
 
 
 EXACT = cs.ExactPeriodicity()
-
-
-def test_a_hidden_height_counts_by_the_pressure_that_would_flatten_it(
-    line_contact: LineContact,
-) -> None:
-    problem = line_contact.scene.problem(line_contact.grid((16, 1), 1.0), EXACT)
-    pressure = np.zeros((16, 1))
-    pressure[6:10] = 1e9
-    modulus, cell = _modulus(problem, 0), problem.grid.cell[0]
-    little = 0.01 * 1e9 * cell / modulus
-
-    def source(height: float, *, known: bool = True) -> Any:
-        def gap(grid: cs.Grid) -> np.ndarray:
-            found = 0 * grid.x[:, None]
-            if grid.cells[0] > 16:
-                # half of the way up at the end of the eighth cell
-                found[grid.cells[0] // 16 * 8 - 1] = height
-            return found
-
-        return SimpleNamespace(gap=gap, names_scales=known)
-
-    found = subcell(replace(problem, source=source(little)), pressure, 0.95)
-    assert found is not None
-    # a hundredth of the pressure of one cell of four
-    assert found.uncertain == pytest.approx(0.01 / 4)
-    assert not found.protrudes
-    # at most all that the cell bears
-    much = subcell(replace(problem, source=source(1e3 * little)), pressure, 0.95)
-    assert much is not None
-    assert much.uncertain == pytest.approx(1 / 4)
-    # the cell may open, and one of four is
-    assert much.area_loss == pytest.approx(1 / 4)
-    assert much.corner == 0
-    # 2.5 times the pressure that would flatten it adds to that of the cell
-    assert found.rise == pytest.approx(2.5 * 0.01)
-    # one of 64 points, in the mean
-    assert found.mean == pytest.approx(little / 64)
-    out = subcell(replace(problem, source=source(-101 * little, known=False)), pressure, 0.95)
-    assert out is not None
-    assert out.protrudes
-    less = subcell(replace(problem, source=source(-99 * little, known=False)), pressure, 0.95)
-    assert less is not None
-    assert not less.protrudes
-    assert subcell(replace(problem, source=None), pressure, 0.95) is None
 
 
 def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(

@@ -65,6 +65,7 @@ def test_transforms_are_those_of_the_whole_padded_field(
     assert_allclose(back, field, rtol=0, atol=rounding)
 
 
+@pytest.mark.whole
 @pytest.mark.skipif(not find_spec("ducc0"), reason="ducc0 is not installed")
 def test_a_solve_has_the_threads_it_asks_for_whatever_the_environment_allows() -> None:
     """Where ducc0 itself would take one, and say nothing."""

@@ -8,7 +8,6 @@ from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.state_variables import CreepState, Step, delay_weights
 
 STILL = Displacement(0.7)
-FLUID = CreepState(Creep(1.0, ((2.0, 0.5), (3.0, 4.0)), fluidity=0.7), STILL)
 SOLID = CreepState(Creep(1.0, ((2.0, 0.5),)), STILL)
 BEFORE, AFTER = np.array([[1.0, 5.0]]), np.array([[3.0, 2.0]])
 STATE = {
@@ -19,36 +18,6 @@ STATE = {
 # Of 1.5 s: three times the one relaxation time and 3/8 of the other.
 STEP = Step(2.0, 3.5, (1.0, 3.0), 2.0)
 FAST, SLOW = delay_weights(3.0), delay_weights(0.375)
-
-
-def test_a_body_has_a_field_for_each_term_and_a_fluid_one_more() -> None:
-    assert list(FLUID.start((3, 2))) == ["delayed0", "delayed1", "impulse"]
-    assert list(SOLID.start((3, 2))) == ["delayed0"]
-    for field in FLUID.start((3, 2)).values():
-        np.testing.assert_array_equal(field, np.zeros((3, 2)))
-    assert FLUID.fields(STATE) == {}
-
-
-def test_the_past_strains_and_a_step_softens() -> None:
-    found = FLUID.contribution(STATE, BEFORE, STEP)
-    past = 2 * (FAST[0] * STATE["delayed0"] + FAST[1] * BEFORE)
-    past += 3 * (SLOW[0] * STATE["delayed1"] + SLOW[1] * BEFORE)
-    past += 0.7 * (STATE["impulse"] + 0.75 * BEFORE)
-    np.testing.assert_allclose(found.strained[STILL], past, rtol=1e-14)
-    softer = 2 * FAST[2] + 3 * SLOW[2] + 0.7 * 0.75
-    assert found.compliance == {STILL: pytest.approx(softer)}
-    assert (found.gap, found.local_compliance) == (None, 0)
-    solid = SOLID.contribution(STATE, BEFORE, STEP)
-    assert solid.compliance == {STILL: pytest.approx(2 * FAST[2])}
-
-
-def test_delayed_pressures_and_the_impulse_are_those_of_a_pressure_that_is_linear() -> None:
-    found = FLUID.update(STATE, BEFORE, AFTER, STEP)
-    for name, (kept, before, after) in (("delayed0", FAST), ("delayed1", SLOW)):
-        wanted = kept * STATE[name] + before * BEFORE + after * AFTER
-        np.testing.assert_allclose(found[name], wanted, rtol=1e-14)
-    np.testing.assert_allclose(found["impulse"], STATE["impulse"] + 0.75 * (BEFORE + AFTER))
-    assert list(SOLID.update(STATE, BEFORE, AFTER, STEP)) == ["delayed0"]
 
 
 def test_a_delayed_pressure_follows_its_equation() -> None:

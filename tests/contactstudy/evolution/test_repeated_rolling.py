@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.evolution.repeated_rolling import RepeatedRolling, RollingPass
-from contactstudy.evolution.track import DepthProfile, Track, with_zero_layers
+from contactstudy.evolution.track import DepthProfile
 
 GRID = cs.Grid((4, 1), (4.0, 1.0))
 # an orthonormal basis: xx against zz, yy against the others, and the shear xz
@@ -86,26 +86,3 @@ def test_it_has_shaken_down_from_the_first_pass_on_that_adds_nothing() -> None:
     nowhere = left((0.0, 0.0, 0.0), equivalent=(0.0,))
     assert rolled(one(nowhere, 1.0), one(nowhere, 1.0)).shaken_down == 1
     assert THREE.status is cs.Status.STALLED
-
-
-def test_a_track_moves_by_a_cell_and_what_is_behind_takes_a_share_of_what_is_left() -> None:
-    strain = np.arange(2 * 2 * 3, dtype=float).reshape(2, 2, 3, 1)
-    equivalent = 10 + np.arange(6.0).reshape(2, 3, 1)
-    ahead = DepthProfile(np.full((2, 2), -1.0), np.full(2, -2.0))
-    behind = np.full((2, 2), 100.0)
-    track = Track(None, None, strain, equivalent, behind, ahead)  # type: ignore[arg-type]
-    assert track.rear.strain.tolist() == [[0, 3], [6, 9]]
-    assert track.rear.equivalent.tolist() == [10, 13]
-    after = track.rolled(0.25)
-    assert after.strain[0, :, :, 0].tolist() == [[1, 2, -1], [4, 5, -1]]
-    assert after.equivalent[..., 0].tolist() == [[11, 12, -2], [14, 15, -2]]
-    assert after.behind == pytest.approx(100 + 0.25 * (track.rear.strain - 100))
-    # the track before stays as it was
-    assert strain[0, 0, 0, 0] == 0
-
-
-def test_more_layers_have_not_yielded() -> None:
-    assert with_zero_layers(np.array([[1.0, 2.0]]), 4).tolist() == [[1, 2, 0, 0]]
-    deep = SECOND.deeper(3)
-    assert deep.equivalent.tolist() == [0.008, 0.001, 0]
-    assert deep.strain[:, 2].tolist() == [0, 0, 0]

@@ -1,5 +1,3 @@
-import subprocess
-import sys
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -52,18 +50,6 @@ def test_dataset_holds_an_estimate_by_cause(line_contact: LineContact, tmp_path)
         assert error.attrs["long_name"]
     dataset.to_netcdf(tmp_path / "solution.nc")
     xr.testing.assert_identical(xr.load_dataset(tmp_path / "solution.nc"), dataset)
-
-
-def test_a_solve_imports_neither_xarray_nor_matplotlib() -> None:
-    code = (
-        "import sys, contactstudy as cs; s = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.3); "
-        "scene = cs.Scene(load=cs.LineLoad(1e3), solids=(s, s), shapes=(cs.Cylinder(radius=0.1),)); "
-        "a = scene.hertz.half_width; "
-        "cs.solve(scene.problem(cs.Grid(cells=(8, 2), extent=(3 * a, a)), cs.ExactPeriodicity())); "
-        "print(sorted({'xarray', 'matplotlib', 'dask', 'netCDF4', 'studies'} & set(sys.modules)))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 def test_axes_are_found_by_their_cf_attributes(line_contact: LineContact) -> None:

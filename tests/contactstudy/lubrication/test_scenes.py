@@ -1,7 +1,5 @@
 """Scenes with a lubricant: what is refused, in one sentence, and what an empty slot costs."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import pytest
@@ -73,18 +71,6 @@ def test_a_flat_contact_has_no_inlet() -> None:
 def test_a_padding_that_ends_along_the_length_is_refused() -> None:
     with pytest.raises(cs.InvalidInput, match="periodic along the length"):
         solve_lubricated(by_moes(20, 5), grid(32, 4.5, 4), cs.ZeroPadding())
-
-
-def test_a_scene_without_a_lubricant_imports_nothing_of_it() -> None:
-    code = (
-        "import sys, contactstudy as cs\n"
-        "steel = cs.HalfSpace(210e9, 0.3)\n"
-        "scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),))\n"
-        "cs.solve(scene.problem(cs.Grid((32, 1), (1e-3, 1.0)), cs.ExactPeriodicity()))\n"
-        "print([name for name in sys.modules if 'lubric' in name])\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 def test_sliding_speed_is_the_ratio_times_the_mean_speed() -> None:

@@ -19,12 +19,6 @@ def test_a_bad_radius_is_refused_by_name_and_value(radius: object) -> None:
         cs.Cylinder(radius=radius)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("load", [-1.0, 0.0, math.nan])
-def test_a_load_that_does_not_press_is_refused(load: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^LineLoad\.per_length is .* above 0 N/m"):
-        cs.Scene(cs.LineLoad(load), (STEEL, STEEL))
-
-
 @pytest.mark.parametrize(
     ("modulus", "ratio"), [(0.0, 0.3), (-1.0, 0.3), (1e9, 0.51), (1e9, -1.0), (1e9, math.nan)]
 )

@@ -1,7 +1,5 @@
 """Subsurface stress of a solved contact: textbook values, images, and only when asked."""
 
-import subprocess
-import sys
 from dataclasses import replace
 from importlib import import_module
 
@@ -256,20 +254,6 @@ def test_stress_not_asked_for_costs_nothing(
     # one of the pressure, and one of each component's coefficients at each depth
     assert (transforms[1], transforms[3]) == (0, 1 + 6 * 2)
     np.testing.assert_array_equal(*pressures)
-
-
-@pytest.mark.whole
-def test_stress_not_asked_for_is_not_imported() -> None:
-    code = (
-        "import sys, contactstudy as cs; s = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.3); "
-        "scene = cs.Scene(load=cs.LineLoad(1e3), solids=(s, s), shapes=(cs.Cylinder(radius=0.1),)); "
-        "a = scene.hertz.half_width; grid = cs.Grid(cells=(8, 2), extent=(3 * a, a)); "
-        "cs.solve(scene.problem(grid, cs.ExactPeriodicity())).to_dataset(); "
-        "print([name for name in sys.modules if 'contactstudy.scene.stress' in name]); "
-        "cs.SubsurfaceStress; print('contactstudy.scene.stress' in sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split("\n")[:2] == ["[]", "True"]
 
 
 # --- misuse ----------------------------------------------------------------------------------------

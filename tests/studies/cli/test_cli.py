@@ -18,19 +18,8 @@ from tests.studies.conftest import POSIX
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
 SMALL = [
-    "--padding",
-    "exact",
-    "--period",
-    "2.4",
-    "--grid",
-    "16,24",
-    "--images",
-    "6",
-    "--workers",
-    "0",
-    "--repeats",
-    "1",
-]
+    "--padding", "exact", "--period", "2.4", "--grid", "16,24", "--images", "6", "--workers", "0", "--repeats", "1",
+]  # fmt: skip
 
 
 Call = Callable[..., subprocess.CompletedProcess[str]]
@@ -185,21 +174,10 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
 ) -> None:
     """When the journal holds the first line of that kind."""
     journal = tmp_path / "here" / "grid.journal.jsonl"
-    arguments = [
-        "run",
-        "grid",
-        "--padding",
-        "exact",
-        "--grid",
-        "64,512",
-        "--repeats",
-        "99",
-        "--out",
-        "here",
-    ]
+    axes = ["--padding", "exact", "--grid", "64,512"]
     running = subprocess.Popen(
-        [COMMAND, *arguments], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-        start_new_session=True,
+        [COMMAND, "run", "grid", *axes, "--repeats", "99", "--out", "here"], cwd=tmp_path,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
     assert running.stdout is not None
     assert "distinct cases" in running.stdout.readline()

@@ -2,7 +2,8 @@
 
 ``pytest`` runs the default tier: every promise once. It leaves out tests marked ``whole``, and of a test with more than
 six cases it runs six, or as many as its mark ``cases`` says, from the first to the last. ``pytest --whole`` runs all,
-``pytest --rest`` what the default tier leaves out, and ``pytest tests/test_x.py::test_y`` the test that is named.
+``pytest --rest`` what the default tier leaves out, ``pytest --cases 1`` one case of each test of the default tier, and
+``pytest tests/test_x.py::test_y`` the test that is named.
 """
 
 import os
@@ -20,6 +21,9 @@ MOST_CASES = 6  # of one test in the default tier
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--cases", type=int, default=MOST_CASES, help="most of one test in the default tier"
+    )
     parser.addoption("--rest", action="store_true", help="run what is left out without --whole")
     parser.addoption(
         "--whole", action="store_true", help="run all tests, also the slow and the repeated ones"
@@ -41,17 +45,21 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("whole") is None:
             cases[item.nodeid.partition("[")[0]].append(item)
-    chosen = {id(item) for several in cases.values() for item in spread(several)}
+    chosen = {
+        id(item)
+        for several in cases.values()
+        for item in spread(several, config.getoption("--cases"))
+    }
     if config.getoption("--rest"):
         chosen = {id(item) for item in items} - chosen
     config.hook.pytest_deselected(items=[item for item in items if id(item) not in chosen])
     items[:] = [item for item in items if id(item) in chosen]
 
 
-def spread(cases: list[pytest.Item]) -> list[pytest.Item]:
-    """At most six cases, or as many as the test is marked with, evenly from the first to the last."""
+def spread(cases: list[pytest.Item], most: int) -> list[pytest.Item]:
+    """At most so many cases, or as few as the test is marked with, evenly from the first to the last."""
     mark = cases[0].get_closest_marker("cases")
-    most = mark.args[0] if mark else MOST_CASES
+    most = min(mark.args[0], most) if mark else most
     if len(cases) <= most or most == 1:
         return cases[:most]
     return [cases[round(k * (len(cases) - 1) / (most - 1))] for k in range(most)]

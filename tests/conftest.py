@@ -1,7 +1,7 @@
 """The two tiers of tests, a smooth line contact that many share, and random examples that are always the same.
 
 ``pytest`` runs the default tier: every promise once. It leaves out tests marked ``whole``, and of a test with more than
-six cases it runs six, or as many as its mark ``cases`` says, from the first to the last. ``pytest --whole`` runs all,
+four cases it runs four, or as many as its mark ``cases`` says, from the first to the last. ``pytest --whole`` runs all,
 ``pytest --rest`` what the default tier leaves out, ``pytest --cases 1`` one case of each test of the default tier, and
 ``pytest tests/test_x.py::test_y`` the test that is named.
 """
@@ -17,7 +17,7 @@ from hypothesis import HealthCheck, settings
 
 import contactstudy as cs
 
-MOST_CASES = 6  # of one test in the default tier
+MOST_CASES = 4  # of one test in the default tier
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -113,16 +113,6 @@ def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_
     assert reduction_below_jkr(8.0) < reduction_below_jkr(4.29) == pytest.approx(0.0009, abs=1e-4)
 
 
-@pytest.mark.parametrize(
-    "load", [cs.LineLoad(-0.1), cs.PullOff(1.0, 1e-2), cs.Approach(-1e-6, 2.0), SCENE.load]
-)
-def test_a_scene_with_adhesion_is_read_back_from_its_file(load: object, tmp_path: Path) -> None:
-    adhesion = cs.Adhesion(0.05, 2e-8, "dugdale", "from full contact")
-    scene = replace(SCENE, load=load, adhesion=adhesion)  # type: ignore[arg-type]
-    cs.write_scene(scene, tmp_path / "scene.toml")
-    assert cs.read_scene(tmp_path / "scene.toml").scene == scene
-
-
 def test_units_of_a_file_are_converted(tmp_path: Path) -> None:
     cs.write_scene(replace(SCENE, load=cs.LineLoad(1.0)), tmp_path / "scene.toml")
     text = (tmp_path / "scene.toml").read_text(encoding="utf-8")

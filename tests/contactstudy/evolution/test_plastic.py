@@ -472,11 +472,3 @@ def test_what_plastic_strain_is_not_known_for_is_refused_in_a_sentence(
         make()  # type: ignore[operator]
     assert "\n" not in str(refused.value)
     assert ": " in str(refused.value)
-
-
-def test_a_scene_file_holds_a_body_that_yields(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    body = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD, 2e9, 1e9)
-    scene = replace(pressed(3), solids=(body, RIGID))
-    cs.write_scene(scene, path)
-    assert cs.read_scene(path).scene == scene

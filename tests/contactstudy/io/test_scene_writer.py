@@ -118,6 +118,34 @@ def test_a_folder_that_is_not_there_is_said(tmp_path: Path) -> None:
 RUBBER = cs.ViscoelasticHalfSpace(1e6, 0.4, ((1.5e6, 1.0), (5e5, 0.1)))
 
 
+ADHESION = cs.Adhesion(0.05, 2e-8, "dugdale", "from full contact")
+OIL = cs.Lubricant(
+    0.04, 2e-8, viscosity_law=cs.Barus(), density=cs.ConstantDensity(), shear=cs.Eyring(5e6)
+)
+EFFECTS: tuple[dict[str, object], ...] = (
+    {"solids": (cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL), STEEL)},
+    {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9, 1e9), STEEL)},
+    {"friction": cs.Sliding(0.12)},
+    {"friction": cs.PartialSlip(0.3, -2e3)},
+    {"friction": cs.Fretting.cycle(0.3, 0.1)},
+    {"friction": cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=-2e-4, spin=0.5, speed=3.0)},
+    {"friction": cs.TractiveRolling(0.3, tangential=2e4)},
+    {"adhesion": ADHESION, "load": cs.LineLoad(-0.1)},
+    {"adhesion": ADHESION, "load": cs.PullOff(1.0, 1e-2)},
+    {"adhesion": ADHESION, "load": cs.Approach(-1e-6, 2.0)},
+    {"lubrication": cs.Lubrication(OIL, 1.0, 0.1, boundary=cs.Boundary(1e-9, 0.12))},
+)
+
+
+@pytest.mark.cases(len(EFFECTS))
+@pytest.mark.parametrize("changes", EFFECTS, ids=lambda given: type([*given.values()][-1]).__name__)
+def test_every_effect_reads_back(changes: dict[str, object], tmp_path: Path) -> None:
+    written = replace(
+        scene(cs.Cylinder(0.01)), **({"solids": (STEEL, STEEL), "hardness": inf} | changes)
+    )
+    assert read_back(written, tmp_path).scene == written
+
+
 @pytest.mark.parametrize(
     "changes",
     [

@@ -21,12 +21,6 @@ def test_a_file_names_the_lubricant_with_units_and_laws() -> None:
     )
 
 
-def test_a_lubricated_scene_reads_back_as_it_was_written(tmp_path: Path) -> None:
-    scene = by_moes(20, 5)
-    cs.write_scene(scene, tmp_path / "film.toml")
-    assert cs.read_scene(tmp_path / "film.toml").scene == scene
-
-
 def test_the_plan_of_a_file_reaches_its_error() -> None:
     described = cs.read_scene(OIL)
     planned = described.plan()

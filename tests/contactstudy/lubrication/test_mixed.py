@@ -183,10 +183,3 @@ def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
     assert float(dataset["contact_load_fraction"]) == share.value
     # of both, in the direction of sliding
     assert contact.friction == pytest.approx(0.12 * share.value, rel=0.05)
-
-
-def test_a_boundary_film_reads_back_as_it_was_written(tmp_path: object) -> None:
-    scene = mixed(0.03, 1.0)
-    path = f"{tmp_path}/mixed.toml"
-    cs.write_scene(scene, path)
-    assert cs.read_scene(path).scene == scene

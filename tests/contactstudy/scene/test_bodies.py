@@ -42,12 +42,6 @@ def test_of_a_sudden_load_bodies_are_elastic() -> None:
     assert sudden((YIELDS, CREEPS)) == (cs.HalfSpace(60e9, 0.25), cs.HalfSpace(60e9, 0.5))
 
 
-def test_a_body_that_yields_hardens_only_where_that_is_said() -> None:
-    assert (YIELDS.hardening_modulus, YIELDS.kinematic_modulus) == (0.0, 0.0)
-    assert YIELDS.yields
-    assert not cs.ElasticPlasticHalfSpace(60e9, 0.25, math.inf).yields
-
-
 @pytest.mark.parametrize("ratio", [-0.99, 0.0, 0.5])
 def test_ratios_from_above_minus_one_to_a_half_are_bodies(ratio: float) -> None:
     assert cs.HalfSpace(1e9, ratio).compliance == pytest.approx((1 - ratio * ratio) / 1e9)

@@ -2,13 +2,11 @@
 
 from dataclasses import replace
 from math import log, pi
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.problem.problem import Problem
 from tests.conftest import STEEL
 
 MU = 0.3
@@ -140,10 +138,3 @@ def test_a_rough_contact_closes_its_loop() -> None:
 def test_what_is_not_defined_is_refused(make: object, said: str) -> None:
     with pytest.raises(cs.InvalidInput, match=said):
         make()
-
-
-def test_fretting_is_read_from_a_file_and_written_to_one(tmp_path: Path) -> None:
-    path, scene = tmp_path / "scene.toml", replace(LINE, friction=cs.Fretting.cycle(MU, 0.1))
-    cs.write_scene(scene, path)
-    assert cs.read_scene(path).scene == scene
-    assert isinstance(scene.problem(STRIP, cs.ExactPeriodicity()), Problem)

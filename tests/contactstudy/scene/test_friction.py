@@ -3,15 +3,13 @@
 from dataclasses import replace
 from math import acos, pi, sin, sqrt, tan
 from math import inf as infinite
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.scene.friction import _passes, dundurs
+from contactstudy.scene.friction import dundurs
 from contactstudy.solvers.friction import CiavarellaJaeger, CoulombDisks
 from tests.conftest import STEEL
 
@@ -40,24 +38,6 @@ def test_like_bodies_slide_under_the_pressure_of_bodies_that_do_not(coefficient:
     assert not sliding.stick.any()
     assert sliding.iterations == without.iterations
     assert sliding.traction.passes == 1
-
-
-def test_the_work_of_all_passes_is_counted() -> None:
-    """Each pass is a solve, and one convolution by the shear after it."""
-    problem = solved(scene(cs.Sliding(0.3), solids=(STEEL, RIGID))).problem
-    solves: list[cs.Solution] = []
-
-    class Counted(cs.SolveOptions):
-        def solved(self, *arguments: Any) -> cs.Solution:
-            solves.append(super().solved(*arguments))
-            return solves[-1]
-
-    assert problem.friction is not None
-    found = problem.friction.solved(replace(problem, friction=None), Counted(1e-6), None, cs.Cpu())
-    passes = found.traction.passes
-    assert passes == len(solves) > 2
-    assert found.iterations == sum(one.iterations for one in solves)
-    assert found.convolutions == sum(one.convolutions for one in solves) + passes
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -267,13 +247,6 @@ def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None
     np.testing.assert_array_equal(sliding.pressure, without.pressure)
 
 
-@pytest.mark.parametrize("friction", [cs.Sliding(0.12), cs.PartialSlip(0.3, -2e3)])
-def test_friction_is_read_from_a_file_and_written_to_one(friction: object, tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    cs.write_scene(scene(friction), path)
-    assert cs.read_scene(path).scene == scene(friction)
-
-
 def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
     """Johnson (1985), eq. 5.3: by (1 - 2 nu) / G and (1 - nu) / G of either."""
     first, second = cs.HalfSpace(200e9, 0.2), cs.HalfSpace(50e9, 0.4)
@@ -283,20 +256,3 @@ def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
     assert dundurs((first, second)) == pytest.approx(above / below / 2)
     assert dundurs((second, first)) == pytest.approx(-above / below / 2)
     assert dundurs((first, first)) == 0
-
-
-@pytest.mark.parametrize(("coefficient", "words"), [(0.0, "in one solve"), (0.5, "passes")])
-def test_unlike_bodies_are_solved_again_unless_nothing_rubs(coefficient: float, words: str) -> None:
-    sliding = cs.Sliding(coefficient)
-    one = scene(sliding, solids=(STEEL, RIGID))
-    paddings = (cs.ZeroPadding(), cs.ExactPeriodicity())
-    assert words in sliding.explanation(one, varies=False, paddings=paddings)
-    grid = cs.Grid((8, 1), (1e-3, 1e-3))
-    law = sliding.law(one, np.zeros((8, 1)), grid, paddings, 1.0)
-    assert (law.coupling is None) is (coefficient == 0)
-
-
-@pytest.mark.parametrize(("product", "passes"), [(1e-9, 2), (0.01, 4), (0.5, 31), (2.0, 175)])
-def test_passes_are_counted_to_a_residual_of_1e_8(product: float, passes: int) -> None:
-    """By 0.011, 0.55 and 0.9 at most from pass to pass."""
-    assert _passes(product) == passes

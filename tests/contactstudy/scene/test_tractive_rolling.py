@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from math import inf, pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -369,20 +368,6 @@ def test_material_that_would_enter_again_is_refused() -> None:
 def test_heights_that_would_travel_are_said() -> None:
     assert "travels" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
     assert "travels" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
-
-
-@pytest.mark.parametrize(
-    "friction",
-    [
-        cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=-2e-4, spin=0.5, speed=3.0),
-        cs.TractiveRolling(0.3, tangential=2e4),
-    ],
-)
-def test_rolling_is_read_from_a_file_and_written_to_one(friction: object, tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    scene = replace(SMOOTH, friction=friction)
-    cs.write_scene(scene, path)
-    assert cs.read_scene(path).scene == scene
 
 
 def test_a_plan_says_how_rolling_is_solved() -> None:

@@ -20,13 +20,19 @@ from tests.conftest import LineContact
 
 NOTHING: dict[str, cs.Shape] = {
     "waviness": cs.Waviness(0.0, across=3e-5, along=3e-5),
-    "texture": cs.Texture(cs.Dimple(0.0, 1e-5), pitch=(3e-5, 3e-5)),
+    "dimples": cs.Texture(cs.Dimple(0.0, 1e-5), pitch=(3e-5, 3e-5)),
+    "grooves": cs.Texture(cs.Groove(0.0, 1e-5), pitch=(inf, 3e-5)),
+    "measured surface": cs.MeasuredSurface(np.zeros((24, 8)), (1e-2, 9e-5)),
+    "trend of a surface": cs.MeasuredSurface(
+        np.zeros((128, 64)), trend=cs.Trend.QUADRATIC, seam=cs.Tapered()
+    ),
     "roughness": cs.Roughness(0.0, hurst=0.8, roll_off=1e-4, cut_off=1e-5),
     "roughness by slope": cs.Roughness(cs.RmsSlope(0.0), hurst=0.8, roll_off=1e-4, cut_off=1e-5),
     "crown": cs.Crown(inf),
     "tilt": cs.Tilt(0.0),
     "crown by its drop": cs.Crown.of_drop(0.0, length=1e-4),
-    "Lundberg profile": cs.LundbergProfile(0.0, 0.0, length=1e-4),
+    "Lundberg profile": cs.LundbergProfile(0.0, 1e-6, length=1e-4),
+    "Lundberg profile without a drop": cs.LundbergProfile(1e-7, 0.0, length=1e-4),
 }
 
 
@@ -59,6 +65,7 @@ def solved(
     return cs.solve(scene.problem(grid, cs.ExactPeriodicity())), Counter(calls)
 
 
+@pytest.mark.cases(len(NOTHING))
 @pytest.mark.parametrize("name", NOTHING)
 def test_an_effect_of_no_size_is_the_scene_without_it(
     name: str, line_contact: LineContact, counted: Counter[str]
@@ -68,6 +75,7 @@ def test_an_effect_of_no_size_is_the_scene_without_it(
     with_it, more = solved(
         replace(plain, shapes=(*plain.shapes, NOTHING[name])), line_contact, counted
     )
+    assert NOTHING[name].gap(with_it.problem.grid).shape == (128, 1)
     assert transforms["forward"] > 0
     assert more == transforms
     np.testing.assert_array_equal(with_it.pressure, without.pressure)

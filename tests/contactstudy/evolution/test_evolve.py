@@ -71,8 +71,8 @@ class KilledError(Exception):
     """The process is gone."""
 
 
-@pytest.mark.cases(2)
-@pytest.mark.parametrize("error", [None, 5e-3], ids=["given steps", "chosen steps"])
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("error", [5e-3, None], ids=["chosen steps", "given steps"])
 def test_a_march_that_was_killed_goes_on_to_the_same_bits(
     tmp_path: Path, error: float | None
 ) -> None:

@@ -58,6 +58,7 @@ def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     assert solution.traction.passes <= 30
 
 
+@pytest.mark.whole
 def test_no_more_applications_are_needed_than_promised() -> None:
     """Four transforms each, those of coarser grids in proportion, beside the convolutions of the normal solve."""
     normal = solved(None, (1024, 1)).convolutions
@@ -368,14 +369,6 @@ def test_material_that_would_enter_again_is_refused() -> None:
 def test_heights_that_would_travel_are_said() -> None:
     assert "travels" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
     assert "travels" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
-
-
-def test_a_plan_says_how_rolling_is_solved() -> None:
-    reasons = cs.plan(replace(SMOOTH, friction=cs.TractiveRolling(MU, tangential=1e3))).reasons
-    assert any(
-        "tractive rolling" in reason and "75 applications of the shear operator" in reason
-        for reason in reasons
-    )
 
 
 def test_slope_of_carters_curve_is_pi_over_two_times_modulus_and_half_width() -> None:

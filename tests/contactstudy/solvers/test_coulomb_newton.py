@@ -72,6 +72,7 @@ def test_linear_equations_are_solved_by_as_many_vectors_as_there_are_unknowns() 
     np.testing.assert_allclose(matrix @ found.ravel(), target.ravel(), atol=1e-10)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("elongation", [1.6, 20.0, 62.0])
 @pytest.mark.parametrize("poisson_ratio", [0.0, 0.3, 0.49])
 def test_a_finite_roller_takes_no_more_applications_than_promised(

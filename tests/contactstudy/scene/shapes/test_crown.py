@@ -28,23 +28,6 @@ def lundberg(contact: LineContact, length: float = LENGTH) -> cs.LundbergProfile
     )
 
 
-@pytest.mark.parametrize(
-    "none",
-    [
-        cs.Crown(),
-        cs.Crown.of_drop(0.0, 0.01),
-        cs.LundbergProfile(amplitude=0.0, end_drop=1e-6, length=0.01),
-        cs.LundbergProfile(amplitude=1e-7, end_drop=0.0, length=0.01),
-    ],
-    ids=repr,
-)
-def test_no_drop_is_the_roller_without_a_crown(none: cs.Shape, line_contact: LineContact) -> None:
-    grid = line_contact.grid((16, 8), LENGTH)
-    assert none.gap(grid).shape == (16, 1)
-    plain, crowned = roller(line_contact), roller(line_contact, none)
-    np.testing.assert_array_equal(crowned.pressure, plain.pressure)
-
-
 def test_crown_drops_at_the_ends_by_what_was_asked() -> None:
     crown = cs.Crown.of_drop(5e-6, 0.01)
     assert crown.radius == pytest.approx(2.5)

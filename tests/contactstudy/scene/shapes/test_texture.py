@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from tests.conftest import LineContact
 
 DIMPLE = cs.Dimple(depth=5e-6, diameter=1e-4)
 GROOVE = cs.Groove(depth=2e-6, width=4e-5)
@@ -14,26 +13,6 @@ DIMPLES = cs.Texture(DIMPLE, pitch=(2e-4, 2.5e-4))
 
 def grid(nx: int, ny: int) -> cs.Grid:
     return cs.Grid(cells=(nx, ny), extent=(4e-4, 5e-4))
-
-
-@pytest.mark.parametrize(
-    "texture",
-    [
-        cs.Texture(replace(DIMPLE, depth=0.0), (2e-4, 2.5e-4)),
-        cs.Texture(replace(GROOVE, depth=0.0), (np.inf, 2.5e-4)),
-    ],
-    ids=repr,
-)
-def test_no_depth_is_the_scene_without_a_texture(
-    texture: cs.Texture, line_contact: LineContact
-) -> None:
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, texture))
-    assert texture.gap(grid(16, 8)).shape == (16, 1)
-    solutions = [
-        cs.solve(one.problem(grid(16, 8), cs.ExactPeriodicity()))
-        for one in (line_contact.scene, scene)
-    ]
-    np.testing.assert_array_equal(solutions[0].pressure, solutions[1].pressure)
 
 
 def test_dimples_repeat_at_their_pitch_and_are_deepest_in_the_middle() -> None:

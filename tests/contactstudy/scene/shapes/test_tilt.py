@@ -22,11 +22,6 @@ def test_the_gap_opens_towards_larger_y() -> None:
     assert cs.Tilt(0.01).gap(GRID) == pytest.approx(tan(0.01) * GRID.y[None])
 
 
-def test_without_an_angle_the_roller_is_the_same_to_the_last_bit() -> None:
-    crown = cs.Crown(0.3)
-    np.testing.assert_array_equal(solved(crown, cs.Tilt(0.0)).pressure, solved(crown).pressure)
-
-
 def test_a_tilted_crown_is_the_crown_beside_the_middle() -> None:
     """``y^2 / (2 R) + y t`` is the parabola about ``-R t``, less a constant."""
     crown, cells = cs.Crown(0.3), 10

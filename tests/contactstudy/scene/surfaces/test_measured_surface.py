@@ -34,20 +34,6 @@ def solved(contact: LineContact, *more: cs.Shape) -> cs.Solution:
     return cs.solve(scene.problem(contact.grid(GRID.cells, 1.0), cs.ExactPeriodicity()))
 
 
-@pytest.mark.parametrize("extent", [None, (1e-2, 1e-4)], ids=["cell for cell", "with sizes"])
-def test_no_heights_are_the_scene_without_a_surface(
-    extent: tuple[float, float] | None, line_contact: LineContact
-) -> None:
-    if extent is not None:
-        extent = (extent[0], line_contact.hertz.half_width)
-    for options in ({}, {"trend": cs.Trend.QUADRATIC, "seam": cs.Tapered()}):
-        flat = cs.MeasuredSurface(np.zeros(GRID.cells), extent, **options)  # type: ignore[arg-type]
-        assert flat.gap(line_contact.grid(GRID.cells, 1.0)).shape == (24, 1)
-        np.testing.assert_array_equal(
-            solved(line_contact, flat).pressure, solved(line_contact).pressure
-        )
-
-
 def test_heights_without_sizes_stand_cell_for_cell_and_close_the_gap() -> None:
     np.testing.assert_array_equal(cs.MeasuredSurface(HEIGHTS).gap(GRID), -HEIGHTS)
 

@@ -146,6 +146,7 @@ def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: P
     assert done.stdout == "libraries True\n", done.stderr
 
 
+@pytest.mark.cases(1)
 @pytest.mark.skipif(module.METHOD != "forkserver", reason="processes are not forked")
 @pytest.mark.parametrize("signal_name", ["SIGKILL", "SIGTERM"])
 def test_the_end_of_the_process_that_forks_workers_ends_no_run(

@@ -1,4 +1,4 @@
-"""Influence coefficients that a bonded layer adds to those of a half-space of its own material."""
+"""Influence coefficients that a bonded layer adds, under pressure and shear, to those of its own half-space."""
 
 from dataclasses import dataclass
 from math import log
@@ -7,9 +7,21 @@ from typing import ClassVar
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
+from contactstudy.elasticity.kernels.layer_image import (
+    image_cell,
+    image_lattice,
+    image_row,
+    log_mean,
+)
 from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer_shear import TURNED, Part, ShearWaves, image
+from contactstudy.elasticity.kernels.wave_coefficients import APART, WaveCoefficients
+
+# A cell alone is one of a lattice so many times as far apart as asked, at least so many thicknesses over the distance of
+# the nearest poles of the response: what is left of its images is then below 1e-6. Beyond so many waves along an axis
+# they are summed by a transform.
+LONGEST, MOST_WAVES = 64.0, 1200
 
 
 @dataclass(frozen=True)
@@ -67,3 +79,96 @@ class CoatingDisplacement:
         image = image_lattice(x, y, dx, dy, width, period, 2 * self.thickness)
         remainder = self._remainder.lattice(x, y, dx, dy, width, period)
         return remainder + self.response.contrast * image
+
+
+@dataclass(frozen=True)
+class CoatingShear:
+    """Influence coefficients [m] that a bonded layer adds under shear to those of a half-space of its own material.
+
+    They are those of :class:`~contactstudy.elasticity.kernels.layer_shear.ShearWaves`: displacement along the surface
+    takes long waves as in the substrate. A row's mean and a cell alone have long waves in closed form, as images two
+    thicknesses above the surface; what is left is summed by its waves.
+
+    Parameters
+    ----------
+    response
+        Ratio of the moduli and Poisson's ratios.
+    thickness
+        Thickness of the layer [m].
+    name
+        "xx", "xy", "yy", "x" or "y", as in :class:`~contactstudy.elasticity.tangential.SurfaceField`.
+    datum
+        Distance [m] as in :class:`~contactstudy.elasticity.coefficients.Displacement`.
+    """
+
+    response: LayerResponse
+    thickness: float
+    name: str
+    datum: float
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """Parity along each axis."""
+        return ShearWaves(self.response, Part.ALL).parity(self.name)
+
+    def turned(self) -> "CoatingShear":
+        """Return the field with x and y exchanged."""
+        return CoatingShear(self.response, self.thickness, TURNED[self.name], self.datum)
+
+    @property
+    def _terms(self) -> tuple[tuple[float, ...], ...]:
+        """Terms of long waves."""
+        return ShearWaves(self.response, Part.ALL).terms
+
+    def _waves(self, part: Part) -> WaveCoefficients:
+        """Return the sums of waves of a `part` of the response."""
+        return WaveCoefficients(ShearWaves(self.response, part), self.thickness, self.name)
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """Return the response to one cell; x and y broadcast."""
+        h, waves = self.thickness, self._waves(Part.SHORT)
+        farthest = max(float(np.abs(x).max()), float(np.abs(y).max())) + max(dx, dy)
+        least = LONGEST * h / self.response.first_pole
+        period = max(APART * farthest, least)
+        if waves.count(period) <= MOST_WAVES:
+            total = h * waves.series(x, y, dx, dy, period)
+        else:
+            total = h * waves.cell(x, y, dx, dy, least)
+        for order, (along, across, coupling) in enumerate(zip(*self._terms, strict=True)):
+            images = {self.name: along, TURNED[self.name]: across}
+            if self.name in ("x", "y"):
+                images = {self.name: coupling}
+            elif self.name == "xy":
+                images = {self.name: along - across}
+            for name, weight in images.items():
+                total += h**order * weight * image(name, order, x, y, dx, dy, 2 * h)
+        return np.asarray(total)
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Return the response to an infinite row of images along y; x is a column, y a row."""
+        varying = self.thickness * self._waves(Part.ALL).varying(x, y, dx, dy, period)
+        return np.asarray(varying + self._strip(x.ravel(), dx)[:, None] * (dy / period))
+
+    def _strip(self, x: Array, dx: float) -> Array:
+        """Return the response to a strip of width `dx`, endless along y, at offsets `x`."""
+        depth = 2 * self.thickness
+        along, across, coupling = (terms[0] for terms in self._terms)
+        rest = self.thickness * self._waves(Part.REGULAR).strip(x, dx)
+        if self.name == "x":
+            upper, lower = (
+                edge * np.arctan(edge / depth) - depth / 2 * np.log(edge**2 + depth**2)
+                for edge in (x + dx / 2, x - dx / 2)
+            )
+            return np.asarray(rest + 2 * coupling * (upper - lower))
+        if self.name in ("xx", "yy"):
+            one, other = (along, across) if self.name == "xx" else (across, along)
+            # a point's field less that across, whose integral along y is 2
+            line = 2 * log(self.datum) - 2 - log_mean(np.abs(x), dx / 2, depth)
+            return np.asarray(rest + dx * (one * line + 2 * other))
+        return rest
+
+    def lattice(
+        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
+    ) -> Array:
+        """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
+        return self.thickness * self._waves(Part.ALL).lattice(x, y, dx, dy, width, period)

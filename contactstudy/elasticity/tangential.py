@@ -1,6 +1,8 @@
 """Operators from shear on the surface to displacement: coefficients that are odd, and of two components."""
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -15,6 +17,9 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 )
 from contactstudy.elasticity.kernels.traction import SURFACE
 from contactstudy.elasticity.transforms import TRANSFORMS, Waves
+
+# Weights of two bodies are alike where they differ by less, relative to their sizes: the difference is rounding.
+ALIKE = 1e-14
 
 
 @dataclass(frozen=True)
@@ -112,8 +117,8 @@ def general_convolution(
 class ShearResponse:
     """Displacement along the surface [m] under shear [Pa], both (component, x, y): symmetric and positive.
 
-    ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y`` over bodies, c their compliance and ``n = nu
-    / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b.
+    Of half-spaces ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y``, c their compliance and ``n =
+    nu / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b.
     """
 
     xx: GeneralConvolution
@@ -143,28 +148,83 @@ class ShearResponse:
         return float((sums + np.abs(self.xy.spectrum)).max())
 
 
-def shear_response(
-    bodies: tuple[tuple[float, float], ...], grid: Grid, paddings: Paddings, datum: float
-) -> ShearResponse:
-    """Return the response of `bodies`, each given by its compliance (1 - nu^2) / E [1/Pa] and Poisson's ratio."""
-    compliance_sum = sum(compliance for compliance, _ in bodies) / np.pi
-    shear_part = sum(compliance * nu / (1 - nu) for compliance, nu in bodies) / np.pi
-    spectra = {
-        name: general_convolution(coefficients, grid, paddings).spectrum
-        for name, coefficients in (
-            ("all", Displacement(datum)),
-            ("xx", SurfaceField("xx", datum)),
-            ("xy", SurfaceField("xy", datum)),
-        )
+# Displacement under shear by component of :class:`ShearResponse`, and "x" and "y" along the normal by shear along each
+# axis: coefficients [m] with their weights [1/Pa].
+Shear = Mapping[str, Mapping[Coefficients, float]]
+
+
+class Sheared(Protocol):
+    """Body whose response to shear is known."""
+
+    def shear(self, datum: float) -> Shear:
+        """Return the displacement under unit shear, with the `datum` [m] of its response to pressure."""
+        ...
+
+
+def half_space_shear(compliance: float, poisson_ratio: float, datum: float) -> Shear:
+    """Return the displacement of a half-space under shear, by its compliance (1 - nu^2) / E [1/Pa]."""
+    alike, shift = compliance / np.pi, compliance / np.pi * poisson_ratio / (1 - poisson_ratio)
+    normal = compliance * (1 - 2 * poisson_ratio) / (2 * np.pi * (1 - poisson_ratio))
+    all_alike, xx = Displacement(datum), SurfaceField("xx", datum)
+    return {
+        "xx": {all_alike: alike, xx: shift},
+        "yy": {all_alike: alike + shift, xx: -shift},
+        "xy": {SurfaceField("xy", datum): shift},
+        "x": {SurfaceField("x", datum): normal},
+        "y": {SurfaceField("y", datum): normal},
     }
+
+
+def shear_response(
+    bodies: Iterable[Sheared], grid: Grid, paddings: Paddings, datum: float
+) -> ShearResponse:
+    """Return the displacement of `bodies` together under shear."""
+    shears = [body.shear(datum) for body in bodies]
+    weights = {name: total(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")}
+    return ShearResponse(*_convolutions(weights, grid, paddings))
+
+
+def normal_displacement(
+    first: Sheared, second: Sheared, axes: str, grid: Grid, paddings: Paddings, datum: float
+) -> list[GeneralConvolution]:
+    """Return the change of the gap by shear along each of the `axes`; none for bodies that are alike in shear.
+
+    Bodies are alike where the weights of the first one's coefficients are those of the second one's.
+    """
+    one, other = first.shear(datum), second.shear(datum)
+    weights = {axis: total(-1, one[axis], other[axis]) for axis in axes}
+    if not any(weights.values()):
+        return []
+    return _convolutions(weights, grid, paddings)
+
+
+def total(sign: int, *responses: Mapping[Coefficients, float]) -> Mapping[Coefficients, float]:
+    """Return the sum of `responses`, all but the first times `sign`, without what cancels or is zero."""
+    summed: dict[Coefficients, float] = {}
+    sizes: dict[Coefficients, float] = {}
+    for number, response in enumerate(responses):
+        for coefficients, weight in response.items():
+            signed = sign * weight if number else weight
+            summed[coefficients] = summed.get(coefficients, 0.0) + signed
+            sizes[coefficients] = sizes.get(coefficients, 0.0) + abs(weight)
+    return {kind: weight for kind, weight in summed.items() if abs(weight) > ALIKE * sizes[kind]}
+
+
+def _convolutions(
+    weights: Mapping[str, Mapping[Coefficients, float]], grid: Grid, paddings: Paddings
+) -> list[GeneralConvolution]:
+    """Return the convolutions with weighted sums of coefficients, each of which is computed once."""
     padded = padded_cells(grid, paddings)
-    return ShearResponse(
-        *(
-            GeneralConvolution(spectrum, grid.cells, padded)
-            for spectrum in (
-                compliance_sum * spectra["all"] + shear_part * spectra["xx"],
-                (compliance_sum + shear_part) * spectra["all"] - shear_part * spectra["xx"],
-                shear_part * spectra["xy"],
-            )
+    spectra = {
+        kind: general_convolution(kind, grid, paddings).spectrum
+        for kind in {kind: None for response in weights.values() for kind in response}
+    }
+    nothing = np.zeros((padded[0], padded[1] // 2 + 1), np.complex128)
+    return [
+        GeneralConvolution(
+            sum((weight * spectra[kind] for kind, weight in response.items()), start=nothing),
+            grid.cells,
+            padded,
         )
-    )
+        for response in weights.values()
+    ]

@@ -17,6 +17,7 @@ from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
 
 if TYPE_CHECKING:
+    from contactstudy.elasticity.tangential import Shear
     from contactstudy.scene.motion import Rolling
 
 
@@ -105,6 +106,13 @@ class HalfSpace:
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return Boussinesq's coefficients and weight, ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22)."""
         return {Displacement(datum): self.compliance / math.pi} if self.compliance else {}
+
+    def shear(self, datum: float) -> "Shear":
+        """Return Cerruti's coefficients and weights (Johnson 1985, eqs. 3.75)."""
+        # imported only where something is sheared
+        from contactstudy.elasticity.tangential import half_space_shear
+
+        return half_space_shear(self.compliance, self.poisson_ratio, datum)
 
 
 def poisson_ratio(field: str, value: object) -> float:

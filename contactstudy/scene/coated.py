@@ -15,6 +15,7 @@ from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.scene.bodies import HalfSpace
 
 if TYPE_CHECKING:
+    from contactstudy.elasticity.tangential import Shear
     from contactstudy.scene.stress import Medium
 
 # Up to this ratio of shear moduli the coefficients are verified.
@@ -87,6 +88,26 @@ class CoatedHalfSpace:
             return alone
         weight = alone[Displacement(datum)]
         return {**alone, CoatingDisplacement(self._layer, self.thickness, datum): weight}
+
+    def shear(self, datum: float) -> "Shear":
+        """Return the displacement under shear of a half-space of the coating, and the change by the substrate."""
+        # imported only where something is sheared
+        from contactstudy.elasticity.coating import CoatingShear
+
+        alone = self.coating.shear(datum)
+        if self.coating == self.substrate:
+            return alone
+        along = self.coating.compliance / math.pi
+        normal = along / (2 * (1 - self.coating.poisson_ratio))
+        return {
+            name: {
+                **of_coating,
+                CoatingShear(self._layer, self.thickness, name, datum): (
+                    normal if name in ("x", "y") else along
+                ),
+            }
+            for name, of_coating in alone.items()
+        }
 
     @property
     def stressed(self) -> "Medium":

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.elasticity.kernels.layer_stress import LayerStress
-from contactstudy.elasticity.kernels.layer_stress_remainder import FAMILIES, LayerStressRemainder
+from contactstudy.elasticity.kernels.layer_stress_waves import FAMILIES, StressWaves
+from contactstudy.elasticity.kernels.wave_coefficients import WaveCoefficients
 from contactstudy.scene.stress import StressCoefficients
 
 # The substrate's side of the bond, over the thickness.
@@ -42,7 +43,7 @@ class CoatedStress:
     ) -> tuple[tuple[float, Coefficients], ...]:
         """Return coefficients with their weights of the stress component `name` at a `depth` [m] under a `load`."""
         stress = LayerStress(self.materials, depth / self.thickness)
-        remainder = LayerStressRemainder(stress, self.thickness, load, name)
+        remainder = WaveCoefficients(StressWaves(stress, load), self.thickness, name)
         layer = self.materials
         nu1, nu2 = layer.coating_poisson_ratio, layer.substrate_poisson_ratio
 

@@ -16,13 +16,13 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
-from contactstudy.scene.bodies import HalfSpace
 from contactstudy.scene.friction import (
     FrictionContact,
     check_alike,
-    check_half_spaces,
+    check_sheared,
     check_still,
     coefficient,
+    sheared,
 )
 from contactstudy.scene.load import ChangingLoad, LoadHistory
 from contactstudy.solvers.fretting import FrettingShear
@@ -58,7 +58,7 @@ class Fretting:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that are unlike in shear, coated, creep or yield, or that roll.
+        For other values; in a scene with bodies that are unlike in shear, creep or yield, or that roll.
     """
 
     coefficient: Number
@@ -113,7 +113,7 @@ class Fretting:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         self._check_motion(scene)
-        check_half_spaces(scene, "Fretting")
+        check_sheared(scene, "Fretting")
         check_alike(scene, "Fretting")
         if self.times is not None:
             self._check_forces(scene)
@@ -172,12 +172,7 @@ class Fretting:
         scene: FrictionContact, grid: Grid, paddings: Paddings, datum: float
     ) -> ShearResponse:
         """Return the displacement of both bodies of `scene` under shear."""
-        bodies = tuple(
-            (solid.compliance, solid.poisson_ratio)
-            for solid in scene.solids
-            if isinstance(solid, HalfSpace)
-        )
-        return shear_response(bodies, grid, paddings, datum)
+        return shear_response(sheared(scene.solids), grid, paddings, datum)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""

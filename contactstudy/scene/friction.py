@@ -1,31 +1,36 @@
 """Friction between the bodies: Coulomb's law, sliding everywhere or sticking in part."""
 
 from dataclasses import dataclass
+from itertools import product
 from math import inf, isinf, log
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
-
-import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number
 from contactstudy.elasticity.tangential import (
+    ALIKE,
     GeneralConvolution,
-    SurfaceField,
-    general_convolution,
+    Sheared,
+    normal_displacement,
     shear_response,
 )
 from contactstudy.problem.problem import FrictionLaw
-from contactstudy.scene.bodies import Body, BodyContext, HalfSpace, Homogeneous, is_layered
+from contactstudy.scene.bodies import (
+    Body,
+    BodyContext,
+    HalfSpace,
+    Homogeneous,
+    Inelastic,
+    is_layered,
+)
+from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.solvers.friction import CiavarellaJaeger, CoulombDisks, FullSliding
 
 if TYPE_CHECKING:
     from contactstudy.scene.motion import Wear
-
-# Bodies are alike in shear where Dundurs' beta is below this: the difference is rounding.
-ALIKE = 1e-14
 
 
 class Load(Protocol):
@@ -101,7 +106,7 @@ class Sliding:
     Raises
     ------
     InvalidInput
-        For other coefficients; in a scene with unlike bodies one of which is coated or creeps, or that roll.
+        For other coefficients; in a scene with unlike bodies one of which creeps, or that roll.
     """
 
     coefficient: Number
@@ -117,7 +122,7 @@ class Sliding:
                 f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: shear by repeated rolling is "
                 "not supported, leave one of both out."
             )
-        if abs(beta) <= ALIKE or self.coefficient == 0:
+        if are_alike(scene.solids) or self.coefficient == 0:
             return
         if any(getattr(solid, "creeps", False) for solid in scene.solids):
             raise InvalidInput(
@@ -135,18 +140,15 @@ class Sliding:
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
         """Return the law for this scene on a grid, with the coupling of shear and normal displacement."""
-        beta = dundurs(scene.solids)
-        if abs(beta) <= ALIKE or self.coefficient == 0:
+        if self.coefficient == 0:
             return FullSliding(self.coefficient, None)
-        field = general_convolution(SurfaceField("x", datum), grid, paddings)
-        weight = beta / (np.pi * scene.contact_modulus)
-        coupling = GeneralConvolution(field.spectrum * weight, field.cells, field.padded)
-        return FullSliding(self.coefficient, coupling)
+        coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
+        return FullSliding(self.coefficient, coupling[0] if coupling else None)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: one if the bodies are alike in shear, else a sequence of them."""
         beta = dundurs(scene.solids)
-        if abs(beta) <= ALIKE or self.coefficient == 0:
+        if are_alike(scene.solids) or self.coefficient == 0:
             return (
                 "friction: full sliding of bodies that are alike in shear, so the pressure is that without "
                 "friction, in one solve."
@@ -176,7 +178,7 @@ class PartialSlip:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that are unlike in shear or coated, or a change in time.
+        For other values; in a scene with bodies that are unlike in shear, or a change in time.
     """
 
     coefficient: Number
@@ -193,7 +195,7 @@ class PartialSlip:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         check_still(scene, "PartialSlip")
-        check_half_spaces(scene, "PartialSlip", ", or Sliding")
+        check_sheared(scene, "PartialSlip", ", or Sliding")
         check_alike(scene, "PartialSlip", ", or Sliding")
         most = self.coefficient * scene.load.largest
         if not abs(self.tangential) < most:
@@ -209,12 +211,7 @@ class PartialSlip:
         ratio = self.tangential / (self.coefficient * scene.load.largest)
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
             return CiavarellaJaeger(self.coefficient, ratio)
-        bodies = tuple(
-            (solid.compliance, solid.poisson_ratio)
-            for solid in scene.solids
-            if isinstance(solid, HalfSpace)
-        )
-        response = shear_response(bodies, grid, paddings, datum)
+        response = shear_response(sheared(scene.solids), grid, paddings, datum)
         return CoulombDisks(self.coefficient, ratio, response)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
@@ -229,6 +226,8 @@ class PartialSlip:
             + (
                 "a hardness limits the pressure;"
                 if scene.hardness != inf
+                else "a coating is not as soft along its surface as across it;"
+                if any(map(is_layered, scene.solids))
                 else "something varies along the length and Poisson's ratio is not 0;"
             )
             + " 30 to 80 applications of four transforms each, in addition to the normal solve."
@@ -242,7 +241,7 @@ class PartialSlip:
             for solid in scene.solids
             if isinstance(solid, HalfSpace) and not isinf(solid.youngs_modulus)
         ]
-        if scene.hardness != inf:
+        if scene.hardness != inf or any(map(is_layered, scene.solids)):
             return False  # a capped pressure is no difference of two contacts
         if all(solid.poisson_ratio == 0 for solid in elastic):
             return True
@@ -250,27 +249,63 @@ class PartialSlip:
 
 
 def dundurs(solids: tuple[Body, ...]) -> float:
-    """Return Dundurs' beta of two homogeneous bodies under a sudden load, 0 for two equal bodies of any kind.
+    """Return Dundurs' beta of two bodies under a sudden load, 0 for two equal bodies of any kind.
 
-    Source: Dundurs (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for other bodies,
-    whose coupling between shear and normal displacement is not supported.
+    That of a coated body is the largest, in size, by its coating and by its substrate. Source: Dundurs (1969); Johnson
+    (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to shear is not known.
     """
     first, second = solids
     if first == second:
         return 0.0
-    if not (isinstance(first, Homogeneous) and isinstance(second, Homogeneous)) or any(
-        map(is_layered, solids)
-    ):
-        raise InvalidInput(
-            "Scene.solids are unlike and not both homogeneous together with friction: how shear moves a coated surface "
-            "along its normal is not supported, give two equal bodies, or two HalfSpace."
-        )
+    pairs = product(_materials(first), _materials(second))
+    return max((_dundurs(one, other) for one, other in pairs), key=abs)
+
+
+def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
+    """Return Dundurs' beta of two materials."""
     (soft1, hard1), (soft2, hard2) = (
         ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
         for solid in (first, second)
         for shear in (solid.youngs_modulus / (2 * (1 + solid.poisson_ratio)),)
     )
     return float((soft1 - soft2) / (2 * (hard1 + hard2)))
+
+
+def _materials(solid: Body) -> tuple[Homogeneous, ...]:
+    """Return the material of a body, or those of its coating and its substrate."""
+    if isinstance(solid, CoatedHalfSpace):
+        return solid.coating, solid.substrate
+    if isinstance(solid, Homogeneous) and not is_layered(solid):
+        return (solid,)
+    raise InvalidInput(
+        "Scene.solids are unlike together with friction, and the response to shear of a "
+        f"{type(solid).__name__} is not known: give two equal bodies, or HalfSpace and CoatedHalfSpace."
+    )
+
+
+def are_alike(solids: tuple[Body, ...]) -> bool:
+    """Return whether shear between two bodies leaves the gap as it is."""
+    first, second = solids
+    if first == second:
+        return True
+    of_one_material = all(one[0] == one[-1] for one in map(_materials, solids))
+    return of_one_material and abs(dundurs(solids)) <= ALIKE
+
+
+def sheared(solids: tuple[Body, ...]) -> tuple[Sheared, ...]:
+    """Return the elastic bodies that respond to a sudden shear as `solids` do."""
+    elastic = (solid.sudden if isinstance(solid, Inelastic) else solid for solid in solids)
+    return tuple(solid for solid in elastic if isinstance(solid, HalfSpace | CoatedHalfSpace))
+
+
+def shear_coupling(
+    solids: tuple[Body, ...], axes: str, grid: Grid, paddings: Paddings, datum: float
+) -> list[GeneralConvolution]:
+    """Return the change of the gap by shear along each of the `axes`, none for bodies that are alike in shear."""
+    if are_alike(solids):
+        return []
+    first, second = sheared(solids)
+    return normal_displacement(first, second, axes, grid, paddings, datum)
 
 
 def _passes(product: float) -> int:
@@ -288,22 +323,22 @@ def coefficient(name: str, value: object, *, zero: bool) -> float:
     return number if number == 0 else in_range(field, number, remedy)
 
 
-def check_half_spaces(scene: FrictionContact, name: str, otherwise: str = "") -> None:
+def check_sheared(scene: FrictionContact, name: str, otherwise: str = "") -> None:
     """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
-        if not isinstance(solid, HalfSpace):
+        if not isinstance(solid, HalfSpace | CoatedHalfSpace):
             raise InvalidInput(
                 f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: its response to shear is "
-                f"not supported, give a HalfSpace{otherwise}."
+                f"not supported, give a HalfSpace or a CoatedHalfSpace{otherwise}."
             )
 
 
 def check_alike(scene: FrictionContact, name: str, otherwise: str = "") -> None:
     """Raise InvalidInput for bodies that slip when they are pressed, which the law of friction `name` excludes."""
-    if abs(beta := dundurs(scene.solids)) > ALIKE:
+    if not are_alike(scene.solids):
         raise InvalidInput(
-            f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with {name}: pressing them makes "
-            f"them slip already, give bodies of one material{otherwise}."
+            f"Scene.solids are unlike in shear (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
+            f"pressing them makes them slip already, give bodies of one material{otherwise}."
         )
 
 

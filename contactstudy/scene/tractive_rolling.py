@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from functools import partial
 from math import isinf
 
-import numpy as np
-
 from contactstudy.domain.checks import (
     InvalidInput,
     in_range_or_zero,
@@ -15,20 +13,15 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre
-from contactstudy.elasticity.tangential import (
-    ShearResponse,
-    SurfaceField,
-    general_convolution,
-    shear_response,
-)
-from contactstudy.scene.bodies import HalfSpace
+from contactstudy.elasticity.tangential import Sheared, ShearResponse, shear_response
 from contactstudy.scene.friction import (
-    ALIKE,
     FrictionContact,
-    check_half_spaces,
+    are_alike,
+    check_sheared,
     check_still,
     coefficient,
-    dundurs,
+    shear_coupling,
+    sheared,
 )
 from contactstudy.solvers.rolling_traction import Creepage
 from contactstudy.solvers.tractive_rolling import Coupling, TractiveShear
@@ -65,7 +58,7 @@ class TractiveRolling:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with coated bodies, a change in time, or heights that a body carries.
+        For other values; in a scene with creeping or yielding bodies, a change in time, or heights that a body carries.
     """
 
     coefficient: Number
@@ -101,7 +94,7 @@ class TractiveRolling:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         check_still(scene, "TractiveRolling", "and steady rolling has none: leave one of both out")
-        check_half_spaces(scene, "TractiveRolling")
+        check_sheared(scene, "TractiveRolling")
         for number, shape in enumerate(scene.shapes):
             if hasattr(shape, "gap_after"):
                 raise InvalidInput(
@@ -130,20 +123,7 @@ class TractiveRolling:
                 f"padding[0] is {paddings[0]!r} together with TractiveRolling: what leaves the contact would enter it "
                 "again, give ZeroPadding across."
             )
-        bodies = tuple(
-            (solid.compliance, solid.poisson_ratio)
-            for solid in scene.solids
-            if isinstance(solid, HalfSpace)
-        )
-        coupling = None
-        if abs(beta := dundurs(scene.solids)) > ALIKE:
-            weight = beta / (np.pi * scene.contact_modulus)
-            coupling = Coupling(
-                *(
-                    general_convolution(SurfaceField(axis, datum), grid, paddings).times(weight)
-                    for axis in "xy"
-                )
-            )
+        coupling = shear_coupling(scene.solids, "xy", grid, paddings, datum)
         ratio = None
         if self.tangential is not None:
             ratio = self.tangential / (self.coefficient * scene.load.largest)
@@ -152,8 +132,8 @@ class TractiveRolling:
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
             ratio,
             self.speed,
-            partial(_response, bodies, paddings, datum),
-            coupling,
+            partial(_response, sheared(scene.solids), paddings, datum),
+            Coupling(*coupling) if coupling else None,
             TRAVELS if self._travels(scene) else "",
         )
 
@@ -167,13 +147,13 @@ class TractiveRolling:
         """Return a sentence on the solves of the shear."""
         work = "130" if varies else "75"
         said = f"friction: tractive rolling by Newton's method, up to about {work} applications of the shear operator"
-        if abs(dundurs(scene.solids)) > ALIKE:
+        if not are_alike(scene.solids):
             said += ", and again with the pressure under this shear until neither changes"
         return f"{said}." + (f" {TRAVELS}" if self._travels(scene) else "")
 
 
 def _response(
-    bodies: tuple[tuple[float, float], ...], paddings: Paddings, datum: float, grid: Grid
+    bodies: tuple[Sheared, ...], paddings: Paddings, datum: float, grid: Grid
 ) -> ShearResponse:
     """Return the response of `bodies` to shear on `grid`, the argument that is given last."""
     return shear_response(bodies, grid, paddings, datum)

@@ -1,4 +1,4 @@
-"""Response of a layered half-space to one wave of pressure, and its short-ranged remainder in space.
+"""Response of a layered half-space to one wave of pressure or shear, and its short-ranged remainder in space.
 
 In space the remainder is two functions of one distance, tabulated once for each pair of materials.
 """
@@ -29,8 +29,8 @@ class LayerResponse:
     With k the wave number times the thickness, the quotient is ``1 + D(k)`` with ``D = d0 exp(-2 k) + R(k)``; d0 is
     `contrast`, and R is the `remainder`, which is zero at k = 0 and decays like ``k^2 exp(-2 k)``.
 
-    Source: plane strain of a bonded layer under normal pressure, without shear on its surface (Burmister 1945; Johnson
-    1985, sect. 5.8). It holds for every direction of the wave.
+    Source: plane strain of a bonded layer (Burmister 1945; Johnson 1985, sect. 5.8). It holds for every direction of the
+    wave.
 
     Parameters
     ----------
@@ -63,6 +63,12 @@ class LayerResponse:
         return self.shear_ratio * ratio - 1
 
     @property
+    def coupling_contrast(self) -> float:
+        """``1 - 2 nu`` of the substrate times the ratio of the shear moduli, less that of the layer: h0."""
+        soft = 1 - 2 * self.substrate_poisson_ratio
+        return self.shear_ratio * soft - (1 - 2 * self.coating_poisson_ratio)
+
+    @property
     def slope(self) -> float:
         """Derivative of `remainder` at k = 0."""
         lam, kap, one_lam, one_kap = self._mismatch
@@ -81,26 +87,61 @@ class LayerResponse:
 
     def remainder(self, k: Numbers) -> Numbers:
         """Return R(k), the short-ranged response, without cancellation for small k or very unlike materials."""
+        return self._remainder(k, 1)
+
+    def shear_remainders(self, k: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+        """Return what R(k) is under shear: of shear along the wave, across it, and of both displacements' coupling.
+
+        Displacement by shear along the wave is ``2 (1 - nu1^2) / (E1 q) (1 + d0 exp(-2 k) + R)``. By shear across it
+        is ``1 / (G1 q) (1 + (m - 1) exp(-2 k) + R)``, with m the ratio of the shear moduli. Normal displacement by
+        shear along the wave is ``1 / (2 G1 q) (1 - 2 nu1 + h0 exp(-2 k) + R)``, a quarter of a wave behind, with h0 the
+        `coupling_contrast`. Source: that of the class; antiplane strain of the layer across the wave.
+        """
+        lam, kap, one_lam, one_kap = self._mismatch
+        cross, ratio = (
+            lam * one_kap + kap * one_lam,
+            (self.shear_ratio - 1) / (self.shear_ratio + 1),
+        )
+        t, u = np.exp(-2 * k), -np.expm1(-2 * k)
+        antiplane = -2 * ratio**2 * t * u / ((1 - ratio) * (1 - ratio + ratio * u))
+        h0, rest = self.coupling_contrast, u * cross + kap * self._higher_order(k)
+        above = 8 * kap * k * k * (1 - self.coating_poisson_ratio) - h0 * rest
+        coupling = t * above / (one_lam * one_kap + rest)
+        return self._remainder(k, -1), antiplane, np.asarray(coupling)
+
+    def _remainder(self, k: Numbers, side: int) -> Numbers:
+        """Return the remainder under pressure (`side` 1) or shear along the wave (-1)."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
+        t, u = np.exp(-2 * k), -np.expm1(-2 * k)
+        higher_order, d0 = self._higher_order(k), self.contrast
+        above = (
+            4 * kap * k * (side + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * higher_order
+        )
+        return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
+
+    def _higher_order(self, k: Numbers) -> Numbers:
+        """Return the part of the denominator over kappa that is of order k^2."""
+        lam, _, one_lam, _ = self._mismatch
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
         # (1 - t)^2 - 4 k^2 t, of order k^4
         fourth = u * u - 4 * k * k * t
         small = np.abs(k) < SERIES_END
         if small.any():
             fourth[small] = 4 * t[small] * _sinh_square_less_square(k[small])
-        higher_order = lam * fourth - 4 * k * k * t * one_lam
-        d0 = self.contrast
-        above = 4 * kap * k * (1 + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * higher_order
-        return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
+        return np.asarray(lam * fourth - 4 * k * k * t * one_lam)
 
     def taylor(self) -> tuple[float, float, float]:
         """Return the coefficients of k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
+        second, fourth, sixth = self.series(self.remainder)[2:7:2]
+        return second, fourth, sixth
+
+    def series(self, function: Callable[[Numbers], Numbers]) -> list[float]:
+        """Return the Taylor coefficients at k = 0 of a `function` that is as regular there as the response."""
         around = 0.5 * self.nearest_pole
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
-        series = np.real(np.fft.fft(self.remainder(around * turn))) / 64
-        second, fourth, sixth = (float(series[n] / around**n) for n in (2, 4, 6))
-        return second, fourth, sixth
+        terms = np.real(np.fft.fft(function(around * turn))) / 64
+        return [float(term / around**n) for n, term in enumerate(terms)]
 
 
 def _sinh_square_less_square(k: Numbers) -> Numbers:

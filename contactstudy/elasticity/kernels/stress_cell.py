@@ -115,12 +115,12 @@ def _second_derivative_inverse(x: Array, y: Array, z: float, r: Array) -> Array:
     return np.asarray(z * x * y / ((x * x + z * z) * r))
 
 
-def _second_derivative_log(x: Array, y: Array, z: float, r: Array) -> Array:
+def second_derivative_log(x: Array, y: Array, z: float, r: Array) -> Array:
     """Return the integral of ``(d/dx)^2 ln(r + z)``, its two arctangents as one that does not cancel."""
     return np.arctan2(x * y * (x * x + y * y) / (r + z), x * x * r + z * y * y)
 
 
-def _second_derivative_log_point(x: Array, y: Array, z: float, r: Array) -> Array:
+def second_derivative_log_point(x: Array, y: Array, z: float, r: Array) -> Array:
     """Return ``(d/dx)^2 ln(r + z)``."""
     return np.asarray((1 - x * x * (2 * r + z) / (r * r * (r + z))) / (r * (r + z)))
 
@@ -128,13 +128,13 @@ def _second_derivative_log_point(x: Array, y: Array, z: float, r: Array) -> Arra
 def _xx_point(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return 2 pi times the stress xx under a unit force at the origin."""
     s = r * r
-    lateral = z / (s * r) - _second_derivative_log_point(x, y, z, r)
+    lateral = z / (s * r) - second_derivative_log_point(x, y, z, r)
     return np.asarray((1 - 2 * nu) * lateral - 3 * z * (x * x) / (s * s * r))
 
 
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return the integral over x and y of 2 pi times the stress xx under a unit force."""
-    lateral = (1 - 2 * nu) * _second_derivative_log(x, y, z, r)
+    lateral = (1 - 2 * nu) * second_derivative_log(x, y, z, r)
     return np.asarray(
         2 * nu * _angle(x, y, z, r) + _second_derivative_inverse(x, y, z, r) - lateral
     )

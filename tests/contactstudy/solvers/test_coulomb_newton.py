@@ -12,7 +12,7 @@ GRID = cs.Grid((24, 12), (2.2, 2.2))
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 # The coefficient of friction times the pressure of a sphere with E* = 1.
 LIMIT = 0.3 * np.sqrt(np.maximum(1 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
-RESPONSE = shear_response(((0.5, 0.25),) * 2, GRID, FREE, 1.0)
+RESPONSE = shear_response((cs.HalfSpace(2 * (1 - 0.25**2), 0.25),) * 2, GRID, FREE, 1.0)
 RIGID = -np.stack(
     [np.full(GRID.cells, 0.2), 0.1 + 0.3 * np.broadcast_to(GRID.x[:, None], GRID.cells)]
 )

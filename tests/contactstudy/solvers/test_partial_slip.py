@@ -9,7 +9,7 @@ from contactstudy.solvers.partial_slip import SlipStep, locked_shear, slip_step
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 GRID = cs.Grid((24, 12), (2.2, 2.2))
-RESPONSE = shear_response(((0.5, 0.25),) * 2, GRID, FREE, 1.0)
+RESPONSE = shear_response((cs.HalfSpace(2 * (1 - 0.25**2), 0.25),) * 2, GRID, FREE, 1.0)
 SPHERE = np.sqrt(np.maximum(1 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
 LIMIT = 0.3 * SPHERE
 NONE = np.zeros((2, *GRID.cells))

@@ -1,0 +1,227 @@
+"""Displacement of a coated surface under shear, less that of a half-space of the coating's material, by waves."""
+
+from dataclasses import dataclass
+from enum import Enum
+from functools import lru_cache, partial
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
+from contactstudy.elasticity.kernels.stress_cell import (
+    Component,
+    Field,
+    second_derivative_log,
+    second_derivative_log_point,
+    stress_cell,
+)
+from contactstudy.elasticity.kernels.traction import SURFACE
+
+# In a coating thinner than a third of a cell, what these aliases leave is some 1e-3 of the response to single cells.
+MOST_TURNS = 8
+
+
+class Part(Enum):
+    """Terms of long waves, ``(a + b k + c k^2) exp(-2 k)``, that a response lacks."""
+
+    #: None.
+    ALL = 0
+    #: The first, so that what is left of waves across is regular.
+    REGULAR = 1
+    #: All three, so that what is left falls as the fifth power of the distance.
+    SHORT = 3
+
+
+TURNED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
+
+
+@dataclass(frozen=True)
+class ShearWaves:
+    """Displacement under a wave of shear that the substrate adds to that of a half-space of the coating's material.
+
+    Fields "xx", "xy" and "yy" are the displacements along the surface, over ``(1 - nu1^2) / (pi E1)``; "x" and "y" are
+    the normal displacement under shear along either axis, over ``1 / (4 pi G1)``; all in thicknesses.
+
+    Parameters
+    ----------
+    materials
+        Ratio of the moduli and Poisson's ratios.
+    part
+        ``Part.ALL`` of it, or what long waves leave that are known in closed form.
+    """
+
+    materials: LayerResponse
+    part: Part
+
+    @property
+    def reach(self) -> float:
+        """Distance over the thickness in which waves die."""
+        return 2.0
+
+    @property
+    def most_turns(self) -> float:
+        """Number of aliases of a wave of a grid that are summed on either side, where more do not vanish."""
+        return MOST_TURNS
+
+    @property
+    def nearest_pole(self) -> float:
+        """Lower bound of the distance of singularities from k = 0."""
+        return self.materials.nearest_pole
+
+    @property
+    def first_pole(self) -> float:
+        """Lower bound of the distance of poles in the right half-plane from the real axis."""
+        return self.materials.first_pole
+
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of a field in x and y."""
+        return SURFACE["xx" if name == "yy" else name].parity
+
+    def turned(self, name: str) -> tuple["ShearWaves", str]:
+        """Return the response and the field that take the place of these when the axes are exchanged."""
+        return self, TURNED[name]
+
+    @property
+    def terms(self) -> tuple[tuple[float, ...], ...]:
+        """Terms a, b and c of long waves: of shear along the wave, of shear across it, and of their coupling."""
+        return _terms(self.materials)
+
+    def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
+        """Return the field under waves across with wave numbers `k`, real or imaginary."""
+        along, across, coupling = self._responses(k)
+        parts = {"xx": along, "yy": across, "x": -1j * coupling}
+        return np.asarray(2 * np.pi / k * parts.get(name, np.zeros(k.size)) + 0j)
+
+    def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
+        """Return all fields, by name, under waves (across, along); none for the mean."""
+        size = np.hypot(across, along)
+        weight = np.divide(2 * np.pi, size, out=np.zeros_like(size), where=size > 0)
+        c, s = (part * weight / (2 * np.pi) for part in (across, along))
+        longitudinal, transverse, coupling = (weight * part for part in self._responses(size))
+        return {
+            "xx": c * c * longitudinal + s * s * transverse,
+            "yy": s * s * longitudinal + c * c * transverse,
+            "xy": c * s * (longitudinal - transverse),
+            "x": -1j * c * coupling,
+            "y": -1j * s * coupling,
+        }
+
+    def _responses(self, k: Numbers) -> list[Numbers]:
+        """Return what is added by shear along the wave, by shear across it, and to their coupling."""
+        decay, found = np.exp(-2 * k), []
+        remainders = _remainders(self.materials, k)
+        for remainder, (constant, slope, curvature) in zip(remainders, self.terms, strict=True):
+            missing = {
+                Part.ALL: constant,
+                Part.REGULAR: 0.0,
+                Part.SHORT: -(slope + curvature * k) * k,
+            }[self.part]
+            found.append(np.asarray(remainder + missing * decay))
+        return found
+
+
+def _remainders(materials: LayerResponse, k: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+    """Return the short-ranged responses over the compliances of :class:`ShearWaves`."""
+    along, across, coupling = materials.shear_remainders(k)
+    return along, across / (1 - materials.coating_poisson_ratio), coupling
+
+
+@lru_cache(maxsize=32)
+def _terms(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
+    """Return :attr:`ShearWaves.terms`."""
+    stiff = 1 - materials.coating_poisson_ratio
+    constants = materials.contrast, (materials.shear_ratio - 1) / stiff, materials.coupling_contrast
+
+    def risen(k: Numbers, which: int) -> Numbers:
+        return _remainders(materials, k)[which] * np.exp(2 * k)
+
+    return tuple(
+        (constant, *materials.series(partial(risen, which=which))[1:3])
+        for which, constant in enumerate(constants)
+    )
+
+
+# Potentials of a cell at a distance z from its plane, whose waves are 2 pi exp(-q z) times what each line begins with:
+# the integrals over x and y of the derivatives of z ln(r + z) - r and of ln(r + z).
+def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return the integral of the field ``qx^2 / q^3``."""
+    asinh = np.arcsinh(y / np.hypot(x, z))
+    return np.asarray(x * asinh - z * second_derivative_log(x, y, z, r))
+
+
+def _x_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
+    """Return the integral of the field ``-i qx / q^2``."""
+    asinh = np.arcsinh(y / np.hypot(x, z))
+    return np.asarray(y * np.log(r + z) + x * second_derivative_log(x, y, z, r) + z * asinh)
+
+
+def _field(name: str, parity: tuple[int, int], point: Field, corner: Field) -> Component:
+    """Return a field of a cell alone."""
+    return Component(name, parity, point, corner, lambda strip, nu: 0.0, name)
+
+
+# By field: what shear along waves adds, and its first two derivatives by -z; across them x and y change places.
+IMAGES = {
+    "xx": (
+        _field(
+            "qx^2 / q^3",
+            (1, 1),
+            lambda x, y, z, r, nu: 1 / (r + z) - x * x / (r * (r + z) ** 2),
+            _xx_corner,
+        ),
+        _field(
+            "qx^2 / q^2",
+            (1, 1),
+            lambda x, y, z, r, nu: second_derivative_log_point(x, y, z, r),
+            lambda x, y, z, r, nu: second_derivative_log(x, y, z, r),
+        ),
+        _field(
+            "qx^2 / q",
+            (1, 1),
+            lambda x, y, z, r, nu: 1 / r**3 - 3 * x * x / r**5,
+            lambda x, y, z, r, nu: x * y / ((x * x + z * z) * r),
+        ),
+    ),
+    "xy": (
+        _field(
+            "qx qy / q^3",
+            (-1, -1),
+            lambda x, y, z, r, nu: -x * y / (r * (r + z) ** 2),
+            lambda x, y, z, r, nu: r - z * np.log(r + z),
+        ),
+        _field(
+            "qx qy / q^2",
+            (-1, -1),
+            lambda x, y, z, r, nu: -x * y * (2 * r + z) / (r**3 * (r + z) ** 2),
+            lambda x, y, z, r, nu: np.log(r + z),
+        ),
+        _field(
+            "qx qy / q",
+            (-1, -1),
+            lambda x, y, z, r, nu: -3 * x * y / r**5,
+            lambda x, y, z, r, nu: -1 / r,
+        ),
+    ),
+    "x": (
+        _field("-i qx / q^2", (-1, 1), lambda x, y, z, r, nu: x / (r * (r + z)), _x_corner),
+        _field(
+            "-i qx / q",
+            (-1, 1),
+            lambda x, y, z, r, nu: x / r**3,
+            lambda x, y, z, r, nu: -np.arcsinh(y / np.hypot(x, z)),
+        ),
+        _field(
+            "-i qx",
+            (-1, 1),
+            lambda x, y, z, r, nu: 3 * x * z / r**5,
+            lambda x, y, z, r, nu: -y * z / ((x * x + z * z) * r),
+        ),
+    ),
+}
+
+
+def image(name: str, order: int, x: Array, y: Array, dx: float, dy: float, depth: float) -> Array:
+    """Return the integral over a cell of the field `name` of an image at a `depth`, derived by -z `order` times."""
+    if name not in IMAGES:
+        x, y, dx, dy, name = y, x, dy, dx, TURNED[name]
+    return 2 * np.pi * stress_cell(IMAGES[name][order], x, y, depth, dx, dy, 0.0)

@@ -1,0 +1,109 @@
+"""Waves of the short-ranged remainder of the stress in a coated half-space."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.layer_response import Numbers
+from contactstudy.elasticity.kernels.layer_stress import LayerStress
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component
+from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
+
+# Components of stress by what presses or drags the surface: pressure, shear across, shear along.
+FAMILIES: Mapping[str, Mapping[str, Component]] = {
+    "pressure": COMPONENTS,
+    "across": CERRUTI_ACROSS,
+    "along": CERRUTI_ALONG,
+}
+TURNED = {"pressure": "pressure", "across": "along", "along": "across"}
+
+
+@dataclass(frozen=True)
+class StressWaves:
+    """What :meth:`~contactstudy.elasticity.kernels.layer_stress.LayerStress.remainder` is under one wave of a load.
+
+    Parameters
+    ----------
+    stress
+        Stress under one wave at a depth.
+    load
+        What acts on the surface, of ``FAMILIES``.
+    """
+
+    stress: LayerStress
+    load: str
+
+    @property
+    def reach(self) -> float:
+        """Distance over the thickness in which the remainder dies."""
+        return self.stress.reach
+
+    @property
+    def most_turns(self) -> float:
+        """Number of aliases of a wave of a grid that are summed on either side, where more do not vanish."""
+        return inf
+
+    @property
+    def nearest_pole(self) -> float:
+        """Lower bound of the distance of singularities from k = 0."""
+        return self.stress.materials.nearest_pole
+
+    @property
+    def first_pole(self) -> float:
+        """Lower bound of the distance of poles in the right half-plane from the real axis."""
+        return self.stress.materials.first_pole
+
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of a component of stress in x and y."""
+        return FAMILIES[self.load][name].parity
+
+    def turned(self, name: str) -> tuple["StressWaves", str]:
+        """Return the response and the component that take the place of these when the axes are exchanged."""
+        return StressWaves(self.stress, TURNED[self.load]), COMPONENTS[name].turned
+
+    def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
+        """Return the stress over the load under waves across with wave numbers `k`, real or imaginary."""
+        rest = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
+        normal, shear, across = rest
+        if self.load == "along":
+            s_tz, s_lt = self.stress.antiplane(k)
+            parts: dict[str, Numbers] = {"yz": s_tz, "xy": 1j * s_lt}
+            return np.asarray(parts.get(name, np.zeros(k.size)) + 0j)
+        parts = {"zz": normal, "xx": across, "xz": -1j * shear}
+        parts["yy"] = self.stress.poisson_ratio * (normal + across)
+        factor = 1 if self.load == "pressure" else 1j
+        return np.asarray(factor * parts.get(name, np.zeros(k.size)) + 0j)
+
+    def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
+        """Return all components of the remainder over the load, by name, under waves (across, along)."""
+        size = np.hypot(across, along)
+        with np.errstate(invalid="ignore"):
+            c = np.where(size > 0, across / size, 1.0)
+            s = np.where(size > 0, along / size, 0.0)
+        pressed, sheared = self.stress.interpolated(size)
+        s_tz: Numbers
+        s_lt: Numbers
+        if self.load == "pressure":
+            normal, shear, s_ll = pressed[0], -1j * pressed[1], pressed[2]
+            s_tz = s_lt = np.zeros_like(size)
+        else:
+            part, other = (c, -s) if self.load == "across" else (s, c)
+            normal, shear, s_ll = (
+                1j * part * sheared[0],
+                part * sheared[1],
+                1j * part * sheared[2],
+            )
+            down, around = self.stress.antiplane(size)
+            s_tz, s_lt = other * down, 1j * other * around
+        s_tt = self.stress.poisson_ratio * (s_ll + normal)
+        return {
+            "xx": c * c * s_ll + s * s * s_tt - 2 * c * s * s_lt,
+            "yy": s * s * s_ll + c * c * s_tt + 2 * c * s * s_lt,
+            "zz": normal,
+            "yz": s * shear + c * s_tz,
+            "xz": c * shear - s * s_tz,
+            "xy": c * s * (s_ll - s_tt) + (c * c - s * s) * s_lt,
+        }

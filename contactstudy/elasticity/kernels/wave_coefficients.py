@@ -1,0 +1,262 @@
+"""Influence coefficients of a loaded cell by the waves of its load: alone, in a row, in a lattice."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.layer_response import Numbers, composite
+
+Places = NDArray[np.intp]
+# exp(-NEGLIGIBLE_EXPONENT) is below rounding.
+NEGLIGIBLE_EXPONENT = 34.0
+# Phase of a wave, in radians, that the Gauss points of one piece resolve.
+PHASE = 12.0
+# A row's waves along it die within so many periods; a cell alone is one of a lattice so many times as wide as asked.
+DEAD, APART = 6.0, 4
+
+
+class WaveResponse(Protocol):
+    """Fields in a layered half-space under a wave of load; wave numbers are those times the layer's thickness."""
+
+    def __hash__(self) -> int: ...
+
+    @property
+    def reach(self) -> float:
+        """Distance over the thickness in which waves die: amplitudes fall as exp(-k `reach`)."""
+        ...
+
+    @property
+    def most_turns(self) -> float:
+        """Number of aliases of a wave of a grid that are summed on either side, where more do not vanish."""
+        ...
+
+    @property
+    def nearest_pole(self) -> float:
+        """Lower bound of the distance of singularities from k = 0."""
+        ...
+
+    @property
+    def first_pole(self) -> float:
+        """Lower bound of the distance of poles in the right half-plane from the real axis."""
+        ...
+
+    def parity(self, name: str) -> tuple[int, int]:
+        """Return the parity of a field in x and y."""
+        ...
+
+    def turned(self, name: str) -> "tuple[WaveResponse, str]":
+        """Return the response and the field that take the place of these when the axes are exchanged."""
+        ...
+
+    def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
+        """Return the fields over the load, by name, under waves (across, along).
+
+        The products of a field's parities are even for a real amplitude.
+        """
+        ...
+
+    def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
+        """Return the field over the load under waves across, whose wave numbers are real or imaginary."""
+        ...
+
+
+@dataclass(frozen=True)
+class WaveCoefficients:
+    """Influence coefficients of a field that falls as the inverse cube of the distance, by its waves.
+
+    Of a cell alone it is that of a lattice four times as wide.
+
+    Parameters
+    ----------
+    waves
+        Response to one wave.
+    thickness
+        Thickness of the layer; all lengths are in one unit.
+    name
+        Name of the field.
+    """
+
+    waves: WaveResponse
+    thickness: float
+    name: str
+
+    @property
+    def parity(self) -> tuple[int, int]:
+        """Parity of the field in x and y."""
+        return self.waves.parity(self.name)
+
+    def turned(self) -> "WaveCoefficients":
+        """Return the coefficients that take the place of these when the axes are exchanged."""
+        waves, name = self.waves.turned(self.name)
+        return WaveCoefficients(waves, self.thickness, name)
+
+    def cell(self, x: Array, y: Array, dx: float, dy: float, least: float = 0.0) -> Array:
+        """Return the response to one cell of a lattice with at least the period `least`.
+
+        x and y broadcast and are whole numbers of cells.
+        """
+        cells = []
+        for offsets, step in ((x, dx), (y, dy)):
+            needed = APART * (round(float(np.abs(offsets).max()) / step) + 1)
+            cells.append(fft.next_fast_len(max(needed, int(least / step))))
+        field = self._lattice(dx, dy, *cells)
+        return np.asarray(field[_places(x, dx, cells[0]), _places(y, dy, cells[1])])
+
+    def series(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Return the response to one cell of a square lattice by its Fourier series; one of x and y is a column.
+
+        Its waves are those of :meth:`count` along either axis.
+        """
+        q = 2 * np.pi / period * np.arange(self.count(period) + 1)
+        fields = []
+        for offset, size, even in ((x, dx, self.parity[0]), (y, dy, self.parity[1])):
+            weight = 2 * size / period * np.sinc(q * size / (2 * np.pi))
+            weight[0] /= 2
+            phase = np.multiply.outer(offset.ravel(), q)
+            fields.append((np.cos(phase) if even > 0 else -np.sin(phase)) * weight)
+        scaled = q * self.thickness
+        waves = self.waves.amplitudes(scaled[:, None], scaled)[self.name]
+        odd = self.parity[0] * self.parity[1] < 0
+        part = waves.imag if odd else self.parity[0] * waves.real
+        response = fields[0] @ part @ fields[1].T
+        return np.asarray(response if np.ndim(x) == 2 else response.T)
+
+    def count(self, period: float) -> int:
+        """Return the number of waves of a `period` along one axis that do not vanish."""
+        longest = 2 * np.pi * self.waves.reach * self.thickness
+        return int(NEGLIGIBLE_EXPONENT * period / longest)
+
+    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Return the response to an infinite row of images along y; x is a column, y a row."""
+        mean = self.strip(x.ravel(), dx) * (dy / period)
+        return np.asarray(mean[:, None] + self.varying(x, y, dx, dy, period))
+
+    def strip(self, x: Array, dx: float) -> Array:
+        """Return the response to a strip of width `dx`, endless along y, at offsets `x`."""
+        distances, places = np.unique(np.abs(x), return_inverse=True)
+        return np.asarray(np.where(x < 0, self.parity[0], 1) * self._line(distances, dx)[places])
+
+    def varying(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+        """Return the part of :meth:`row` that varies along y, whose mean is zero."""
+        along = round(period / dy)
+        if along == 1:
+            return np.zeros((x.size, y.size))
+        reach = 2 * float(np.abs(x).max()) + DEAD * period
+        across = fft.next_fast_len(int(np.ceil(reach / dx)) + 1)
+        chosen = self._lattice(dx, dy, across, along)[_places(x.ravel(), dx, across)]
+        chosen = chosen - chosen.mean(axis=1, keepdims=True)
+        return np.asarray(chosen[:, _places(y.ravel(), dy, along)])
+
+    def lattice(
+        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
+    ) -> Array:
+        """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
+        cells = round(width / dx), round(period / dy)
+        field = self._lattice(dx, dy, *cells)
+        return np.asarray(
+            field[np.ix_(_places(x.ravel(), dx, cells[0]), _places(y.ravel(), dy, cells[1]))]
+        )
+
+    def _lattice(self, dx: float, dy: float, across: int, along: int) -> Array:
+        """Return the response (across, along) to a cell of a lattice at all its points, by the sum of its waves."""
+        return _lattice(self.waves, self.thickness, dx, dy, across, along)[self.name]
+
+    def _line(self, x: Array, dx: float) -> Array:
+        """Return the response to a strip, endless along y, at distances `x` at least 0, in order."""
+        lower, upper = ((x + side * dx / 2) / self.thickness for side in (-1, 1))
+        if self.parity[0] < 0:
+            return self._between(np.abs(lower), upper)  # what lies on both sides cancels
+        return self._between(np.maximum(lower, 0), upper) + self._between(
+            np.zeros(x.size), np.maximum(-lower, 0)
+        )
+
+    def _between(self, start: Array, end: Array) -> Array:
+        """Return the response to strips from `start` to `end`, at least 0; all in thicknesses."""
+        far = NEGLIGIBLE_EXPONENT / self.waves.first_pole
+        result = np.zeros(start.size)
+        for integral, lower, upper in (
+            (self._near, np.minimum(start, far), np.minimum(end, far)),
+            (self._far, np.maximum(start, far), np.maximum(end, far)),
+        ):
+            octave = np.ceil(np.log2(np.maximum(lower if lower.min() >= far else upper, 1)))
+            for number in np.unique(octave[upper > lower]).tolist():
+                chosen = (octave == number) & (upper > lower)
+                result[chosen] += integral(lower[chosen], upper[chosen])
+        return result
+
+    def _near(self, start: Array, end: Array) -> Array:
+        """Return the response to near strips, by quadrature over real waves."""
+        longest = min(0.5, PHASE / max(float(end.max()), 1e-3))
+        ends = [0.0, min(self.waves.nearest_pole / 4, longest)]
+        while ends[-1] < NEGLIGIBLE_EXPONENT / self.waves.reach:
+            ends.append(ends[-1] + min(ends[-1], longest))
+        k, weight = composite(np.array(ends))
+        waves = self.waves.plane_amplitude(self.name, k) * weight / np.pi
+        phase, width = np.multiply.outer((start + end) / 2, k), end - start
+        even = self.parity[0] > 0
+        turn = np.cos(phase) if even else -np.sin(phase)
+        turn *= width[:, None] * np.sinc(np.multiply.outer(width, k / (2 * np.pi)))
+        return np.asarray(turn @ (waves.real if even else waves.imag))
+
+    def _far(self, start: Array, end: Array) -> Array:
+        """Return the response to far strips, by quadrature over waves that decay."""
+        width = (end - start)[:, None]
+        last = min(self.waves.first_pole, NEGLIGIBLE_EXPONENT / float(start.min()))
+        first = 1e-3 * min(self.waves.nearest_pole, last, 1 / float(width.max()))
+        count = int(np.ceil(np.log2(last / first)))
+        tau, weight = composite(np.concatenate([[0.0], np.geomspace(first, last, count + 1)]))
+        waves = 1j * self.waves.plane_amplitude(self.name, 1j * tau) * weight / np.pi
+        decay = np.exp(-np.multiply.outer(start, tau)) * -np.expm1(-tau * width) / tau
+        return np.asarray((decay @ waves).real)
+
+
+@lru_cache(maxsize=8)
+def _lattice(
+    waves: WaveResponse,
+    thickness: float,
+    dx: float,
+    dy: float,
+    across: int,
+    along: int,
+) -> dict[str, Array]:
+    """Return the response (across, along) to one cell of a lattice at all its points, for each field.
+
+    Waves shorter than two cells are aliased to the longer ones.
+    """
+    shape = across, along // 2 + 1
+    summed: dict[str, NDArray[np.complex128]] = {}
+    last = NEGLIGIBLE_EXPONENT / (waves.reach * thickness)
+    first_x = 2 * np.pi * fft.fftfreq(across, dx)
+    first_y = 2 * np.pi * fft.rfftfreq(along, dy)
+    for kx, rows in _aliased(first_x, dx, last, waves.most_turns):
+        for ky, columns in _aliased(first_y, dy, last, waves.most_turns):
+            if np.hypot(np.abs(kx).min(), np.abs(ky).min()) > last:
+                continue
+            mean = np.sinc(kx * dx / (2 * np.pi))[:, None] * np.sinc(ky * dy / (2 * np.pi))
+            found = waves.amplitudes(kx[:, None] * thickness, ky * thickness)
+            for name, amplitude in found.items():
+                waves_of_field = summed.setdefault(name, np.zeros(shape, np.complex128))
+                waves_of_field[np.ix_(rows, columns)] += amplitude * mean
+    return {name: fft.irfft2(sums, (across, along)) for name, sums in summed.items()}
+
+
+def _aliased(first: Array, step: float, last: float, most: float) -> list[tuple[Array, Places]]:
+    """Return wave numbers up to `last`, with their places among the `first` ones whose aliases they are."""
+    turns = int(min(np.ceil(last * step / (2 * np.pi) + 0.5), most))
+    found = []
+    for turn in range(-turns, turns + 1):
+        waves = first + 2 * np.pi * turn / step
+        places = np.flatnonzero(np.abs(waves) <= last)
+        if places.size:
+            found.append((waves[places], places))
+    return found
+
+
+def _places(offsets: Array, step: float, cells: int) -> Places:
+    """Return the places of `offsets` on a circle of `cells`."""
+    return np.asarray(np.round(np.asarray(offsets) / step).astype(np.intp) % cells)

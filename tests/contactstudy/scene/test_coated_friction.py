@@ -1,0 +1,137 @@
+"""Coated bodies under shear: waves, paddings against each other, and the limits of the coating."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contactstudy as cs
+from contactstudy.elasticity.coating import CoatingShear
+from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer_shear import Part, ShearWaves
+from contactstudy.elasticity.kernels.layer_stress import LayerStress
+from contactstudy.elasticity.tangential import general_convolution
+from tests.conftest import STEEL
+
+STIFF = cs.HalfSpace(420e9, 0.2)
+CYLINDER = (cs.Cylinder(0.01),)
+ROUGH = (*CYLINDER, cs.Roughness(1.5e-7, hurst=0.8, roll_off=1e-4, cut_off=2e-5, seed=1))
+EXACT = cs.ExactPeriodicity()
+MATERIALS = [LayerResponse(4.0, 0.25, 0.35), LayerResponse(0.2, 0.3, 0.45)]
+FIELDS = ["xx", "yy", "xy", "x", "y"]
+
+
+@pytest.mark.parametrize("layer", MATERIALS)
+def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerResponse) -> None:
+    """By the stress s_xx at the surface, which is 2 under shear and -1 under pressure without a substrate."""
+    k = np.linspace(0.05, 6, 40)
+    along = ShearWaves(layer, Part.ALL).plane_amplitude("xx", k)
+    pressed, sheared = LayerStress(layer, 0.0).plane(k)[:, 2]
+    nu, m = layer.coating_poisson_ratio, layer.shear_ratio
+    np.testing.assert_allclose(along, 2 * np.pi / k * (sheared / 2 - 1), atol=1e-12)
+    coupling = ShearWaves(layer, Part.ALL).plane_amplitude("x", k)
+    # by reciprocity, the displacement along the surface under pressure
+    expected = -(1 - nu) * pressed - nu - (1 - 2 * nu)
+    np.testing.assert_allclose(coupling, -2j * np.pi / k * expected, atol=1e-12)
+    across = ShearWaves(layer, Part.ALL).plane_amplitude("yy", k)
+    antiplane = (m + np.tanh(k)) / (1 + m * np.tanh(k)) - 1
+    np.testing.assert_allclose(across, 2 * np.pi / k * antiplane / (1 - nu), atol=1e-12)
+
+
+@pytest.mark.cases(3)
+@pytest.mark.parametrize("name", FIELDS)
+@pytest.mark.parametrize("layer", MATERIALS)
+def test_a_row_is_the_sum_of_its_cells(layer: LayerResponse, name: str) -> None:
+    """Two methods: waves in a strip, and closed forms with a short-ranged rest."""
+    thickness, dx, dy, nx, ny = 0.3, 0.1, 0.15, 12, 4
+    field, x = CoatingShear(layer, thickness, name, 1.0), np.arange(nx) * dx
+    row = field.row(x[:, None], np.arange(ny) * dy, dx, dy, ny * dy)
+    images = 400
+    alone = field.cell(x[:, None], np.arange(images * ny) * dy, dx, dy)
+    both = np.concatenate([field.parity[1] * alone[:, :0:-1], alone], axis=1)
+    middle, sums = images * ny - 1, []
+    for last in (images // 2, images - 2):
+        shifts = range(-last, last + 1)
+        sums.append(sum(both[:, middle + n * ny :][:, :ny] for n in shifts))
+    differences = [(one - one[:1, :1]) - (row - row[:1, :1]) for one in sums]
+    # images beyond add in proportion to 1 / n normal to the surface, and to 1 / n^2 along it
+    ratio = 2 if len(name) == 1 else 4
+    rest = (ratio * differences[1] - differences[0]) / (ratio - 1)
+    assert np.abs(rest).max() < 1e-3 * np.abs(alone).max()
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_a_lattice_answers_a_wave_by_its_amplitude(name: str) -> None:
+    layer, thickness, n, width = MATERIALS[0], 0.2, 64, 1.0
+    grid = cs.Grid((n, n), (width, width))
+    convolution = general_convolution(
+        CoatingShear(layer, thickness, name, 1.0), grid, (EXACT, EXACT)
+    )
+    qx, qy = 2 * np.pi / width * np.array([3, 2])
+    phase = qx * grid.x[:, None] + qy * grid.y
+    waves = ShearWaves(layer, Part.ALL)
+    kx, ky = np.array([[qx * thickness]]), np.array([[qy * thickness]])
+    amplitude = thickness * complex(waves.amplitudes(kx, ky)[name][0, 0])
+    # piecewise constant cells have the mean of the wave, and add what is aliased: below 1e-3 of it
+    mean = np.sinc(3 / n) * np.sinc(2 / n)
+    expected = mean * (amplitude * np.exp(1j * phase)).real
+    assert np.abs(convolution(np.cos(phase)) - expected).max() < 2e-3 * abs(amplitude)
+
+
+LAWS = [
+    cs.PartialSlip(0.3, 1.5e4),
+    cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=5e-4),
+    cs.Fretting.cycle(0.3, 1.5e4),
+]
+
+
+def shear(
+    law: object, first: object, second: object, shapes: object, paddings: object
+) -> cs.Contact:
+    scene = cs.Scene(cs.LineLoad(1e5), (first, second), shapes, friction=law)
+    return cs.solve(scene, cs.Grid((32, 16), (3.2e-4, 3.2e-4)), paddings, tolerance=1e-7)
+
+
+@pytest.mark.cases(4)
+@pytest.mark.parametrize("paddings", [EXACT, (cs.ZeroPadding(), cs.ZeroPadding())])
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    "body",
+    [
+        cs.CoatedHalfSpace(STEEL, 1e-5, replace(STEEL, youngs_modulus=210.0001e9)),
+        cs.CoatedHalfSpace(STEEL, 1.0, STIFF),
+        cs.CoatedHalfSpace(STIFF, 1e-12, STEEL),
+    ],
+)
+def test_a_coating_alike_or_thick_or_thin_gives_the_shear_of_one_material(
+    body: cs.CoatedHalfSpace, law: object, paddings: object
+) -> None:
+    coated, plain = (shear(law, one, one, ROUGH, paddings) for one in (body, STEEL))
+    change = np.abs(coated.shear - plain.shear).sum() / np.abs(plain.shear).sum()
+    # a coating far thinner than a cell leaves some 1e-3 of the response to single cells
+    assert change < (5e-3 if body.thickness == 1e-12 else 1e-5)
+    assert coated.status is plain.status
+
+
+def test_one_coated_body_slides_as_unlike_bodies_do_where_the_coating_is_thick_or_thin() -> None:
+    def shift(first: object) -> float:
+        contact = shear(cs.Sliding(0.3), first, STEEL, CYLINDER, EXACT)
+        assert contact.status is cs.Status.CONVERGED
+        x = contact.grid.x[:, None]
+        return float((contact.pressure * x).sum() / contact.pressure.sum())
+
+    unlike = shift(STIFF)
+    thick, thin, between = (shift(cs.CoatedHalfSpace(STIFF, h, STEEL)) for h in (1.0, 1e-12, 2e-5))
+    assert thick == pytest.approx(unlike, rel=1e-3)
+    assert abs(thin) < 1e-6 * unlike
+    assert 0.02 * unlike < between < 0.5 * unlike
+
+
+def test_a_stiff_coating_sticks_less_under_a_smaller_creepage() -> None:
+    """Its compliance along the surface lies between those of its materials, and so does the traction."""
+    law = cs.TractiveRolling(0.3, longitudinal=5e-4)
+    forces = [
+        shear(law, body, body, CYLINDER, EXACT).quantities["traction_coefficient"].value
+        for body in (STEEL, cs.CoatedHalfSpace(STIFF, 2e-5, STEEL), STIFF)
+    ]
+    assert forces[0] < forces[1] < forces[2]

@@ -44,11 +44,11 @@ class ExactInverse:
     work = 0.0
 
     def __init__(self, compliance: Array) -> None:
-        self._compliance, self.real = compliance, compliance.dtype
+        self.compliance, self.real = compliance, compliance.dtype
 
     def extension(self, contact: Array) -> "ExactExtension":
         """Return the map from the displacement of a `contact` (x, 1) to that of all cells."""
-        return ExactExtension(contact, self._compliance)
+        return ExactExtension(contact, self.compliance)
 
 
 class ExactExtension:

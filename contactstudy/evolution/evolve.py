@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from math import pi
+from math import inf, pi
 from os import PathLike
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from contactstudy.evolution.state_variables import (
     CreepState,
     StateVariable,
     WearState,
+    least_compliance,
 )
 from contactstudy.evolution.steps import (
     Scheme,
@@ -245,6 +246,9 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
         response=fretting.response(scene, problem.grid, paddings, problem.scales.length),
         forces=None if fretting.forces is None else fretting.history,
         displacements=None if fretting.displacements is None else fretting.history,
+        period=inf if fretting.period is None else fretting.period,
+        cell_compliance=least_compliance(scene.contact_modulus, min(problem.grid.cell)),
+        gap_scale=problem.scales.gap,
         grid=problem.grid,
         tolerance=options.tolerance,
         max_applications=options.max_iterations,

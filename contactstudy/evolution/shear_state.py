@@ -14,7 +14,7 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.solvers.partial_slip import locked_shear, slip_step
 
-# Largest size of a sum of arrays that counts as no shear.
+# Largest size of a sum of arrays that counts as none.
 NOTHING = 1e-300
 
 
@@ -23,9 +23,12 @@ class ShearState:
     """Shear between bodies that stick in part, the distance slipped, and the depth worn by it.
 
     Each step is one of :func:`~contactstudy.solvers.partial_slip.slip_step`, from the shear before it and what a rising
-    pressure locks in. The step loses ``mu (p0 + p1) / 2 |slip|`` per area, with the pressures at its start and its end,
-    and wears ``k (p0 + p1) / 2 |slip|`` (Archard 1953), so that the worn volume is ``k / mu`` times the energy. What a
-    step wears changes the gap of the next one: steps must be short, as in explicit wear.
+    pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953), with a mean p of
+    the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy. The mean is that of
+    both alike, with less of the pressure at the start where a cell would wear by more than its elastic displacement:
+    what the pressure at the end wears is a compliance of the step's contact, which is solved again until it has the
+    slip that it finds. Wear is then smooth for any step. A force that takes longer than half a `period` stands for as
+    many half cycles as have room in that time: their slip counts as often.
 
     Attributes
     ----------
@@ -37,6 +40,12 @@ class ShearState:
         Displacement under shear.
     forces, displacements
         Tangential force [N/m] or rigid displacement [m] over time, along x; the other one is None.
+    period
+        Duration of a cycle [s]; infinite if each force is followed once.
+    cell_compliance
+        Least displacement over pressure of any pressure on cells that touch [m/Pa].
+    gap_scale
+        Size of the gap [m] that its errors are compared with.
     grid
         Grid of the contact.
     tolerance, max_applications
@@ -48,6 +57,9 @@ class ShearState:
     response: ShearResponse
     forces: ChangingLoad | None
     displacements: ChangingLoad | None
+    period: float
+    cell_compliance: float
+    gap_scale: float
     grid: Grid
     tolerance: float
     max_applications: int
@@ -58,11 +70,26 @@ class ShearState:
         """Return no shear, slip or wear on `shape` cells (x, y)."""
         names = ["shear_x", "shear_y", "stick", "slip_distance", "energy"]
         names += ["worn_depth"] * (self.wear > 0)
-        return {name: np.zeros(shape) for name in names} | {"residual": np.zeros(1)}
+        names += ["guessed_slip"] * (self.wear > 0)
+        numbers = ["residual", *["guess_error"] * (self.wear > 0)]
+        return {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """Return the depth worn so far as a gap."""
-        return Contribution(gap=state.get("worn_depth"))
+        """Return the depth worn so far as a gap, and what the step wears by the slip that it is guessed to have."""
+        if not self.wear:
+            return Contribution()
+        worn = self.wear * self._cycles(step) * state["guessed_slip"]
+        explicit = self._fraction_at_start(worn)
+        return Contribution(
+            gap=state["worn_depth"] + explicit * worn * pressure,
+            local_compliance=(1 - explicit) * worn,
+        )
+
+    def guessed_again(self, state: State, found: State, tolerance: float) -> State:
+        """Return `state` with the slip that a step found as its guess, or itself if both wear alike."""
+        if not self.wear or found["guess_error"][0] <= tolerance:
+            return state
+        return dict(state) | {"guessed_slip": found["guessed_slip"]}
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return shear, slip, energy and worn depth at the end of the step."""
@@ -81,17 +108,25 @@ class ShearState:
             moved = self.displacements.at(step.end)
             moved -= self.displacements.at(step.start) if before.any() else 0.0
             rigid = np.array([moved, 0.0])
+        reference = locked_shear(shear, before, after, slope)
         found = slip_step(
             self.response,
             self.coefficient * after,
-            locked_shear(shear, before, after, slope),
+            reference,
             self.tolerance,
             self.max_applications,
             total=total,
             rigid=rigid,
         )
-        distance = np.where(found.stick, 0.0, np.hypot(*found.slip))
-        work = (before + after) / 2 * distance
+        slip = np.where(found.stick, 0.0, np.hypot(*found.slip))
+        released = (before > 0) & (after == 0)
+        if released.any() and after.any():
+            outside = self.response(found.shear - reference) - found.rigid[:, None, None]
+            slip = np.where(released, np.hypot(*outside), slip)
+        cycles = self._cycles(step)
+        distance = cycles * slip
+        explicit = self._fraction_at_start(self.wear * distance)
+        work = (explicit * before + (1 - explicit) * after) * distance
         state = dict(state) | {
             "shear_x": found.shear[0],
             "shear_y": found.shear[1],
@@ -101,8 +136,28 @@ class ShearState:
             "residual": np.array([found.residual]),
         }
         if self.wear:
+            guess = cycles * state["guessed_slip"]
+            wrong = self.wear * float((after * np.abs(distance - guess)).max())
             state["worn_depth"] = state["worn_depth"] + self.wear * work
+            state["guessed_slip"] = distance / cycles
+            state["guess_error"] = np.array([wrong / self.gap_scale])
         return state
+
+    def _cycles(self, step: Step) -> float:
+        """Return how many times the slip of a step counts."""
+        history = self.forces if self.forces is not None else self.displacements
+        assert history is not None
+        times = getattr(history, "times", ())
+        later = next((time for time in times if time >= step.end), step.end)
+        earlier = max((time for time in times if time <= step.start), default=step.start)
+        return max(1.0, 2 * (later - earlier) / self.period)
+
+    def _fraction_at_start(self, worn: Array) -> Array:
+        """Return the part of the pressure at the start in its mean over a step, where a pressure wears `worn` [m/Pa].
+
+        It is a half, and less where a half would turn back what the pressure at the end differs by.
+        """
+        return np.asarray(np.minimum(0.5, self.cell_compliance / np.maximum(worn, NOTHING)))
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return shear, stick, slip, energy and worn depth (x, y)."""

@@ -61,13 +61,13 @@ class Contribution:
     compliance
         Added to the weights [1/Pa] of coefficients in the operator.
     local_compliance
-        Displacement of a cell over its own pressure [m/Pa], added to the operator.
+        Displacement of a cell over its own pressure [m/Pa], one number or (x, y), added to the operator.
     """
 
     gap: Array | None = None
     strained: Mapping[Coefficients, Array] = field(default_factory=dict)
     compliance: Mapping[Coefficients, float] = field(default_factory=dict)
-    local_compliance: float = 0.0
+    local_compliance: float | Array = 0.0
 
 
 class AnyStateVariable(Protocol):
@@ -96,6 +96,18 @@ class HasDifference(Protocol):
 
     def difference(self, state: State, other: State) -> float:
         """Return the relative difference of two states."""
+        ...
+
+
+@runtime_checkable
+class HasGuess(Protocol):
+    """Protocol of a state variable whose contribution to a step needs a guess of what the step will find."""
+
+    def guessed_again(self, state: State, found: State, tolerance: float) -> State:
+        """Return the `state` at the start of a step with what was `found` at its end as its guess.
+
+        It is the same `state` where the guess was as good as the `tolerance`.
+        """
         ...
 
 
@@ -305,11 +317,18 @@ class WearState:
         return depth * explicit, depth * (mean - explicit * first) / last
 
 
-def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:
-    """Return the longest stable step [s] of explicit wear in plane strain, ``1.48 cell / (rate contact_modulus)``.
+def least_compliance(contact_modulus: float, cell: float) -> float:
+    """Return the smallest eigenvalue [m/Pa] of the influence matrix of touching cells, ``0.742 cell / contact_modulus``.
 
-    The smallest eigenvalue of the influence matrix of touching cells is ``0.742 cell / contact_modulus``; an explicit
-    step must be shorter than ``2 / (rate eigenvalue)``, where the eigenvalue is a compliance over pressure.
+    It is that of plane strain, with the width of a cell [m] across and the contact modulus E* [Pa].
+    """
+    return 0.742 * cell / contact_modulus
+
+
+def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:
+    """Return the longest stable step [s] of explicit wear in plane strain.
+
+    It is ``2 / (rate eigenvalue)``, with the eigenvalue, a compliance over pressure, of :func:`least_compliance`.
 
     Parameters
     ----------
@@ -320,4 +339,4 @@ def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:
     cell
         Width of a cell across [m].
     """
-    return 1.484 * cell / (rate * contact_modulus)
+    return 2 * least_compliance(contact_modulus, cell) / rate

@@ -10,12 +10,15 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import on_cells
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, combined, superposed
+from contactstudy.elasticity.local_compliance import WithWinklerLayer
 from contactstudy.evolution.state_variables import (
     AnyStateVariable,
     Contribution,
     CoupledStateVariable,
+    HasGuess,
     State,
     StateVariable,
     Step,
@@ -31,6 +34,8 @@ from contactstudy.solvers.solve import SolveOptions
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
 # error.
 CLOSER = 0.01
+# Solves of a step whose state variables guess what it finds.
+MOST_GUESSES = 30
 # The single, implicit stage of a step that has no stages.
 WHOLE = ((1.0, 0.0),)
 
@@ -229,27 +234,52 @@ class TimeStepper:
 
     def _stage(self, instant: Instant, step: Step) -> tuple[Instant, list[Solution]]:
         """Solve the contact at the end of one stage, and advance every state variable."""
-        problem = self._problem_at_end(instant, step)
         coupled: tuple[State, ...] = ()
-        if self.coupled is not None:
-            contact = WarmStartedContact(problem, self.options, instant.pressure)
-            solution, state = self.coupled.solve_step(
-                instant.states[-1], problem, contact, self.options.tolerance
+        solutions: list[Solution] = []
+        while True:
+            problem = self._problem_at_end(instant, step)
+            last = solutions[-1].pressure if solutions else instant.pressure
+            if self.coupled is not None:
+                contact = WarmStartedContact(problem, self.options, last)
+                solution, state = self.coupled.solve_step(
+                    instant.states[-1], problem, contact, self.options.tolerance
+                )
+                coupled = (state,)
+            else:
+                solution = solved_or_unloaded(self.options, problem, last)
+            solutions.append(solution)
+            after = solution.pressure
+            states = tuple(
+                state_variable.update(state, instant.pressure, after, step)
+                for state_variable, state in zip(self.state_variables, instant.states, strict=False)
             )
-            coupled = (state,)
-        else:
-            solution = solved_or_unloaded(self.options, problem, instant.pressure)
-        after = solution.pressure
-        states = tuple(
-            state_variable.update(state, instant.pressure, after, step)
-            for state_variable, state in zip(self.state_variables, instant.states, strict=False)
-        )
+            guessed = self._guessed_again(instant, states + coupled)
+            if guessed is instant or len(solutions) == MOST_GUESSES:
+                break
+            instant = guessed
+        if guessed is not instant and solution.status is Status.CONVERGED:
+            solution = replace(solution, status=Status.STALLED)
         unsettled = max(
             (float(state["residual"][0]) for state in states if "residual" in state), default=0.0
         )
         if unsettled > self.options.tolerance and solution.status is Status.CONVERGED:
             solution = replace(solution, status=Status.STALLED, residual=unsettled)
-        return Instant(step.end, step.loads[1], after, states + coupled), [solution]
+        solutions[-1] = solution
+        return Instant(step.end, step.loads[1], after, states + coupled), solutions
+
+    def _guessed_again(self, instant: Instant, found: tuple[State, ...]) -> Instant:
+        """Return `instant` with better guesses of what a step from it finds, the same one if they are good enough."""
+        states = tuple(
+            variable.guessed_again(state, after, self.options.tolerance)
+            if isinstance(variable, HasGuess)
+            else state
+            for variable, state, after in zip(
+                self.all_state_variables, instant.states, found, strict=True
+            )
+        )
+        if all(one is other for one, other in zip(states, instant.states, strict=True)):
+            return instant
+        return replace(instant, states=states)
 
     def _problem_at_end(self, instant: Instant, step: Step) -> Problem:
         """Return the problem at the end of a step, with the contributions of all state variables."""
@@ -270,7 +300,7 @@ class TimeStepper:
     def _with(
         self,
         weights: Mapping[Coefficients, float],
-        local: float,
+        local: float | Array,
         load: float,
         problem: Problem,
     ) -> Problem:
@@ -281,7 +311,7 @@ class TimeStepper:
         weights
             Weights [1/Pa] of the influence coefficients in the step.
         local
-            Displacement of a cell over its own pressure [m/Pa], added to the operator.
+            Displacement of a cell over its own pressure [m/Pa], one number or (x, y), added to the operator.
         load
             Load [N/m] at the end of the step.
         problem
@@ -311,11 +341,15 @@ class TimeStepper:
         return gap
 
     def _operator(
-        self, problem: Problem, weights: Mapping[Coefficients, float], local: float
-    ) -> Convolution:
+        self, problem: Problem, weights: Mapping[Coefficients, float], local: float | Array
+    ) -> Convolution | WithWinklerLayer:
         """Return the operator of a step, made from operators that exist already."""
         operator = problem.operator
         assert isinstance(operator, Convolution)
+        if isinstance(local, np.ndarray):
+            elastic = self._operator(problem, weights, 0.0)
+            assert isinstance(elastic, Convolution)
+            return WithWinklerLayer(elastic, on_cells(local, problem.grid.cells))
         if weights == self.weights:
             return combined([(1.0, operator)], local) if local else operator
         units = self._units if problem is self.problem else self._units_of(problem)

@@ -8,6 +8,7 @@ from contactstudy.domain.checks import (
     InvalidInput,
     each,
     finite,
+    positive,
     set_fields,
     suggest_fields,
     whole,
@@ -50,6 +51,9 @@ class Fretting:
         on; see :meth:`cycle`.
     times
         Instants [s] of the forces, which are linear in between; None under a constant load.
+    period
+        Duration of one cycle [s], with `times`: a force that takes longer than half of it stands for as many half cycles
+        as have room in that time, so that cycles are stepped over in jumps; None follows each force once.
     displacements
         Rigid displacements along x [m] of the first against the second body in place of the forces, with `times` and
         under a constant load. Beyond some size all of the contact slides: its ``stick_fraction`` is 0. They count from
@@ -65,6 +69,7 @@ class Fretting:
     forces: tuple[NewtonsPerMetre, ...] | None = None
     times: tuple[Seconds, ...] | None = None
     displacements: tuple[Metres, ...] | None = None
+    period: Seconds | None = None
 
     def __post_init__(self) -> None:
         set_fields(self, coefficient=coefficient("Fretting", self.coefficient, zero=False))
@@ -89,6 +94,13 @@ class Fretting:
             raise InvalidInput(
                 "Fretting.times is None together with displacements: give times [s]."
             )
+
+        if self.period is not None:
+            positive("Fretting.period", self.period, "give the duration of a cycle above 0 s")
+            if self.times is None:
+                raise InvalidInput(
+                    "Fretting.times is None together with period: give times [s], in which cycles have room."
+                )
 
     @property
     def history(self) -> LoadHistory | None:

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.disks import Disks
@@ -100,6 +101,13 @@ class CoulombNewton:
     def project(self, shear: Array) -> Array:
         """Return the nearest shear (2, cells) that friction carries, with the given sum if there is one."""
         return self._disks.project(shear)
+
+    def sticks(self, shear: Array, slip: Array, margin: float) -> NDArray[np.bool_]:
+        """Return which cells stick (cells,): whose trial shear, by `shear` and `slip`, is below its limit by a `margin`.
+
+        A cell that slips by more than the residual is outside its disk, whatever its own shear lacks to the rim.
+        """
+        return np.asarray(np.hypot(*(shear - self._rho * slip)) < self._disks.radius - margin)
 
     def solve(
         self, free_slip: Array, shear: Array, tolerance: float, max_applications: int

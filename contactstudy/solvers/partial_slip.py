@@ -17,7 +17,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.solvers.coulomb_newton import CoulombNewton
 from contactstudy.solvers.slip import SlipAtRest
 
-# A cell sticks whose shear is below the limit by more than this fraction of the largest limit.
+# A cell sticks whose trial shear is below the limit by more than this fraction of the largest limit.
 STICKING = 1e-6
 
 
@@ -99,10 +99,11 @@ def slip_step(
     if rigid is None:
         rigid = newton.rigid
         slip = slip - rigid[:, None]
-    field = newton.field(newton.project(shear))
-    stick = (limit > 0) & (np.hypot(*field) < limit - STICKING * limit.max())
+    shear = newton.project(shear)
+    stick = np.zeros(limit.shape, dtype=bool)
+    stick[limit > 0] = newton.sticks(shear, slip, STICKING * limit.max())
     applications = newton.applications + 1
-    return SlipStep(field, newton.field(slip), rigid, stick, residual, applications)
+    return SlipStep(newton.field(shear), newton.field(slip), rigid, stick, residual, applications)
 
 
 def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Array:

@@ -91,6 +91,58 @@ def test_slip_wears_in_proportion_to_the_energy_and_nowhere_else() -> None:
     assert worn == pytest.approx(4 * wear * 0.02043, rel=0.1)
 
 
+def jumping(jumps: list[float], wear: float, cells: int) -> cs.Contact:
+    """The last frame of a cycle for each of `jumps`, which stands for so many cycles, after loading once."""
+    times, forces = [0.0, 0.5], [0.0, FORCE]
+    for jump in jumps:
+        times += [times[-1] + jump / 2, times[-1] + jump]
+        forces += [-FORCE, FORCE]
+    friction = cs.Fretting(MU, tuple(forces), times=tuple(times), period=1.0)
+    scene = replace(LINE, friction=friction, wear=cs.Wear(wear, 0.0))
+    steps = cs.TimeSteps(times=(0.0, times[-1]), step_error=cs.StepError.NONE)
+    found = cs.solve(scene, cs.Grid((cells, 1), (2.7, 1.0)), EXACT, times=steps, tolerance=1e-7)
+    assert found.status is cs.Status.CONVERGED
+    return found.frames[-1]
+
+
+def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None:
+    """Closed form: what sticks bears the load alone, as a punch with the curvature of the cylinder.
+
+    ``p = [P / pi + E* / (2 R) (c^2 / 2 - x^2)] / (c^2 - x^2)^(1/2)`` within the half-width c of the stick zone. Explicit
+    jumps are stable below 0.09 / 0.03 cycles; these grow beyond a thousand.
+    """
+    jumps = [1.3**n for n in range(30)]
+    frame = jumping(jumps, 1 / 32, 540)
+    x, pressure = frame.grid.x, frame.pressure[:, 0]
+    depth = frame.state["worn_depth"].values[:, 0]
+    c = (1 - FORCE / MU) ** 0.5
+    inside = np.abs(x) < 0.9 * c
+    expected = (1 / pi + 2 / pi * (c**2 / 2 - x[inside] ** 2)) / np.sqrt(c**2 - x[inside] ** 2)
+    # the edge of stick is known to a cell, which moves the pressure inside by as much
+    assert np.abs(pressure[inside] / expected - 1).max() < 2 * frame.grid.cell[0] / c
+    assert pressure[np.abs(x) > c + frame.grid.cell[0]].max() < 1e-3 * pressure.max()
+    assert not depth[inside].any()
+    # the volume in the limit, of a stick zone that may be a cell wider or narrower
+    assert depth.sum() * frame.grid.cell[0] == pytest.approx(0.1702123, rel=0.02)
+
+
+@pytest.mark.cases(2)
+@pytest.mark.parametrize(("jump", "error"), [(4, 0.03), (16, 0.06), (1, 0.03)])
+def test_jumps_wear_as_cycle_after_cycle_does(jump: int, error: float) -> None:
+    """By 64 cycles of 1/16; a jump of 16 is ten times as long as explicit wear is stable."""
+    wear = 1 / 16
+    frame = jumping([jump] * (64 // jump), wear, 135)
+    depth, energy = (frame.state[name].values for name in ("worn_depth", "friction_energy"))
+    cell = frame.grid.cell_area
+    # the volume of 128 cycles of 1/32, by another program, and the quarter of a cycle that loads
+    expected = 0.0931 + 0.25 * wear * 0.02043
+    assert depth.sum() * cell == pytest.approx(expected, rel=error)
+    assert energy.sum() * wear / MU == pytest.approx(depth.sum(), rel=1e-12)
+    # no saw-tooth: depth rises and falls once on either side
+    turns = np.diff(np.sign(np.diff(depth[:, 0])[np.abs(np.diff(depth[:, 0])) > 1e-9]))
+    assert np.count_nonzero(turns) == 3
+
+
 def test_a_large_displacement_slides_all_of_the_contact() -> None:
     """``4 mu P D`` less the energy of the displacement under full shear, counted from a half-width."""
     far = 1.0

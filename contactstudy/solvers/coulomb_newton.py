@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.disks import Disks
 from contactstudy.solvers.slip import SlipOperator
+from contactstudy.solvers.solution import Status
 
 
 @dataclass(frozen=True)
@@ -52,6 +53,15 @@ class NewtonConstants:
 
 
 CONSTANTS = NewtonConstants()
+
+
+def shear_status(
+    residual: float, applications: int, tolerance: float, max_applications: int
+) -> Status:
+    """Return the status of a shear that was left with a `residual` after so many `applications` of its response."""
+    if residual <= tolerance:
+        return Status.CONVERGED
+    return Status.ITERATION_LIMIT if applications >= max_applications else Status.STALLED
 
 
 class CoulombNewton:

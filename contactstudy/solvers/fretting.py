@@ -12,10 +12,11 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.coulomb_newton import shear_status
 from contactstudy.solvers.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction import with_traction
 from contactstudy.solvers.partial_slip import slip_step
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions
 
 
@@ -44,7 +45,7 @@ class FrettingShear:
         normal = options.solved(problem, start, on)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
-        applications, residual, stalled = 0, 0.0, False
+        applications, residual, statuses = 0, 0.0, [Status.CONVERGED]
         sliding: list[Array] = []
         moved = [0.0]
         shears = []
@@ -61,10 +62,11 @@ class FrettingShear:
             shears.append(shear)
             applications += step.applications
             residual = max(residual, step.residual)
-            stalled |= step.applications < options.max_iterations
-        status = Status.CONVERGED
-        if residual > options.tolerance:
-            status = Status.STALLED if stalled else Status.ITERATION_LIMIT
+            statuses.append(
+                shear_status(
+                    step.residual, step.applications, options.tolerance, options.max_iterations
+                )
+            )
         first = _cycle(self.fractions)
         slid = sum(sliding[first:], start=np.zeros_like(limit))
         traction = FrettingTraction(
@@ -79,7 +81,9 @@ class FrettingShear:
             energy=limit * slid,
             cycle_start=first,
         )
-        return with_traction(normal, status, residual, applications, 2.0 * applications, traction)
+        return with_traction(
+            normal, worst(statuses), residual, applications, 2.0 * applications, traction
+        )
 
 
 def _cycle(fractions: tuple[float, ...]) -> int:

@@ -8,6 +8,7 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.coulomb_newton import shear_status
 from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, Status, Traction
@@ -122,10 +123,9 @@ class CoulombDisks:
             options.max_iterations,
             total=np.array([self.fraction * limit.sum(), 0.0]),
         )
-        status = Status.CONVERGED
-        if step.residual > options.tolerance:
-            limited = step.applications >= options.max_iterations
-            status = Status.ITERATION_LIMIT if limited else Status.STALLED
+        status = shear_status(
+            step.residual, step.applications, options.tolerance, options.max_iterations
+        )
         traction = Traction(step.shear, step.stick, "Coulomb disks", step.applications)
         return with_traction(
             normal, status, step.residual, step.applications, 2.0 * step.applications, traction

@@ -24,7 +24,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.coulomb_newton import CoulombNewton
+from contactstudy.solvers.coulomb_newton import CoulombNewton, shear_status
 from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.rolling_traction import Creepage, RollingTraction
 from contactstudy.solvers.slip import RollingSlip
@@ -131,10 +131,10 @@ class TractiveShear:
             nothing = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
             return replace(normal, traction=Traction(nothing, stick, "tractive rolling", 0))
-        status = normal.status
-        if status is Status.CONVERGED and not state.residual <= options.tolerance:
-            limited = state.applications >= options.max_iterations
-            status = Status.ITERATION_LIMIT if limited else Status.STALLED
+        of_shear = shear_status(
+            state.residual, state.applications, options.tolerance, options.max_iterations
+        )
+        status = of_shear if normal.status is Status.CONVERGED else normal.status
         return replace(
             normal,
             status=status,

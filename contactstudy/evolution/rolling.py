@@ -159,10 +159,15 @@ def solve_rolling(
         If the scene has no ``rolling``, or has a load that changes, wear or a fluid.
     """
     assert scene.rolling is not None
-    if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
-        field = "Scene.load" if scene.wear is None else "Scene.wear"
+    if scene.wear is not None:
         raise InvalidInput(
-            f"{field} changes in time together with Scene.rolling: leave one of them out."
+            "Scene.wear changes in time together with Scene.rolling: a body that rolls wears alike all round, leave "
+            "rolling out and multiply Wear.coefficient by the contact's width over the circumference."
+        )
+    if not isinstance(scene.load, ConstantLoad):
+        raise InvalidInput(
+            "Scene.load changes in time together with Scene.rolling: no contact is steady under it, leave one of them "
+            "out; rolling leaves elastic bodies as they are."
         )
     elastic = replace(scene, solids=sudden(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)

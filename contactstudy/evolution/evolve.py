@@ -99,11 +99,6 @@ def coupled_state_variable(
             "surface that is infinite across and periodic along, give ExactPeriodicity()."
         )
     friction = getattr(scene.friction, "coefficient", 0.0)
-    if friction and problem.grid.cells[1] > 1:
-        raise InvalidInput(
-            f"Grid.cells[1] is {problem.grid.cells[1]} together with a body that yields while it slides: the "
-            "stress by shear is supported in plane strain only, give 1 cell along, or no friction."
-        )
     return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision, friction)
 
 

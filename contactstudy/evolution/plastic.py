@@ -291,7 +291,6 @@ class PlasticState:
         self, body: YieldingBody, operator: EigenstrainOperator, pressure: Array
     ) -> Array:
         """Return the stress (C, layers, x, y) [Pa] in one body by the shear along x on it."""
-        assert isinstance(operator, PlaneStrainOperator)
         return operator.stress_of_shear(self._drag(body) * pressure)
 
     def _drag(self, body: YieldingBody) -> float:
@@ -336,7 +335,6 @@ class PlasticState:
             residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
             total = residual + np.stack([wide.tensor_of_pressure(p) for p in pressures])
             if self.friction:
-                assert isinstance(wide, PlaneStrainOperator)
                 shears = [self._drag(body) * p for p in pressures]
                 total += np.stack([wide.tensor_of_shear(shear) for shear in shears])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))

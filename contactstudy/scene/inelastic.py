@@ -128,8 +128,7 @@ class ElasticPlasticHalfSpace:
     Raises
     ------
     InvalidInput
-        If a number is outside these limits; in a scene with a hardness, friction, rolling, or a coated or
-        viscoelastic body.
+        If a number is outside these limits; in a scene with a hardness, partial slip, or steady rolling.
     """
 
     youngs_modulus: Pascals

@@ -25,7 +25,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain import (
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import Components
-from contactstudy.elasticity.eigenstrain.waves import Complex, Waves
+from contactstudy.elasticity.eigenstrain.waves import Complex, Traction, Waves
 
 # Number of the component that is odd in x.
 ODD = 1
@@ -144,11 +144,19 @@ class PeriodicOperator:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
-        return self._from_pressure(pressure, Components.DEVIATOR)
+        return self._from_traction(pressure, Traction.PRESSURE, Components.DEVIATOR)
+
+    def stress_of_shear(self, shear: Array) -> Array:
+        """Return the deviatoric stress (5, layers, x, y) [Pa] under `shear` along x (x, y) [Pa]."""
+        return self._from_traction(shear, Traction.SHEAR, Components.DEVIATOR)
 
     def tensor_of_pressure(self, pressure: Array) -> Array:
         """Return the stress (6, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
-        return self._from_pressure(pressure, Components.TENSOR)
+        return self._from_traction(pressure, Traction.PRESSURE, Components.TENSOR)
+
+    def tensor_of_shear(self, shear: Array) -> Array:
+        """Return the stress (6, layers, x, y) [Pa] under `shear` along x (x, y) [Pa]."""
+        return self._from_traction(shear, Traction.SHEAR, Components.TENSOR)
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, y) [m] of the unloaded surface into the body by plastic `strain`."""
@@ -197,21 +205,29 @@ class PeriodicOperator:
             self._write(stress, group, along)
         return self._transformed_back(along)
 
-    def _from_pressure(self, pressure: Array, components: Components) -> Array:
-        """Return the `components` of the stress under `pressure` (x, y) [Pa]."""
+    def _from_traction(self, values: Array, traction: Traction, components: Components) -> Array:
+        """Return the `components` of the stress under the `values` (x, y) [Pa] of a traction."""
         layers, across, ny = self.volume.shape
-        waves = fft.rfft(pressure, axis=-1)
+        waves = fft.rfft(values, axis=-1)
         along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
-        mean = pressure.mean(axis=-1, keepdims=True)
+        mean, plane = ny * values.mean(axis=-1, keepdims=True), self._plane
         if components is Components.TENSOR:
-            along[..., :1] = ny * self._plane.tensor_of_pressure(mean)
+            of = {
+                Traction.PRESSURE: plane.tensor_of_pressure,
+                Traction.SHEAR: plane.tensor_of_shear,
+            }
+            along[..., :1] = of[traction](mean)
         else:
-            along[:3, ..., :1] = ny * self._plane.stress_of_pressure(mean)
+            of = {
+                Traction.PRESSURE: plane.stress_of_pressure,
+                Traction.SHEAR: plane.stress_of_shear,
+            }
+            along[:3, ..., :1] = of[traction](mean)
         for group in self._groups:
             around = np.zeros((group.period, waves[:, group.orders].shape[1]), dtype=np.complex128)
             around[group.around_window] = waves[group.window, group.orders]
             around = fft.fft(around, axis=0, overwrite_x=True, workers=threads())
-            self._write(group.waves.stress_of_pressure(around, components), group, along)
+            self._write(group.waves.stress_of_traction(around, traction, components), group, along)
         return self._transformed_back(along)
 
     def _write(self, waves: Complex, group: "WaveGroup", along: Complex) -> None:

@@ -101,6 +101,10 @@ class EigenstrainOperator(Protocol):
         """Return the deviatoric stress S p (C, layers, x, y) [Pa] under `pressure` p (x, y) [Pa] on the whole grid."""
         ...
 
+    def stress_of_shear(self, shear: Array) -> Array:
+        """Return the deviatoric stress (C, layers, x, y) [Pa] under `shear` along x (x, y) [Pa] on the whole grid."""
+        ...
+
     def stress_of_strain(self, strain: Array) -> Array:
         """Return the deviatoric stress B e (C, layers, x, y) [Pa] that plastic `strain` relaxes; 0 < B < 2G."""
         ...
@@ -114,6 +118,10 @@ class EigenstrainOperator(Protocol):
 
     def tensor_of_pressure(self, pressure: Array) -> Array:
         """Return the stress xx, yy, zz, yz, xz, xy under `pressure` (x, y) [Pa], (6, layers, x, y) [Pa]."""
+        ...
+
+    def tensor_of_shear(self, shear: Array) -> Array:
+        """Return the stress xx, yy, zz, yz, xz, xy under `shear` along x (x, y) [Pa], (6, layers, x, y) [Pa]."""
         ...
 
     def tensor_of_strain(self, strain: Array) -> Array:

@@ -170,6 +170,22 @@ def stress_under_pressure(top: Array, layer: Layer, nu: float) -> Tensor:
     return m1 - m0, -2 * nu * m0, -(m0 + m1), m1, zeros, zeros
 
 
+def stress_under_shear(
+    top: Array, layer: Layer, nu: float, direction: tuple[Array, Array]
+) -> Tensor:
+    """Return the means of the stress over a `layer` under a wave of unit shear along x (waves,), divided by i.
+
+    `top` is q times the depth of its upper side, and `direction` is that of n, (c, s). Source: Johnson (1985), sect.
+    2.3, summed to a wave, and antiplane shear along t.
+    """
+    decay = np.exp(-np.minimum(top, DEEPEST))
+    m0 = decay * layer.means[0]
+    m1 = decay * layer.means[1] + top * m0
+    c, s = direction
+    across = -s * m0
+    return c * (2 * m0 - m1), (2 * nu) * c * m0, c * m1, c * (m0 - m1), across, across
+
+
 def _layer_stress(
     sources: Sources, down: Array, up: Array, layers: Sequence[Layer], nu: float
 ) -> Tensor:

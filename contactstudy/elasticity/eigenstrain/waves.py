@@ -5,7 +5,8 @@ Waves shorter than two cells represent the edges of cells; at the middles of cel
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from enum import Enum
+from functools import cached_property, partial
 from itertools import pairwise, product
 from math import pi
 from typing import TypeVar
@@ -19,11 +20,13 @@ from contactstudy.elasticity.eigenstrain.wave import (
     Components,
     Layer,
     Sources,
+    Tensor,
     WaveDirection,
     layer_stresses,
     self_stress,
     stress_of_other_layer,
     stress_under_pressure,
+    stress_under_shear,
 )
 
 # Number of orders of short waves that are summed one by one; shorter waves are summed together.
@@ -34,6 +37,22 @@ DEEP = 3.0
 DEEPEST = 1e3
 # Distance in cells between layers that act on one another by short waves.
 NEAR = 0.6
+
+
+class Traction(Enum):
+    """What acts on the surface."""
+
+    #: Pressure.
+    PRESSURE = "pressure"
+    #: Shear along x, whose waves' stress is divided by i.
+    SHEAR = "shear"
+
+    def stress(self, direction: WaveDirection, top: float, layer: Layer, nu: float) -> Tensor:
+        """Return the means of the stress over a `layer`, whose upper side is at the depth `top` [m], by a unit of it."""
+        depth = direction.q * top
+        if self is Traction.PRESSURE:
+            return stress_under_pressure(depth, layer, nu)
+        return stress_under_shear(depth, layer, nu, (direction.c, direction.s))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +94,8 @@ class Aliases:
         weight = (np.sinc(x * dx / (2 * pi)) * np.sinc(y * dy / (2 * pi))) ** 2
         return WaveDirection(q, x / q, y / q, weight)
 
-    def stress_of_pressure(self, components: Components) -> Array:
-        """Return the stress (components, layers, waves) by unit pressure in the short waves."""
+    def stress_of_traction(self, traction: "Traction", components: Components) -> Array:
+        """Return the stress (components, layers, waves) by a unit traction in the short waves."""
         volume = self.volume
         total = np.zeros((len(components.value), volume.shape[0], len(self.x)))
         for number, top in enumerate(volume.edges[:-1]):
@@ -84,7 +103,7 @@ class Aliases:
                 break
             for direction in self._directions():
                 layer = Layer.from_ratio(direction.q * volume.thicknesses[number])
-                tensor = stress_under_pressure(direction.q * top, layer, self.moduli.poisson_ratio)
+                tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
                 total[:, number] += direction.weight * direction.stress(tensor, components)
         return total
 
@@ -231,16 +250,23 @@ class Waves:
             coupling.add(total, e)
         return _complex(total, components, strain.shape[2:])
 
-    def stress_of_pressure(self, pressure: Complex, components: Components) -> Complex:
-        """Return the means over cells of the stress (components, layers, ...) by `pressure` (period, orders)."""
-        unit = self._pressed[components]
-        waves = np.stack((pressure.real.ravel(), pressure.imag.ravel()))
-        return _complex(unit[:, :, None] * waves, components, pressure.shape)
+    def stress_of_traction(
+        self, waves: Complex, traction: Traction, components: Components
+    ) -> Complex:
+        """Return the stress of cells (components, layers, ...) by `waves` (period, orders) of a traction."""
+        unit, shape = self._by_unit[traction][components], waves.shape
+        if traction is Traction.SHEAR:
+            waves = 1j * waves
+        parts = np.stack((waves.real.ravel(), waves.imag.ravel()))
+        return _complex(unit[:, :, None] * parts, components, shape)
 
     def residual_displacement(self, strain: Complex) -> Complex:
         """Return the surface displacement (period, orders) [m] by `strain` (5, layers, period, orders)."""
         e = _real(strain)
-        parts, unit = np.zeros((2, e.shape[3])), self._pressed[Components.DEVIATOR]
+        parts, unit = (
+            np.zeros((2, e.shape[3])),
+            self._by_unit[Traction.PRESSURE][Components.DEVIATOR],
+        )
         for number, thickness in enumerate(self.volume.thicknesses):
             parts += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
@@ -270,7 +296,7 @@ class Waves:
     def bytes(self) -> int:
         """Memory held by the waves [bytes]."""
         return (
-            sum(array.nbytes for array in self._pressed.values())
+            sum(array.nbytes for units in self._by_unit.values() for array in units.values())
             + sum(
                 coupling.blocks.nbytes for group in self._couplings.values() for coupling in group
             )
@@ -301,17 +327,17 @@ class Waves:
         return _OnRequest(lambda components: tuple(self._short.couplings(components)))
 
     @cached_property
-    def _pressed(self) -> "_OnRequest[Array]":
-        """Stress (components, layers, waves) by unit pressure, by components."""
-        return _OnRequest(self._by_pressure)
+    def _by_unit(self) -> "dict[Traction, _OnRequest[Array]]":
+        """Stress (components, layers, waves) by a unit of each traction, by components."""
+        return {traction: _OnRequest(partial(self._stress, traction)) for traction in Traction}
 
-    def _by_pressure(self, components: Components) -> Array:
-        """Return the stress (components, layers, waves) by unit pressure."""
+    def _stress(self, traction: Traction, components: Components) -> Array:
+        """Return the stress (components, layers, waves) by a unit of a traction."""
         direction = self._direction
-        total = self._short.stress_of_pressure(components)
+        total = self._short.stress_of_traction(traction, components)
         for number, layer in enumerate(self._layers):
-            depth = direction.q * self.volume.edges[number]
-            tensor = stress_under_pressure(depth, layer, self.moduli.poisson_ratio)
+            top = self.volume.edges[number]
+            tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
             total[:, number] += direction.weight * direction.stress(tensor, components)
         return total
 

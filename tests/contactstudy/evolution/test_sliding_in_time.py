@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.elasticity.eigenstrain.periodic import PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from tests.conftest import STEEL
@@ -74,6 +75,23 @@ def test_shear_below_a_pressed_cell_is_the_stress_of_cerruti() -> None:
     points = below.under(np.stack([shear, 0 * shear]))(0 * shear)
     wanted = points.reshape(6, 2, 6, 32, 5, 1).mean(axis=(2, 4))
     np.testing.assert_allclose(means, wanted, atol=0.01)
+
+
+def test_shear_below_a_pressed_cell_is_that_of_cerruti_where_it_varies_along() -> None:
+    """Means over cells beside points in the middle of cells three times as fine, for all six components."""
+    fine, part = cs.Grid((72, 36), (72e-6, 54e-6)), 3
+    grid = cs.Grid((24, 12), fine.extent)
+    x, y = grid.x[:, None] / 36e-6, 2 * np.pi * grid.y / 54e-6
+    shear = np.where(abs(x) < 0.5, 1 + 0.5 * x + 0.7 * np.cos(y) + 0.3 * np.sin(2 * y), 0.0)
+    edges = (3e-6, 6e-6, 12e-6)
+    means = PeriodicOperator(Volume(grid, 0, 24, edges), Moduli(2e11, 0.3)).tensor_of_shear(shear)
+    nodes = (np.arange(4) + 0.5) / 4
+    depths = np.concatenate([edges[0] + nodes * 3e-6, edges[1] + nodes * 6e-6])
+    below = cs.SubsurfaceStress(tuple(depths)).of((STEEL, STEEL), fine, (cs.ZeroPadding(), EXACT))
+    across = shear.repeat(part, axis=0).repeat(part, axis=1)
+    points = below.under(np.stack([across, 0 * across]))(0 * across)
+    wanted = points.reshape(6, 2, 4, 24, part, 12, part).mean(axis=(2, 4, 6))
+    np.testing.assert_allclose(means, wanted, atol=0.015)
 
 
 def yielding(
@@ -165,7 +183,17 @@ def test_what_sliding_does_not_support_is_refused(
         replace(SCENE, **({"load": cs.LineLoad(LOAD)} | changes))
 
 
-def test_yielding_and_sliding_take_one_cell_along() -> None:
-    scene = replace(SCENE, solids=(cs.ElasticPlasticHalfSpace(210e9, 0.3, 3e8), STEEL))
-    with pytest.raises(cs.InvalidInput, match=r"Grid\.cells\[1\] is 2"):
-        solved(scene, cs.Grid((16, 2), (6e-4, 1e-3)))
+def test_bodies_that_slide_yield_alike_along_their_length_where_nothing_varies() -> None:
+    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3.5e8, 1e10)
+    scene = replace(SCENE, solids=(body, STEEL))
+    waves = cs.Waviness(2e-7, across=np.inf, along=3e-4)
+    strains = [
+        solved(replace(scene, shapes=(*scene.shapes, *more)), cs.Grid((48, along), (6e-4, 3e-4)))
+        .to_dataset()["equivalent_plastic_strain"]
+        .isel(time=-1)
+        for more, along in (((), 1), ((), 4), ((waves,), 4))
+    ]
+    flat, repeated, wavy = (strain.values for strain in strains)
+    assert flat.max() > 0
+    np.testing.assert_allclose(repeated, np.repeat(flat, 4, axis=-1), atol=1e-3 * float(flat.max()))
+    assert np.ptp(wavy, axis=-1).max() > 0.05 * flat.max()

@@ -220,9 +220,10 @@ def key(tree: Tree) -> str:
 def keys(tree: Tree) -> tuple[str, str]:
     """Return the key of a computation, and a hash of its whole tree, fields at their defaults included."""
     whole = text(tree)
-    bare = text(_bare(tree)) if f'"{DEFAULTS}":' in whole else whole
-    key, exact = (hashlib.sha256(part.encode()).hexdigest()[:24] for part in (bare, whole))
-    return key, exact
+    exact = hashlib.sha256(whole.encode()).hexdigest()[:24]
+    if f'"{DEFAULTS}":' not in whole:
+        return exact, exact
+    return hashlib.sha256(text(_bare(tree)).encode()).hexdigest()[:24], exact
 
 
 def _bare(tree: Tree) -> Tree:

@@ -1,5 +1,6 @@
 """Run the missing cases of a study, each distinct one once, then time them one at a time."""
 
+import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
@@ -81,7 +82,8 @@ def run(
     folder = open_folder(out)
     with locked(folder / f".{study.name}.lock", log), _stopping() as stop:
         remove_partial_files(folder)
-        journal = Journal(folder / f"{study.name}.journal.jsonl", request.context, machine())
+        with _without_collection():
+            journal = Journal(folder / f"{study.name}.journal.jsonl", request.context, machine())
         study, request = _beside_stored(study, request, journal, log)
         with journal, ExitStack() as closing:
             return _Run(study, request, journal, chosen, log, stop).go(executor, closing)
@@ -113,7 +115,20 @@ def _request(study: Study, log: Log) -> Request:
     """Return the cases of a study."""
     if study.size > MANY:
         log(f"{study.name}: {study.size} points, whose cases are now made")
-    return Request.of(study)
+    with _without_collection():
+        return Request.of(study)
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Collect no garbage in a block that makes many objects to last, a fourth of whose time it would take."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def _beside_stored(

@@ -1,8 +1,7 @@
 """The journal of a study: one line for each result, added as it arrives and never changed."""
 
 import os
-import weakref
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -11,7 +10,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import open_descriptor, read_at, reason, replacing, set_aside
+from contactstudy.domain.files import open_descriptor, reason, replacing, set_aside
 from studies.model.outcome import Outcome, Sample
 from studies.store.journal_lines import START, decoded, encoded, encoded_variable, short_hash
 from studies.store.records import (
@@ -21,7 +20,6 @@ from studies.store.records import (
     Contents,
     Context,
     Program,
-    RecordFile,
 )
 
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
@@ -55,7 +53,6 @@ class Journal:
         self._synced = monotonic()
         self._run = ""
         self._stamps: dict[tuple[int, str], tuple[object, str]] = {}
-        self._close: Callable[[], object] = lambda: None
         self._read()
 
     def __enter__(self) -> Self:
@@ -67,10 +64,8 @@ class Journal:
                 )
             elif self._damaged:
                 self._set_aside()
-            self._keep_open(open_descriptor(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND))
+            self._descriptor = open_descriptor(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND)
             os.ftruncate(self._descriptor, self._end)
-            if self._lacks_line_feed:
-                self._write_bytes(b"\n")
         except OSError as error:
             raise self._refused(error) from None
         return self
@@ -85,7 +80,7 @@ class Journal:
             if kind is None or not issubclass(kind, InvalidInput):
                 self.sync()
         finally:
-            self._close()
+            os.close(self._descriptor)
 
     def start(self, history: str, axes: Mapping[str, Iterable[Any]]) -> None:
         """Begin a run of the present study.
@@ -151,9 +146,8 @@ class Journal:
         }
         if outcome.failure is not None:
             line["failure"] = asdict(outcome.failure)
-        start = self._end
-        size = self._write(line)
-        self.contents.records[identity.key] = self.contents.record(line, start, size)
+        raw = self._write(line)
+        self.contents.records[identity.key] = self.contents.record(line, raw)
         if outcome.seconds > TOGETHER / 2 or monotonic() - self._synced > TOGETHER:
             self.sync()
             return True
@@ -173,16 +167,14 @@ class Journal:
     def _write_time(self, key: str, line: Mapping[str, Any]) -> tuple[str, str]:
         """Write a line on the times of a case, and return its key and the stamp of its program."""
         stamp = self.contents.records[key].stamp
-        about = {"program": stamp, "machine": self._machine, "epoch": self.contents.epoch}
+        about = {"program": stamp, "machine": self._machine}
         self._write({"time": key} | about | dict(line))
         return key, stamp
 
     def forget_times(self) -> None:
         """Make all timed runs of earlier runs invalid."""
-        self.contents.epoch += 1
+        self.contents.forget_times()
         self._write({"retime": self.contents.epoch})
-        self.contents.samples.clear()
-        self.contents.untimed.clear()
 
     def sync(self) -> None:
         """Write everything through to the disk, in the file that has the journal's name.
@@ -208,14 +200,9 @@ class Journal:
             )
         self._synced = monotonic()
 
-    def _write(self, line: Mapping[str, Any]) -> int:
-        """Write a line, and return its size in bytes."""
+    def _write(self, line: Mapping[str, Any]) -> bytes:
+        """Write a line at the end of the file, and return it; cut it off where the disk takes only a part."""
         raw = encoded(line)
-        self._write_bytes(raw)
-        return len(raw)
-
-    def _write_bytes(self, raw: bytes) -> None:
-        """Write bytes at the end of the file; cut them off again where the disk takes only a part."""
         try:
             unwritten = memoryview(raw)
             while unwritten:
@@ -225,6 +212,7 @@ class Journal:
                 os.ftruncate(self._descriptor, self._end)
             raise self._refused(error) from None
         self._end += len(raw)
+        return raw
 
     def _refused(self, error: OSError) -> InvalidInput:
         """Return the error of a journal that cannot be written."""
@@ -233,25 +221,13 @@ class Journal:
             "make room or give another folder with --out, and run the same command again."
         )
 
-    def _keep_open(self, descriptor: int) -> None:
-        """Use a descriptor for the journal, and close the previous one."""
-        self._close()
-        self._descriptor = self._source.descriptor = descriptor
-        # records are read from it for as long as there are some
-        self._close = weakref.finalize(self._source, os.close, descriptor)
-
     def _read(self) -> None:
         """Read the journal from the start."""
-        self._close()
-        self._source = RecordFile(-1)
-        self.contents = Contents(self._context, self._machine, self._source)
-        self._descriptor, self._end = -1, 0
-        self._is_foreign = False
-        self._damaged: list[tuple[int, int]] = []
-        self._lacks_line_feed = False
+        self.contents = Contents(self._context, self._machine)
+        self._end, self._is_foreign = 0, False
+        self._damaged: list[bytes] = []
         try:
-            self._keep_open(open_descriptor(self.path, os.O_RDONLY))
-            with open(self._descriptor, "rb", closefd=False) as file:
+            with open(open_descriptor(self.path, os.O_RDONLY), "rb") as file:  # noqa: PTH123 (a descriptor)
                 self._take_all(file)
         except FileNotFoundError:
             pass
@@ -265,13 +241,12 @@ class Journal:
         first, is_journal = b"", False
         for raw in file:
             first = first or raw
-            line = decoded(raw)
-            if line is None and not raw.endswith(b"\n"):
+            if not raw.endswith(b"\n"):
                 break  # torn
+            line = decoded(raw)
             is_journal |= line is not None
-            if line is None or not self._took(line, len(raw)):
-                self._damaged.append((self._end, len(raw)))
-            self._lacks_line_feed = not raw.endswith(b"\n")
+            if line is None or not self._took(line, raw):
+                self._damaged.append(raw)
             self._end += len(raw)
         if not is_journal and first and not (first.startswith(START) or START.startswith(first)):
             raise InvalidInput(
@@ -279,13 +254,13 @@ class Journal:
                 "another folder with --out."
             )
         if self.contents.is_foreign:
-            self._is_foreign, self._end, self._lacks_line_feed = True, 0, False
-            self.contents = Contents(self._context, self._machine, self._source)
+            self._is_foreign, self._end = True, 0
+            self.contents = Contents(self._context, self._machine)
 
-    def _took(self, line: Mapping[str, Any], size: int) -> bool:
+    def _took(self, line: Mapping[str, Any], raw: bytes) -> bool:
         """Take in a line, and return whether it has the form that this version writes."""
         try:
-            self.contents.take(line, self._end, size)
+            self.contents.take(line, raw)
         except MALFORMED_RECORD:
             return False
         return True
@@ -293,21 +268,16 @@ class Journal:
     def _set_aside(self) -> None:
         """Move damaged lines to another file, and keep the others in the journal."""
         damaged = self.path.with_name(f"{self.path.name}.damaged")
-        aside = open_descriptor(damaged, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-        with (
-            open(aside, "ab") as file,  # noqa: PTH123 (a descriptor)
-            replacing(self.path) as partial,
-            partial.open("xb") as mended,
-        ):
-            at = 0
-            for start, size in (*sorted(self._damaged), (self._end, 0)):
-                mended.write(read_at(self._descriptor, start - at, at))
-                file.write(read_at(self._descriptor, size, start))
-                at = start + size
-            file.flush()
-            os.fsync(file.fileno())
-            self._close()  # Windows replaces no open file
-        lines = len(self._damaged)
+        with open(  # noqa: PTH123 (a descriptor)
+            open_descriptor(damaged, os.O_WRONLY | os.O_CREAT | os.O_APPEND), "ab"
+        ) as aside:
+            aside.writelines(self._damaged)
+            aside.flush()
+            os.fsync(aside.fileno())
+        lines, bad = len(self._damaged), frozenset(self._damaged)
+        with self.path.open("rb") as file, replacing(self.path) as partial:
+            partial.write_bytes(b"".join(raw for raw in file if raw not in bad))
+            file.close()  # Windows replaces no open file
         self._read()
         self.notes.append(
             f"{lines} damaged lines of the journal are set aside in {damaged}; what they held is computed anew"

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Literal
 
+import netCDF4
 import xarray as xr
 
 from contactstudy import InvalidInput
@@ -90,15 +91,12 @@ def check_kind(
     if not path.is_file():
         return
     try:
-        with (
-            interrupts_deferred(),
-            xr.open_dataset(_checked(path), engine="netcdf4", decode_cf=False) as dataset,
-        ):
+        with interrupts_deferred(), netCDF4.Dataset(_checked(path)) as file:
             present = (
                 "study"
-                if "case_status" in dataset
+                if "case_status" in file.variables
                 else "solution"
-                if "pressure" in dataset
+                if "pressure" in file.variables
                 else kind
             )
     except Exception:  # noqa: BLE001 (libraries raise anything for a damaged file)

@@ -1,5 +1,6 @@
 """Contents of a journal: cases by their keys, timed runs, values of axes; each line is checked before it counts."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -7,11 +8,9 @@ from typing import Any
 
 import xarray as xr
 
-from contactstudy import InvalidInput
-from contactstudy.domain.files import read_at
 from contactstudy.domain.identity import Tree, differences
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
-from studies.store.journal_lines import decoded, decoded_variable
+from studies.store.journal_lines import decoded_variable
 from studies.store.loaded import Present, shown
 
 FORMAT = 5
@@ -68,9 +67,9 @@ class Context:
         return differing + self.present.changes(program.loaded)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(eq=False, slots=True)
 class Record:
-    """A stored case: its status, and its place in the journal, from which its values are read on use.
+    """A stored case: its status, and its line in the journal, from which its values are read on use.
 
     Attributes
     ----------
@@ -78,8 +77,8 @@ class Record:
         Key of the case.
     case_status
         Status of the case.
-    seconds, cpu
-        Wall and CPU time [s].
+    seconds
+        Wall time [s].
     stamp
         Digest of the program that computed it.
     state
@@ -90,44 +89,44 @@ class Record:
         Sentence on the failure; empty without one.
     status
         Encoded variable ``solver_status``; None without one.
-    start, size
-        Place of its line in the journal [bytes].
-    source
-        The open journal.
+    raw
+        Its line, as bytes.
     """
 
     key: str
     case_status: CaseStatus
     seconds: float
-    cpu: float
     stamp: str
     state: str
     exact: str
     error: str
     status: Any
-    start: int
-    size: int
-    source: "RecordFile"
+    raw: bytes
+
+    @property
+    def _line(self) -> dict[str, Any]:
+        """The line of the case."""
+        return json.loads(self.raw)  # type: ignore[no-any-return]
 
     @property
     def identity(self) -> CaseIdentity:
         """Key, parameters and first point of the case."""
-        line = self.source.line(self)
+        line = self._line
         return CaseIdentity(self.key, self.exact, line["tree"], line["point"], self.state)
 
     @property
     def outcome(self) -> Outcome:
         """Outcome of the case."""
-        line = self.source.line(self)
+        line = self._line
         failure = Failure(**line["failure"]) if "failure" in line else None
         variables = {name: decoded_variable(entry) for name, entry in line["values"].items()}
-        return Outcome(self.case_status, variables, failure, self.seconds, {}, self.cpu)
+        return Outcome(self.case_status, variables, failure, self.seconds, {}, line["cpu"])
 
     def variable(self, name: str) -> xr.Variable | None:
         """Return the measured variable with the name `name`; None if there is none."""
         if name == "solver_status":
             return None if self.status is None else decoded_variable(self.status)
-        values = self.source.line(self)["values"]
+        values = self._line["values"]
         return decoded_variable(values[name]) if name in values else None
 
     def is_of(self, identity: CaseIdentity) -> bool:
@@ -135,26 +134,6 @@ class Record:
         return self.state == identity.state and (
             self.exact == identity.exact or not differences(self.identity.tree, identity.tree)
         )
-
-
-@dataclass(eq=False)
-class RecordFile:
-    """The open file that records are read from."""
-
-    descriptor: int
-
-    def line(self, record: Record) -> dict[str, Any]:
-        """Return the line of a record from the file."""
-        parts, start, remaining = [], record.start, record.size
-        while remaining and (part := read_at(self.descriptor, remaining, start)):
-            parts.append(part)
-            start, remaining = start + len(part), remaining - len(part)
-        line = decoded(b"".join(parts))
-        if line is None:
-            raise InvalidInput(
-                "The journal was changed by another program while it was read: run the same command again."
-            )
-        return line
 
 
 @dataclass(eq=False)
@@ -167,8 +146,6 @@ class Contents:
         Part of the study and what would be loaded now; None takes the records of every program as present.
     machine
         Name of the machine whose timed runs count.
-    source
-        The open journal.
     records
         Records of the present program by key.
     other_records
@@ -193,7 +170,6 @@ class Contents:
 
     context: Context | None
     machine: str
-    source: RecordFile
     records: dict[str, Record] = field(default_factory=dict)
     other_records: dict[str, Record] = field(default_factory=dict)
     programs: dict[str, Program] = field(default_factory=dict)
@@ -207,36 +183,42 @@ class Contents:
     _runs: dict[str, Mapping[str, Any]] = field(default_factory=dict)
     _present: dict[str, bool] = field(default_factory=dict)
 
-    def take(self, line: Mapping[str, Any], start: int, size: int) -> None:
-        """Take in a line of `size` bytes at `start`; raise a ``MALFORMED_RECORD`` for one of no version."""
+    def take(self, line: Mapping[str, Any], raw: bytes) -> None:
+        """Take in a line, also as bytes; raise a ``MALFORMED_RECORD`` for one of no version."""
         match line:
+            case {"case": key}:
+                record = self.record(line, raw)
+                self.begun = None if self.begun == key else self.begun
+                present = self._present[record.stamp]
+                (self.records if present else self.other_records)[key] = record
+            case {"time": key, "program": stamp, "machine": machine}:
+                if machine != self.machine:
+                    return
+                if "reason" in line:
+                    self.untimed[key, stamp] = line["reason"]
+                else:
+                    self.samples.setdefault((key, stamp), []).append(Sample(**line["sample"]))
             case {"format": version}:
                 self.is_foreign |= version != FORMAT
                 self.history.append(line["history"])
                 self._runs[line["run"]] = line
             case {"begin": key}:
                 self.begun = key
-            case {"retime": epoch}:
-                self._turn_epoch(epoch)
+            case {"retime": _}:
+                self.forget_times()
             case {"loaded": loaded}:
                 self.add_program(line["program"], Program(line["part"], line["state"], loaded))
             case {"axis": name, "values": values}:
                 if self.context is None or self._runs[line["run"]]["part"] == self.context.part:
                     self.axes.setdefault(name, {}).update(dict.fromkeys(values))
-            case {"case": key}:
-                record = self.record(line, start, size)
-                self.begun = None if self.begun == key else self.begun
-                present = self._present[record.stamp]
-                (self.records if present else self.other_records)[key] = record
-            case {"time": key, "program": stamp, "machine": machine}:
-                if not (self._turn_epoch(line["epoch"]) and machine == self.machine):
-                    return
-                if "reason" in line:
-                    self.untimed[key, stamp] = line["reason"]
-                else:
-                    self.samples.setdefault((key, stamp), []).append(Sample(**line["sample"]))
             case _:
                 raise ValueError(line)
+
+    def forget_times(self) -> None:
+        """Forget all timed runs so far."""
+        self.epoch += 1
+        self.samples.clear()
+        self.untimed.clear()
 
     def add_program(self, stamp: str, program: Program, *, is_present: bool | None = None) -> None:
         """Add a program; one that computes in this run counts as present."""
@@ -245,31 +227,20 @@ class Contents:
             is_present = self.context is None or not self.context.changes(program)
         self._present[stamp] = is_present
 
-    def record(self, line: Mapping[str, Any], start: int, size: int) -> Record:
-        """Return the record of a case; raise a ``MALFORMED_RECORD`` for a line of no version."""
+    def record(self, line: Mapping[str, Any], raw: bytes) -> Record:
+        """Return the record of a case from its line, read and raw; raise a ``MALFORMED_RECORD`` for any other line."""
         failure = Failure(**line["failure"]) if "failure" in line else None
         return Record(
             line["case"],
             CaseStatus[line["status"].upper()],
             line["seconds"],
-            line["cpu"],
             line["program"],
             self.programs[line["program"]].state,
             line["exact"],
             failure.sentence if failure else "",
             line["values"].get("solver_status"),
-            start,
-            size,
-            self.source,
+            raw,
         )
-
-    def _turn_epoch(self, epoch: int) -> bool:
-        """Forget timed runs of earlier epochs, and return whether `epoch` is the present one."""
-        if epoch > self.epoch:
-            self.epoch = epoch
-            self.samples.clear()
-            self.untimed.clear()
-        return epoch == self.epoch
 
     def samples_of(self, key: str) -> list[Sample]:
         """Return the timed runs of the present record of a case."""

@@ -3,6 +3,7 @@
 Fields of a case have a file of their own while cases are computed, and are groups of the netCDF in the end.
 """
 
+import hashlib
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -19,7 +20,7 @@ from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
 from studies.model.study import Study
 from studies.store.journal import Journal
-from studies.store.journal_lines import decoded_variable, encoded_variable, short_hash
+from studies.store.journal_lines import decoded_variable, encoded_variable
 from studies.store.netcdf import read, write
 from studies.store.request import Request
 from studies.store.table import PointTable, assemble
@@ -115,14 +116,15 @@ class ResultFile:
 
     def _content_hash(self) -> str:
         """Return a hash of all that the file shows: its points and attributes, records, and numbers of timed runs."""
-        contents = self.journal.contents
-        records = [contents.records.get(name) for name in self.table.keys]
-        places = [
-            record and [record.stamp, record.start, len(contents.samples_of(record.key))]
-            for record in records
-        ]
-        shown = [self.study.title, str(self.study.notes), [str(axis) for axis in self.table.axes]]
-        return short_hash([self.table.keys, places, contents.epoch, sorted(self.skipped), shown])
+        contents, content = self.journal.contents, hashlib.blake2b(digest_size=6)
+        shown = [self.study.title, self.study.notes, [str(axis) for axis in self.table.axes]]
+        content.update(str([*shown, contents.epoch, sorted(self.skipped)]).encode())
+        for name in self.table.keys:
+            record = contents.records.get(name)
+            content.update(name.encode() if record is None else record.raw)
+        for (name, _), samples in contents.samples.items():
+            content.update(f"{name} {len(samples)}".encode())
+        return content.hexdigest()
 
     def write(self, *, fields: str = "none") -> None:
         """Write the file, with a group for every case that has fields if these are "kept"."""

@@ -44,7 +44,7 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
         journal.begin("b")
     found = opened(tmp_path).contents
     record = found.records["a"]
-    assert (record.seconds, record.cpu, record.case_status) == (3.0, 1.5, CaseStatus.OK)
+    assert (record.seconds, record.outcome.cpu, record.case_status) == (3.0, 1.5, CaseStatus.OK)
     assert float(record.outcome.variables["square"]) == 7.5
     value = record.variable("square")
     assert value is not None

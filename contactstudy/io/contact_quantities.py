@@ -6,6 +6,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
@@ -19,6 +20,13 @@ from contactstudy.solvers.solution import CohesiveTraction, Solution, Traction
 
 if TYPE_CHECKING:
     from contactstudy.evolution.rolling import SteadyRolling
+
+
+# Relative error of the energy of a cycle, times the square of the cells n across the slip zone: at most 0.82 in 190
+# smooth contacts against the closed form, and less in 16 rough ones. Cells by which the zone may be wider for its
+# largest slip, which grows as the width to the power of 3/2: at most 1.1.
+ENERGY, WIDER = 1.0, 1.25
+ONE_CELL = "No bound: the slip zone is one cell wide; solve again on cells of half the width."
 
 
 def scene_of(solution: Solution) -> Scene | None:
@@ -74,7 +82,7 @@ def contact_quantities(
         if isinstance(solution.traction, RollingTraction):
             numbers |= _of_creepage(solution.traction, float(pressure.sum()), grid, length)
         if isinstance(solution.traction, FrettingTraction):
-            numbers |= _of_cycle(solution.traction, grid, length)
+            numbers |= _of_cycle(solution, solution.traction, estimate, length)
     if solution.adhesion is not None:
         numbers |= _of_adhesion(solution, solution.adhesion, estimate)
     numbers |= {
@@ -155,14 +163,15 @@ def _of_traction(
     area = estimate.contact_area
     if area is not None and isfinite(area.total) and touching:
         bound = (
-            _cells_at_stick_slip_border(solution, traction) / touching + area.total * stick.value
+            np.count_nonzero(_at_stick_slip_border(solution, traction)) / touching
+            + area.total * stick.value
         )
         stick = replace(stick, bound=bound, reason="")
     return {"traction_coefficient": coefficient, "stick_fraction": stick}
 
 
-def _cells_at_stick_slip_border(solution: Solution, traction: Traction) -> int:
-    """Return the number of touching cells at the stick-slip border, the uncertainty of which is one row of cells."""
+def _at_stick_slip_border(solution: Solution, traction: Traction) -> NDArray[np.bool_]:
+    """Return the touching cells (x, y) at the stick-slip border, the uncertainty of which is one row of cells."""
     touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
     paddings = solution.problem.paddings
     beside = np.zeros_like(touching)
@@ -172,17 +181,34 @@ def _cells_at_stick_slip_border(solution: Solution, traction: Traction) -> int:
             if paddings is None or not paddings[axis].wraps:
                 other[(slice(None),) * axis + (0 if step == 1 else -1,)] = False
             beside |= touching & other
-    return int(np.count_nonzero(beside))
+    return beside
 
 
-def _of_cycle(traction: FrettingTraction, grid: Grid, length: float | None) -> dict[str, Quantity]:
-    """Return the energy that the last cycle of a fretting contact lost, its largest slip, and the largest shear."""
+def _of_cycle(
+    solution: Solution, traction: FrettingTraction, estimate: ErrorEstimate, length: float | None
+) -> dict[str, Quantity]:
+    """Return the energy that the last cycle of a fretting contact lost, its largest slip, and the largest shear.
+
+    The slip zone begins somewhere in a cell, where slip begins with no slope: of a zone n cells wide, the energy is
+    known to a fraction of about 1 / n^2, and the slip at its other side to that of a zone a little wider.
+    """
+    grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
+    lost = per_length(energy, "J", "energy lost per cycle", length, grid.period)
+    slid = Quantity(float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle")
+    slips = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
+    border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slips))
+    wide = np.count_nonzero(slips) / border if border else 0.0
+    for_energy = ENERGY / wide**2 if wide > 1 else inf
+    for_slip = (1 + WIDER / wide) ** 1.5 - 1 if wide > 1 else inf
+    reason = estimate.l1.reason or ("" if wide > 1 else ONE_CELL)
+    lost, slid = (
+        bounded(number, replace(estimate.l1, discretisation=relative, reason=reason))
+        for number, relative in ((lost, for_energy), (slid, for_slip))
+    )
     return {
-        "energy_per_cycle": per_length(energy, "J", "energy lost per cycle", length, grid.period),
-        "largest_slip": Quantity(
-            float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle"
-        ),
+        "energy_per_cycle": lost,
+        "largest_slip": slid,
         "largest_shear": Quantity(traction.largest_shear, "Pa", "largest shear of all steps"),
     }
 

@@ -64,6 +64,36 @@ def test_a_cycle_loses_the_energy_of_the_closed_form(share: float) -> None:
     assert (middle * np.diff(moved)).sum() == pytest.approx(expected, rel=5e-2)
 
 
+@pytest.mark.parametrize("cells", [37, 90, 211])
+@pytest.mark.parametrize("share", [0.13, 0.37, 0.61, 0.86])
+def test_energy_and_largest_slip_of_a_cycle_are_within_their_bounds(
+    share: float, cells: int
+) -> None:
+    """Against the closed forms; of a slip zone of one cell there is none."""
+    found = fretted(cs.Fretting.cycle(MU, share * MU), cs.Grid((cells, 1), (2.5, 1.0)))
+    c = (1 - share) ** 0.5
+    expected = {
+        "energy_per_cycle": MU**2
+        / pi
+        * (4 * (1 - share) * log(1 - share) + 4 * share - 2 * share**2),
+        "largest_slip": 4 * MU * P0 * (share**0.5 - c**2 * np.arccosh(1 / c)),
+    }
+    for name, value in expected.items():
+        number = found.quantities[name]
+        assert abs(number.value - value) <= number.bound
+        if share * cells > 20:
+            assert number.bound < 0.4 * value
+
+
+def test_steps_that_reach_the_limit_of_applications_say_so() -> None:
+    grid, friction = cs.Grid((64, 64), (3.2e-4, 3.2e-4)), cs.Fretting.cycle(MU, 1.5e4)
+    scene = cs.Scene(
+        cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), ROUGH), friction=friction
+    )
+    limited = cs.solve(scene, grid, cs.ExactPeriodicity(), tolerance=1e-6, max_iterations=20)
+    assert limited.status is cs.Status.ITERATION_LIMIT
+
+
 def test_slip_of_a_cycle_is_four_times_that_of_loading() -> None:
     """``s = (mu p_0 / (E* a)) [x sqrt(x^2 - c^2) - c^2 arccosh(x / c)]`` outside the stick zone of half-width c."""
     found = fretted(cs.Fretting.cycle(MU, 0.6 * MU)).traction

@@ -80,8 +80,10 @@ def solve_mixed(
     if warm is not None:
         assert warm.contact is not None
         near_dry = not smooth and 2 * warm.contact.sum() > warm.total_pressure.sum()
-        how = replace(controls, time_step=TUNING.from_dry) if near_dry else film_controls
-        found.append(_iterated(posed, warm, how))
+        if near_dry:
+            found.append(_iterated(posed, warm, replace(controls, time_step=TUNING.from_dry)))
+        if not (found and found[-1].converged(controls.tolerance)):
+            found.append(_iterated(posed, warm, film_controls))
     starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
     if posed.scales.expected_film < posed.equation.boundary:
         starts.reverse()

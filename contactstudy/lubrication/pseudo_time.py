@@ -49,6 +49,10 @@ class PseudoTimeTuning:
     patience
         Whole steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
         steps, most of them shortened.
+    cycle, longest, damped
+        After so many whole steps that do not halve the residual of a mixed film, a step in time is no longer than
+        ``longest``, then ``damped`` times as long. Pockets among asperities fill in a time of 10 to 100: beyond it the
+        cells at their fronts changed sets in a cycle.
     touches
         Fraction by which a film is below the boundary film where it touches: above the rounding of heights.
     coarse
@@ -65,6 +69,9 @@ class PseudoTimeTuning:
     refused: float = 0.25
     least: float = 1e-9
     patience: int = 30
+    cycle: int = 6
+    longest: float = 90.0
+    damped: float = 0.3
     touches: float = 1e-9
     coarse: float = 1e-3
 
@@ -191,7 +198,7 @@ def iterate(
     linear = equation.linearise(start, storage)
     active = _sets_of(equation, start, cavitated)
     last = FilmIteration(start, linear, active, _residual(linear, start), 0, 0)
-    time_step, best, waited = controls.time_step, last.residual, 0
+    time_step, best, waited, longest = controls.time_step, last.residual, 0, inf
     while (
         not last.converged(controls.tolerance)
         and waited < TUNING.patience
@@ -213,7 +220,10 @@ def iterate(
             time_step = TUNING.next_time_step(time_step, last.residual, residual, fraction)
             waited += fraction == 1
             if 2 * residual <= best:
-                best, waited = residual, 0
+                best, waited, longest = residual, 0, inf
+            elif active.touching is not None and fraction == 1 and waited % TUNING.cycle == 0:
+                longest = TUNING.longest * TUNING.damped ** (waited // TUNING.cycle - 1)
+            time_step = min(time_step, longest)
         last = FilmIteration(
             film, linear, active, residual,
             last.iterations + 1, last.linear_iterations + step.iterations,

@@ -66,3 +66,28 @@ axes.set(xlabel="across [mm]", ylabel="pressure [GPa]", xlim=(-0.15, 0.15))
 axes.legend()
 print(both)
 assert both.film.min() >= 3e-9 * (1 - 1e-6)
+
+# %%
+# Roughness that varies along the length lets oil flow around asperities: the load passes from oil to asperities over a wide range of speeds.
+
+rough = cs.Roughness(rms=5e-8, hurst=0.8, roll_off=5e-5, cut_off=2e-5, seed=3)
+cylinder, roughness_grid = cs.Cylinder(0.01), cs.Grid((96, 32), (6.3e-4, 2.1e-4))
+boundary_of_additives = cs.Boundary(film=1e-8, coefficient=0.12)
+speeds, contacts, last = np.geomspace(0.2, 2e-3, 12), [], None
+for speed in speeds:
+    motion = cs.Lubrication(
+        oil, mean_speed=speed, slide_roll_ratio=0.1, boundary=boundary_of_additives
+    )
+    scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cylinder, rough), lubrication=motion)
+    last = cs.solve(scene, roughness_grid, start=last)
+    contacts.append(last)
+fraction = np.array([one.contact_load_fraction for one in contacts])
+figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
+axes.semilogx(speeds, fraction, "o-", color="#D55E00")
+axes.set(xlabel="mean speed [m/s]", ylabel="fraction of the load on asperities")
+print(", ".join(f"{one:.2f}" for one in fraction))
+assert all(one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts)
+assert fraction[0] == 0
+assert (np.diff(fraction) >= 0).all()
+assert np.count_nonzero((fraction > 0.05) & (fraction < 0.9)) >= 4
+assert fraction[-1] > 0.9

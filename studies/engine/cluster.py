@@ -123,16 +123,6 @@ class Cluster:
         self.processes.end()
         self.close_idle()
 
-    @contextmanager
-    def timer(self, work: bytes) -> Iterator[Worker]:
-        """Provide a process of this machine that has read the pickled `work`, for a block."""
-        with self.processes.reserved(work) as worker:
-            try:
-                yield worker
-            except BaseException:  # an answer may be under way
-                self.processes.end()
-                raise
-
     def close_idle(self) -> None:
         """Close the connection, and the dask of this process: an idle one takes 3 % of a core."""
         self._client = None
@@ -331,7 +321,9 @@ class _Flow:
                 if threads:
                     self._idle_since = monotonic()
                 elif monotonic() > self._idle_since + self.cluster.patience:
-                    self.cluster.log(f"waiting for workers of {self.cluster.address}")
+                    self.cluster.log(
+                        f"waiting for workers of {self.cluster.address}: start some, or stop the run and go on later"
+                    )
                     self._idle_since = float("inf")
 
     def _fill(self) -> None:

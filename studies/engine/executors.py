@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -41,10 +41,6 @@ class Executor(Protocol):
         stop
             Raises where a signal asks to stop.
         """
-        ...
-
-    def timer(self, work: bytes) -> AbstractContextManager[Worker]:
-        """Provide the worker process that has read the pickled `work` and does nothing else, for a block."""
         ...
 
     def close_idle(self) -> None:
@@ -94,10 +90,6 @@ class InProcess:
                     os._exit(0)
                 interpreter_state.restore(name)
                 finished(name, replace(outcome, loaded=LOADED.scan()))
-
-    def timer(self, work: bytes) -> AbstractContextManager[Worker]:
-        """Provide a worker, which ends with the block."""
-        return own_process(work)
 
     def close_idle(self) -> None:
         """Do nothing: there is nothing to close."""

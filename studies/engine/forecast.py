@@ -22,14 +22,11 @@ class Forecast:
         Number of timed runs to take.
     seconds
         Seconds of all cases, one after the other on one thread, as their plans give them; None where a case has no plan.
-    size
-        Bytes on disk; None where no case is stored yet.
     """
 
     cases: int
     runs: int
     seconds: float | None
-    size: float | None
 
     def __str__(self) -> str:
         if self.seconds is None:
@@ -38,12 +35,10 @@ class Forecast:
             text = f"about {self.seconds:.2g} s to compute (shared by the workers)"
             if self.runs:
                 text += f", {self.seconds * self.runs / max(self.cases, 1):.2g} s to time"
-        return text if self.size is None else f"{text}, {self.size / 1000:.2g} kB on disk"
+        return text
 
 
-def forecast(
-    cases: Sequence[Computation], runs: int, sizes: Sequence[int], scale: float = 1.0
-) -> Forecast:
+def forecast(cases: Sequence[Computation], runs: int, scale: float = 1.0) -> Forecast:
     """Return the expected cost of a run.
 
     Of many cases a few are planned, evenly spaced; a padding other than that of the plan is not accounted for.
@@ -54,8 +49,6 @@ def forecast(
         The cases to compute.
     runs
         Number of timed runs to take.
-    sizes
-        Bytes of stored cases.
     scale
         Ratio of the cases of the run to these.
     """
@@ -64,6 +57,4 @@ def forecast(
     with suppress(Exception):  # a study's own computation is anything
         planned = [cs.plan(case.scene, grid=case.grid).seconds for case in chosen]  # type: ignore[attr-defined]
         seconds = sum(planned) * len(cases) / len(planned) * scale
-    count = round(scale * len(cases))
-    size = count * sum(sizes) / len(sizes) if sizes else None
-    return Forecast(count, round(scale * runs), seconds, size)
+    return Forecast(round(scale * len(cases)), round(scale * runs), seconds)

@@ -126,5 +126,4 @@ class Inventory:
     def forecast(self, missing: Sequence[str], scale: float) -> Forecast:
         """Return `scale` times the expected cost of the `missing` cases and timed runs."""
         runs = sum(self.times_missing().values()) + self.repeats * len(missing)
-        sizes = [len(record.raw) for record in self.journal.contents.records.values()]
-        return forecast([self.request.cases[name] for name in missing], runs, sizes, scale)
+        return forecast([self.request.cases[name] for name in missing], runs, scale)

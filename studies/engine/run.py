@@ -201,7 +201,7 @@ class _Run:
             if missing and self.inventory.times_missing():
                 self.file.write()
             activity = "timing"
-            take_times(self.inventory, self.work, executor, self.stop, self.log)
+            take_times(self.inventory, self.work, self.stop, self.log)
         except _FirstFailureError:
             self.file.skipped = {name for name in missing if self.inventory.record(name) is None}
             self.log("stopped at the first failure; what was not reached is marked as skipped")

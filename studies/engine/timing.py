@@ -1,7 +1,6 @@
 """Times that can be trusted: one case at a time, one thread, in rounds, every sample kept."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from studies.engine.inventory import Inventory
 from studies.engine.progress import Progress
@@ -9,25 +8,13 @@ from studies.engine.stop import Stop
 from studies.engine.time_limit import limit_of_timed_run
 from studies.model.outcome import Failure, Work
 
-if TYPE_CHECKING:
-    from studies.engine.executors import Executor
-
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
 # case of each kind that is shorter than this; in a longer one it is lost.
 WARM_UP = 0.3
 
 
-def take_times(
-    inventory: Inventory,
-    work: Work,
-    executor: "Executor | None",
-    stop: Stop,
-    log: Callable[[str], object],
-) -> None:
-    """Take the missing timed runs in a separate process, since a case may die there although it did not before.
-
-    It is a process of the executor, or one of its own where nothing had to be computed.
-    """
+def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str], object]) -> None:
+    """Take the missing timed runs in a separate process, since a case may die there although it did not before."""
     journal, cases = inventory.journal, inventory.request.cases
     counts = inventory.times_missing()
     if inventory.options.old_times == "dropped":
@@ -46,9 +33,8 @@ def take_times(
     )
     names = list(counts)
     without_times = set()
-    timer = executor.timer if executor else own_process
     with (
-        timer(packed(work)) as worker,
+        own_process(packed(work)) as worker,
         Progress(inventory.study.name, "timing", len(turns), "run", log) as progress,
     ):
         for counted, name in (

@@ -45,7 +45,12 @@ class Kill:
             marker.touch(exist_ok=False)
         except FileExistsError:
             return
-        victims = {"parent": parent(), "worker": os.getpid(), "scheduler": self.scheduler}
+        victims = {
+            "parent": parent(),
+            "worker": os.getpid(),
+            "server": os.getppid(),
+            "scheduler": self.scheduler,
+        }
         os.kill(victims[self.target], self.signal)
 
 

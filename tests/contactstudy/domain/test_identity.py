@@ -100,6 +100,15 @@ def test_arrays_are_told_apart_by_their_content() -> None:
     assert name(heights) != name(heights.reshape(2, 2))
 
 
+def test_masked_arrays_are_told_apart_by_mask_fill_value_and_hardness() -> None:
+    masked = np.ma.masked_array([1.0, 2.0], mask=[False, True])
+    others = [np.ma.masked_array([1.0, 2.0], mask=[True, False])]
+    others += [masked.data, np.ma.masked_array(masked, fill_value=7.0)]
+    others += [np.ma.masked_array(masked, hard_mask=True)]  # assignment leaves its masked values
+    assert name(masked) == name(masked.copy())
+    assert len({name(masked), *map(name, others)}) == 5
+
+
 def test_what_is_known_by_its_address_is_refused() -> None:
     with pytest.raises(InvalidInput, match="make its class a frozen dataclass"):
         canonical(object())

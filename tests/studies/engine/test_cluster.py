@@ -67,7 +67,9 @@ def test_a_scheduler_without_workers_is_said_once_after_a_while(
         now[0] = seconds
         flow._look()
         assert (len(flow.said), flow.threads) == (said, 1)
-    assert flow.said == ["waiting for workers of tcp://here:1"]
+    assert flow.said == [
+        "waiting for workers of tcp://here:1: start some, or stop the run and go on later"
+    ]
     flow.client.status = "closed"
     now[0] = 90.0
     with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://here:1' is lost: start it again"):

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 import xarray as xr
 
@@ -18,6 +19,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.files import locked
 from studies.engine.options import RunOptions
 from studies.engine.run import run
+from studies.engine.workers.process import METHOD
 from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
@@ -56,6 +58,7 @@ def start(tmp_path: Path) -> Iterator[Start]:
                 subprocess.Popen(
                     [sys.executable, "-c", SCRIPT, *arguments],
                     cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                    start_new_session=True,
                 )
             )  # fmt: skip
             started.callback(process.kill)
@@ -229,15 +232,38 @@ def test_a_journal_that_cannot_be_opened_is_said(tmp_path: Path) -> None:
         run(trouble.study([1]), tmp_path, options=ALONE, log=quiet)
 
 
+def interrupted(running: Process) -> str:
+    """What a run says that a terminal interrupts, which sends the signal to all of its processes."""
+    os.killpg(running.pid, signal.SIGINT)
+    out, err = running.communicate()
+    assert running.returncode == -signal.SIGINT
+    # the script's own traceback, and none of another process
+    assert (err.count("Traceback"), err.splitlines()[-1]) == (1, "KeyboardInterrupt")
+    return out
+
+
 @pytest.mark.whole
 def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(
     start: Start, tmp_path: Path
 ) -> None:
     running = start(tmp_path / "log", 2, 30, 8)
     wait_until(lambda: journalled(tmp_path) == 8, running)
-    os.kill(running.pid, signal.SIGINT)
-    out, _ = running.communicate()
-    assert running.returncode == -signal.SIGINT
+    out = interrupted(running)
     assert "8 of 30 cases are stored; run the same command to go on" in out
     status = xr.load_dataset(tmp_path / "trouble.nc")["case_status"].values.tolist()
     assert status == [CaseStatus.OK] * 8 + [CaseStatus.NOT_RUN] * 22
+
+
+@pytest.mark.skipif(METHOD != "forkserver", reason="processes are not forked")
+def test_an_interrupt_while_processes_start_is_shown_by_none_of_them(
+    start: Start, tmp_path: Path
+) -> None:
+    running = start(tmp_path / "log", 2, 30, math.inf)
+    wait_until(lambda: any(map(imports, psutil.Process(running.pid).children())), running)
+    assert "0 of 30 cases are stored" in interrupted(running)
+
+
+def imports(process: psutil.Process) -> bool:
+    """Whether this is the process that worker processes are forked from, half way through its imports."""
+    is_server = "forkserver" in str(process.cmdline())
+    return is_server and any("_multiarray_umath" in part.path for part in process.memory_maps())

@@ -25,4 +25,3 @@ def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None
     assert found.cases == 2
     assert found.seconds is not None
     assert 0 < found.seconds < 10
-    assert found.size is not None

@@ -12,7 +12,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.evolution.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.friction import FullSliding
+from contactstudy.solvers.friction.laws import FullSliding
 from contactstudy.solvers.solution import Solution, Status, Traction, worst
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)

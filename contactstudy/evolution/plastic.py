@@ -17,10 +17,17 @@ from contactstudy.evolution.state_variables import Contact, State
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.contact_tangent import ContactTangent
-from contactstudy.solvers.elastoplastic_step import ElastoplasticStep, solve_elastoplastic_step
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
+from contactstudy.solvers.plasticity.elastoplastic_step import (
+    ElastoplasticStep,
+    solve_elastoplastic_step,
+)
+from contactstudy.solvers.plasticity.yielding_bodies import (
+    SQRT_TWO_THIRDS,
+    Hardening,
+    YieldingBodies,
+)
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.yielding_bodies import SQRT_TWO_THIRDS, Hardening, YieldingBodies
 
 # The first volume holds the cells whose elastic von Mises stress is above NEAR_YIELD of the yield stress,
 # and a MARGIN of their width on both sides.

@@ -12,7 +12,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.evolution.state_variables import Contribution, State, Step
 from contactstudy.problem.problem import Field
 from contactstudy.scene.load import ChangingLoad
-from contactstudy.solvers.partial_slip import locked_shear, slip_step
+from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step
 
 # Largest size of a sum of arrays that counts as none.
 NOTHING = 1e-300
@@ -22,13 +22,13 @@ NOTHING = 1e-300
 class ShearState:
     """Shear between bodies that stick in part, the distance slipped, and the depth worn by it.
 
-    Each step is one of :func:`~contactstudy.solvers.partial_slip.slip_step`, from the shear before it and what a rising
-    pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953), with a mean p of
-    the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy. The mean is that of
-    both alike, with less of the pressure at the start where a cell would wear by more than its elastic displacement:
-    what the pressure at the end wears is a compliance of the step's contact, which is solved again until it has the
-    slip that it finds. Wear is then smooth for any step. A force that takes longer than half a `period` stands for as
-    many half cycles as have room in that time: their slip counts as often.
+    Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the shear before it and what
+    a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953), with a
+    mean p of the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy. The mean is
+    that of both alike, with less of the pressure at the start where a cell would wear by more than its elastic
+    displacement: what the pressure at the end wears is a compliance of the step's contact, which is solved again until
+    it has the slip that it finds. Wear is then smooth for any step. A force that takes longer than half a `period`
+    stands for as many half cycles as have room in that time: their slip counts as often.
 
     Attributes
     ----------

@@ -18,15 +18,15 @@ from contactstudy.evolution.time_stepper import (
 )
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.motion import RollingPressure
-from contactstudy.solvers.contact_tangent import ContactTangent
-from contactstudy.solvers.elastoplastic_step import (
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
+from contactstudy.solvers.plasticity.elastoplastic_step import (
     ElastoplasticStep,
     Tangent,
     solve_elastoplastic_step,
 )
+from contactstudy.solvers.plasticity.yielding_bodies import Hardening, YieldingBodies
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
-from contactstudy.solvers.yielding_bodies import Hardening, YieldingBodies
 
 
 class ContactWithAddedGap(Protocol):

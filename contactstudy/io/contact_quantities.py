@@ -14,8 +14,8 @@ from contactstudy.domain.grid import Grid
 from contactstudy.io.quantities import Quantity, bounded, own_length, per_length, readable
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.fretting_traction import FrettingTraction
-from contactstudy.solvers.rolling_traction import RollingTraction
+from contactstudy.solvers.friction.fretting_traction import FrettingTraction
+from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import CohesiveTraction, Solution, Traction
 
 if TYPE_CHECKING:

@@ -23,8 +23,8 @@ from contactstudy.problem.problem import Field, Sheared
 from contactstudy.scene.load import ChangingLoad, ConstantLoad
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
-from contactstudy.solvers.fretting_traction import FrettingTraction
-from contactstudy.solvers.rolling_traction import RollingTraction
+from contactstudy.solvers.friction.fretting_traction import FrettingTraction
+from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Branch, CohesiveTraction, Solution, Status, Traction
 
 if TYPE_CHECKING:

@@ -26,7 +26,7 @@ from contactstudy.scene.friction import (
     sheared,
 )
 from contactstudy.scene.load import ChangingLoad, LoadHistory
-from contactstudy.solvers.fretting import FrettingShear
+from contactstudy.solvers.friction.fretting import FrettingShear
 
 # Instants at which a force is compared with what friction bears.
 SAMPLES = 201

@@ -27,7 +27,7 @@ from contactstudy.scene.bodies import (
 )
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.solvers.friction import CiavarellaJaeger, CoulombDisks, FullSliding
+from contactstudy.solvers.friction.laws import CiavarellaJaeger, CoulombDisks, FullSliding
 
 if TYPE_CHECKING:
     from contactstudy.scene.motion import Wear

@@ -23,8 +23,8 @@ from contactstudy.scene.friction import (
     shear_coupling,
     sheared,
 )
-from contactstudy.solvers.rolling_traction import Creepage
-from contactstudy.solvers.tractive_rolling import Coupling, TractiveShear
+from contactstudy.solvers.friction.rolling_traction import Creepage
+from contactstudy.solvers.friction.tractive_rolling import Coupling, TractiveShear
 
 TRAVELS = "The heights stand still in the contact: shear under roughness that travels with a surface is not followed."
 

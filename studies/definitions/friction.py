@@ -11,7 +11,7 @@ from contactstudy.domain.checks import finite, whole
 from contactstudy.domain.fields import Array
 from contactstudy.scene.friction import PartialSlip
 from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
-from contactstudy.solvers.friction import CiavarellaJaeger
+from contactstudy.solvers.friction.laws import CiavarellaJaeger
 from studies.model.axis import Axis
 from studies.model.case import Case, number
 from studies.model.study import Point

@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import dundurs
-from contactstudy.solvers.friction import CiavarellaJaeger, CoulombDisks
+from contactstudy.solvers.friction.laws import CiavarellaJaeger, CoulombDisks
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(infinite, 0.3)

@@ -5,8 +5,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.solvers.coulomb_newton import CoulombNewton, gmres
-from contactstudy.solvers.slip import RollingSlip
+from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, gmres
+from contactstudy.solvers.friction.slip import RollingSlip
 
 GRID = cs.Grid((24, 12), (2.2, 2.2))
 FREE = cs.ZeroPadding(), cs.ZeroPadding()

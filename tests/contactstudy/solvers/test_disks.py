@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.solvers.disks import Disks
+from contactstudy.solvers.friction.disks import Disks
 
 CHANCE = np.random.default_rng(3)
 RADIUS = CHANCE.uniform(0.01, 1, 40)

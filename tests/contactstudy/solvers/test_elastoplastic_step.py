@@ -10,9 +10,13 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
-from contactstudy.solvers.contact_tangent import ContactTangent
-from contactstudy.solvers.elastoplastic_step import solve_elastoplastic_step
-from contactstudy.solvers.yielding_bodies import SQRT_TWO_THIRDS, Hardening, YieldingBodies
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
+from contactstudy.solvers.plasticity.elastoplastic_step import solve_elastoplastic_step
+from contactstudy.solvers.plasticity.yielding_bodies import (
+    SQRT_TWO_THIRDS,
+    Hardening,
+    YieldingBodies,
+)
 from tests.conftest import LineContact
 
 RNG = np.random.default_rng(3)

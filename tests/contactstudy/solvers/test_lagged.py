@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers import friction
 from contactstudy.solvers.anderson import anderson_mixture
+from contactstudy.solvers.friction import laws
 from contactstudy.solvers.lagged import solve_lagged
 from tests.conftest import LineContact
 
@@ -85,7 +85,7 @@ def test_passes_over_the_shear_of_unlike_bodies_end_in_equilibrium() -> None:
 
 
 def test_passes_that_do_not_converge_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(friction, "MAX_PASSES", 2)
+    monkeypatch.setattr(laws, "MAX_PASSES", 2)
     posed = UNLIKE.problem(cs.Grid((96, 1), (4e-4, 1e-3)), cs.ExactPeriodicity())
     found = cs.solve(posed, tolerance=1e-9)
     assert found.status is cs.Status.STALLED

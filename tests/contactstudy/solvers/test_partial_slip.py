@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.solvers.partial_slip import SlipStep, locked_shear, slip_step
+from contactstudy.solvers.friction.partial_slip import SlipStep, locked_shear, slip_step
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
 GRID = cs.Grid((24, 12), (2.2, 2.2))

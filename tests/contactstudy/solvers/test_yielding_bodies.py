@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contactstudy.solvers.yielding_bodies import YieldLaw
+from contactstudy.solvers.plasticity.yielding_bodies import YieldLaw
 
 TWICE_SHEAR, YIELD = 1.6, 1.0
 

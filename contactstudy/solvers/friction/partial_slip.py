@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import ShearResponse
-from contactstudy.solvers.coulomb_newton import CoulombNewton
-from contactstudy.solvers.slip import SlipAtRest
+from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
+from contactstudy.solvers.friction.slip import SlipAtRest
 
 # A cell sticks whose trial shear is below the limit by more than this fraction of the largest limit.
 STICKING = 1e-6

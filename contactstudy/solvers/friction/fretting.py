@@ -12,10 +12,10 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.coulomb_newton import shear_status
-from contactstudy.solvers.fretting_traction import FrettingTraction
-from contactstudy.solvers.friction import with_traction
-from contactstudy.solvers.partial_slip import slip_step
+from contactstudy.solvers.friction.coulomb_newton import shear_status
+from contactstudy.solvers.friction.fretting_traction import FrettingTraction
+from contactstudy.solvers.friction.laws import with_traction
+from contactstudy.solvers.friction.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions
 

@@ -8,7 +8,7 @@ displaced by ``A q`` against the second one. The slip of the first against the s
 with the creepages xi and eta of the second against the first body and the spin phi. Coulomb's law is ``|q| <= mu p``,
 ``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is symmetric and positive, and so the
 symmetric part of D is positive too: a monotone variational inequality, which has one answer. It is solved on coarser
-grids first, each by :class:`~contactstudy.solvers.coulomb_newton.CoulombNewton`.
+grids first, each by :class:`~contactstudy.solvers.friction.coulomb_newton.CoulombNewton`.
 
 Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
 """
@@ -24,10 +24,10 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.coulomb_newton import CoulombNewton, shear_status
+from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
+from contactstudy.solvers.friction.rolling_traction import Creepage, RollingTraction
+from contactstudy.solvers.friction.slip import RollingSlip
 from contactstudy.solvers.lagged import solve_coupled
-from contactstudy.solvers.rolling_traction import Creepage, RollingTraction
-from contactstudy.solvers.slip import RollingSlip
 from contactstudy.solvers.solution import Solution, Status, Traction
 from contactstudy.solvers.solve import SolveOptions
 

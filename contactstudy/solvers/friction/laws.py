@@ -8,9 +8,9 @@ from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.coulomb_newton import shear_status
+from contactstudy.solvers.friction.coulomb_newton import shear_status
+from contactstudy.solvers.friction.partial_slip import slip_step
 from contactstudy.solvers.lagged import solve_coupled
-from contactstudy.solvers.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, Status, Traction
 from contactstudy.solvers.solve import SolveOptions
 

@@ -8,8 +8,12 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solvers.iterate import Stall
+from contactstudy.solvers.plasticity.yielding_bodies import (
+    SQRT_TWO_THIRDS,
+    ReturnMapping,
+    YieldingBodies,
+)
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.yielding_bodies import SQRT_TWO_THIRDS, ReturnMapping, YieldingBodies
 
 # Map from a change of the gap (x, y) [m] to the fall of the pressure (x, y) [Pa].
 Tangent = Callable[[Array], Array]

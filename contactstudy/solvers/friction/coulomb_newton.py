@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.solvers.disks import Disks
-from contactstudy.solvers.slip import SlipOperator
+from contactstudy.solvers.friction.disks import Disks
+from contactstudy.solvers.friction.slip import SlipOperator
 from contactstudy.solvers.solution import Status
 
 

@@ -1,0 +1,1 @@
+"""Shear on the surface: sliding, partial slip, fretting, tractive rolling."""

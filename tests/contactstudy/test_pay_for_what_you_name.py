@@ -180,7 +180,7 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
         contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
         contactstudy.scene.adhesion contactstudy.scene.coated contactstudy.scene.friction contactstudy.scene.motion
         contactstudy.scene.inelastic contactstudy.scene.stress contactstudy.solvers.adhesion
-        contactstudy.solvers.friction contactstudy.solvers.plasticity""",
+        contactstudy.solvers.friction.laws contactstudy.solvers.plasticity""",
     ),
     (
         """

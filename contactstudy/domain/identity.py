@@ -144,7 +144,8 @@ def _slots(cls: type) -> tuple[str, ...]:
 def _array(value: "np.ndarray | np.generic") -> Tree:
     """Return the type, the shape and a hash of the bytes of an array, also of its mask; the digits of a scalar."""
     cls, dtype = type(value), value.dtype
-    if dtype.hasobject or (isinstance(value, np.ndarray) and cls not in ARRAYS):
+    is_known = cls in ARRAYS if isinstance(value, np.ndarray) else cls is dtype.type
+    if dtype.hasobject or not is_known or _said_besides(value):
         raise _unknown(value)
     is_plain = dtype.fields is None and dtype.metadata is None
     name = dtype.str if is_plain else f"{dtype!r} {dtype.metadata}"
@@ -160,6 +161,13 @@ def _array(value: "np.ndarray | np.generic") -> Tree:
     return tree | {"is": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}
 
 
+def _said_besides(value: object) -> bool:
+    """Return whether an array of a subclass has attributes that somebody has given it."""
+    own = getattr(value, "__dict__", {})
+    return bool(own.get("_optinfo")) or any(name not in OWN and name[0] != "_" for name in own)
+
+
+OWN = ("filename", "offset", "mode")  # attributes of a memory-mapped array
 # arrays whose values say all; a memory-mapped one is known by its values, wherever they are stored
 ARRAYS = (np.ndarray, np.ma.MaskedArray, np.memmap, np.matrix, np.recarray)
 

@@ -109,6 +109,25 @@ def test_masked_arrays_are_told_apart_by_mask_fill_value_and_hardness() -> None:
     assert len({name(masked), *map(name, others)}) == 5
 
 
-def test_what_is_known_by_its_address_is_refused() -> None:
+class Celsius(np.float64):
+    """A number of numpy that may keep its unit."""
+
+
+def with_a_unit(values: np.ndarray) -> np.ndarray:
+    values.unit = "mm"  # type: ignore[attr-defined]
+    return values
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        object(),
+        Celsius(1.0),
+        with_a_unit(np.ma.masked_array([1.0])),
+        with_a_unit(np.rec.array([(1.0,)], [("a", "f8")])),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_what_is_known_by_its_address_or_may_keep_more_is_refused(value: object) -> None:
     with pytest.raises(InvalidInput, match="make its class a frozen dataclass"):
-        canonical(object())
+        canonical(value)

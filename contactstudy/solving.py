@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import isfinite, log, prod
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -113,7 +114,8 @@ def solve(
     start
         Pressure (x, y) [Pa] or answer to begin with. A contact with adhesion continues from the state of an answer.
     folder
-        Folder in which a scene that changes in time keeps its frames, to go on from there after a stop.
+        Folder in which a scene that changes in time keeps its frames, to go on from there after a stop; those of a grid
+        that was refined in a folder of their own in it.
     progress
         Called with a :class:`~contactstudy.Progress` as the solve goes on.
     on
@@ -335,9 +337,12 @@ class _Request:
 
         requested, steps = self.requested, self.steps
         fraction = None if requested is None else (1 - CELL_FRACTION) * requested
-        grid, padding = self.planned(requested)
+        first, padding = self.planned(requested)
 
         def solve_on(grid: Grid) -> "Evolution":
+            folder = self.folder
+            if folder is not None and grid != first:  # frames of a finer grid beside those before
+                folder = Path(folder) / "{} x {} cells".format(*grid.cells)
             trajectory = evolve(
                 self.scene,
                 grid,
@@ -349,13 +354,13 @@ class _Request:
                 step_error=steps.step_error,
                 scheme=steps.scheme,
                 options=self.options,
-                folder=self.folder,
+                folder=folder,
                 progress=self._time_shown,
             )
             return evolution_of(trajectory, requested)
 
-        answer = solve_on(grid)
-        asked = self.error is not None and self.grid is None and self.folder is None
+        answer = solve_on(first)
+        asked = self.error is not None and self.grid is None
         return self._refined(answer, solve_on) if asked else answer
 
     def adhesive_history(self) -> "Evolution":

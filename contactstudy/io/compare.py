@@ -40,6 +40,8 @@ class Comparison:
         Pressures ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the cells that the edges of both grids make.
     differing
         Sentences on the keys of the scenes that differ.
+    time
+        Instant [s] at which two evolutions are compared: that of the highest pressure of a. None for contacts at rest.
     """
 
     l1: float
@@ -51,6 +53,7 @@ class Comparison:
     at: tuple[float, float]
     difference: xr.Dataset
     differing: tuple[str, ...] = ()
+    time: float | None = None
 
     def __str__(self) -> str:
         x, y = (readable(place, "m") for place in self.at)
@@ -62,6 +65,10 @@ class Comparison:
             f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}",
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
+        if self.time is not None:
+            lines.insert(
+                0, f"at {self.time:.6g} s, the instant of the highest pressure of the first"
+            )
         omitted = len(self.differing) - SHOWN
         lines += [f"scenes differ in {text}" for text in self.differing[:SHOWN]]
         return "\n".join(lines + [f"... and in {omitted} more keys"] * (omitted > 0))
@@ -85,7 +92,8 @@ def compare(a: Any, b: Any) -> Comparison:
     Parameters
     ----------
     a, b
-        Answers, or their datasets, on any two grids of one period.
+        Answers, or their datasets, on any two grids of one period. Two evolutions are compared at the instant of the
+        highest pressure of `a`, which both must have recorded.
 
     Raises
     ------
@@ -93,7 +101,7 @@ def compare(a: Any, b: Any) -> Comparison:
         For contacts of two periods or of two kinds, such as a roller with free ends and one period of an infinite
         one, and for a dataset that does not hold a contact.
     """
-    first, second = _labelled("a", a), _labelled("b", b)
+    first, second, time = _at_one_instant(_labelled("a", a), _labelled("b", b))
     tables = _scene(first), _scene(second)
     _check_kinds(*tables)
     x_a, x_b = _edges(first, "x"), _edges(second, "x")
@@ -130,6 +138,7 @@ def compare(a: Any, b: Any) -> Comparison:
         at=(float(centres[0][place[0]]), float(centres[1][place[1]])),
         difference=difference,
         differing=_differing(*tables),
+        time=time,
     )
 
 
@@ -192,13 +201,36 @@ def _labelled(name: str, contact: Any) -> xr.Dataset:
     if (
         not isinstance(contact, xr.Dataset)
         or "pressure" not in contact
-        or contact["pressure"].dims != ("x", "y")
+        or contact["pressure"].dims not in (("x", "y"), ("time", "x", "y"))
     ):
         raise InvalidInput(
             f"compare.{name} is {type(contact).__name__} without a pressure over (x, y): give an answer or its "
             "dataset."
         )
     return contact
+
+
+def _at_one_instant(
+    first: xr.Dataset, second: xr.Dataset
+) -> tuple[xr.Dataset, xr.Dataset, float | None]:
+    """Return both contacts at the instant [s] of the highest pressure of the first; None for contacts at rest."""
+    if ("time" in first["pressure"].dims) != ("time" in second["pressure"].dims):
+        raise InvalidInput(
+            "The contacts are not of one kind: one changes in time, the other is at rest: compare two evolutions, or a "
+            "contact with one of the frames."
+        )
+    if "time" not in first["pressure"].dims:
+        return first, second, None
+    highest = first.isel(time=int(first["pressure"].max(("x", "y")).argmax("time")))
+    time = float(highest["time"])
+    span = float(np.ptp(first["time"].values))
+    other = second.sel(time=time, method="nearest")
+    if abs(float(other["time"]) - time) > 1e-9 * span:
+        raise InvalidInput(
+            f"compare.b has no instant at {time:g} s, where the pressure of a is highest: record both at the same "
+            "instants."
+        )
+    return highest, other, time
 
 
 def _edges(dataset: xr.Dataset, axis: str) -> Array:

@@ -155,7 +155,8 @@ def _place(axis: str, at: float) -> str:
 
 def _percent(one: Quantity) -> str:
     if isfinite(one.relative_bound):
-        return f"error <= {100 * one.relative_bound:.2g} %"
+        percent = 100 * one.relative_bound
+        return f"error <= {percent:.2g} %" if percent < 99.5 else f"error <= {percent:.0f} %"
     return "error not estimated" if one.reason == NO_ESTIMATE else "error not bounded"
 
 

@@ -139,3 +139,29 @@ def test_keys_in_which_the_scenes_differ_are_said_and_numbers_are_in_per_cent(
     assert f"peak pressure: {100 * found.peak_pressure:+.3g} %" in text
     assert "scenes differ in load.per_length" in text
     assert cs.compare(a, a).differing == ()
+
+
+def over_time(*pressures: Any, times: tuple[float, ...]) -> xr.Dataset:
+    frames = xr.concat([contact(pressure) for pressure in pressures], "time")
+    return frames.assign_coords(time=list(times))
+
+
+def test_evolutions_are_compared_at_the_instant_of_the_highest_pressure() -> None:
+    a = over_time([[1], [1]], [[4], [2]], [[2], [1]], times=(0, 1, 2))
+    b = over_time([[9], [9]], [[4], [4]], times=(0, 1))
+    found = cs.compare(a, b)
+    assert found.time == 1
+    assert (found.l1, found.largest) == pytest.approx((2 / 6, 2))
+    assert "at 1 s" in str(found)
+
+
+@pytest.mark.parametrize(
+    ("b", "words"),
+    [
+        (over_time([[4], [4]], [[4], [4]], times=(0, 0.9)), "record both at the same instants"),
+        (contact([[4], [4]]), "one changes in time"),
+    ],
+)
+def test_evolutions_without_a_common_instant_are_not_compared(b: Any, words: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=words):
+        cs.compare(over_time([[1], [1]], [[4], [2]], times=(0, 1)), b)

@@ -2,7 +2,8 @@
 
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
 
 # Largest number of differing keys of two scenes that are listed.
 SHOWN = 12
+# Relative differences up to this are rounding, and are not printed.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,13 +36,15 @@ class Comparison:
     peak_pressure, contact_area, load
         ``b / a - 1``.
     approach
-        ``b - a`` [m], meaningful if both have the same datum, as on one grid with one load.
+        ``b - a`` [m], meaningful if both have the same datum, as on one grid with one load. NaN for films.
     largest, at
         Largest ``|p_b - p_a|`` [Pa], and the place (x, y) [m] where it is.
     difference
         Pressures ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the cells that the edges of both grids make.
     differing
         Sentences on the keys of the scenes that differ.
+    quantities
+        ``b / a - 1`` of each further quantity that both datasets have, by its long name.
     time
         Instant [s] at which two evolutions are compared: that of the highest pressure of a. None for contacts at rest.
     """
@@ -53,6 +58,7 @@ class Comparison:
     at: tuple[float, float]
     difference: xr.Dataset
     differing: tuple[str, ...] = ()
+    quantities: Mapping[str, float] = field(default_factory=dict)
     time: float | None = None
 
     def __str__(self) -> str:
@@ -62,9 +68,12 @@ class Comparison:
             f"peak pressure: {100 * self.peak_pressure:+.3g} %",
             f"contact area: {100 * self.contact_area:+.3g} %",
             f"load: {100 * round(self.load, 9):+.3g} %",  # without rounding errors
-            f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}",
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
+        if isfinite(self.approach):
+            lines.append(f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}")
+        for name, ratio in self.quantities.items():
+            lines += [f"{name}: {100 * ratio:+.3g} %"] * (abs(ratio) > ROUNDING)
         if self.time is not None:
             lines.insert(
                 0, f"at {self.time:.6g} s, the instant of the highest pressure of the first"
@@ -133,13 +142,29 @@ def compare(a: Any, b: Any) -> Comparison:
         peak_pressure=float(p_b.max() / p_a.max() - 1),
         contact_area=touching[1] / touching[0] - 1,
         load=float((p_b * area).sum()) / total - 1,
-        approach=float(second["approach"] - first["approach"]),
+        approach=float(second.get("approach", np.nan) - first.get("approach", np.nan)),
         largest=float(np.abs(change[place])),
         at=(float(centres[0][place[0]]), float(centres[1][place[1]])),
         difference=difference,
         differing=_differing(*tables),
+        quantities=_quantities(first, second),
         time=time,
     )
+
+
+# Quantities with a place of their own in a comparison.
+COMPARED = "peak_pressure", "contact_area", "approach", "load_per_length", "total_load"
+
+
+def _quantities(first: xr.Dataset, second: xr.Dataset) -> dict[str, float]:
+    """Return ``second / first - 1`` of the quantities that both have, by long name; without those that vanish in one."""
+    names = [str(name) for name in first if f"{name}_bound" in first and name not in COMPARED]
+    values = {
+        first[name].attrs.get("long_name", name): (float(first[name]), float(second[name]))
+        for name in names
+        if name in second and first[name].attrs == second[name].attrs
+    }
+    return {name: b / a - 1 for name, (a, b) in values.items() if a and isfinite(b / a)}
 
 
 def _scene(dataset: xr.Dataset) -> dict[str, object]:

@@ -165,3 +165,14 @@ def test_evolutions_are_compared_at_the_instant_of_the_highest_pressure() -> Non
 def test_evolutions_without_a_common_instant_are_not_compared(b: Any, words: str) -> None:
     with pytest.raises(cs.InvalidInput, match=words):
         cs.compare(over_time([[1], [1]], [[4], [2]], times=(0, 1)), b)
+
+
+def test_quantities_of_films_are_compared_too() -> None:
+    a, b = (contact([[1], [1]]).drop_vars("approach") for _ in range(2))
+    for dataset, film in ((a, 2e-7), (b, 3e-7)):
+        dataset["central_film"] = ((), film, {"long_name": "central film thickness"})
+        dataset["central_film_bound"] = ((), 0.0)
+    found = cs.compare(a, b)
+    assert found.quantities == {"central film thickness": pytest.approx(0.5)}
+    assert "central film thickness: +50 %" in str(found)
+    assert "approach" not in str(found)

@@ -9,7 +9,7 @@ import secrets
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from time import monotonic
@@ -113,20 +113,12 @@ class Cluster:
     patience: float = 10.0
     log: Callable[[str], object] = lambda text: None
     processes: Workers = field(default_factory=Workers, init=False)
-    _open: ExitStack = field(default_factory=ExitStack, init=False)
-    _client: "Client | None" = field(default=None, init=False)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *raised: object) -> None:
         self.processes.end()
-        self.close_idle()
-
-    def close_idle(self) -> None:
-        """Close the connection, and the dask of this process: an idle one takes 3 % of a core."""
-        self._client = None
-        self._open.close()
 
     def run(
         self, cases: Mapping[str, Computation], work: Work, finished: Finished, stop: Stop
@@ -139,24 +131,17 @@ class Cluster:
         if token:
             RUNS[token] = self.processes
         try:
-            _Flow(self, self._connected(), token, cases, payload, finished, stop).run()
-        except BaseException:
-            self.close_idle()
-            raise
+            with self._connection() if self.address else self._dask_here() as client:
+                _Flow(self, client, token, cases, payload, finished, stop).run()
         finally:
             RUNS.pop(token, None)
 
-    def _connected(self) -> "Client":
-        """Return the client of the scheduler, which is started here if there is no address."""
-        if self._client is None:
-            self._client = self._connect() if self.address else self._start()
-        return self._client
-
-    def _start(self) -> "Client":
-        """Start dask in this process, and return its client."""
+    @contextmanager
+    def _dask_here(self) -> "Iterator[Client]":
+        """Run dask in this process for a block, since an idle one takes 3 % of a core, and provide its client."""
         from distributed import Client, LocalCluster
 
-        cluster = self._open.enter_context(
+        with (
             LocalCluster(
                 n_workers=1,
                 threads_per_worker=self.workers,
@@ -166,33 +151,36 @@ class Cluster:
                 worker_dashboard_address=LOOPBACK,
                 memory_limit=0,  # the memory of a case is that of its own process
                 silence_logs=logging.CRITICAL,
-            )
-        )
-        client: Client = self._open.enter_context(Client(cluster, set_as_default=False))
-        if find_spec("bokeh"):
-            self.log(f"dask shows its work at {client.dashboard_link}")
-        return client
+            ) as cluster,
+            Client(cluster, set_as_default=False) as client,
+        ):
+            if find_spec("bokeh"):
+                self.log(f"dask shows its work at {client.dashboard_link}")
+            yield client
 
-    def _connect(self) -> "Client":
-        """Return the client of the scheduler at the address."""
+    @contextmanager
+    def _connection(self) -> "Iterator[Client]":
+        """Provide a client of the scheduler at the address for a block."""
         from distributed import Client
 
         # what goes wrong with the connection is said here, in a sentence
         logger = logging.getLogger("distributed")
-        self._open.callback(logger.setLevel, logger.level)
+        level = logger.level
         logger.setLevel(logging.CRITICAL)
-        assert self.address is not None
         try:
-            if ":" not in self.address:
-                raise ValueError(self.address)
-            client = Client(self.address, timeout=self.patience, set_as_default=False)
-        except (OSError, ValueError, TypeError, RuntimeError) as error:
-            raise InvalidInput(
-                f"Scheduler {self.address!r} cannot be reached ({type(error).__name__}): give the address that "
-                "'dask scheduler' shows, such as tcp://127.0.0.1:8786."
-            ) from None
-        self._open.enter_context(client)
-        return client
+            try:
+                if ":" not in str(self.address):
+                    raise ValueError(self.address)
+                client = Client(self.address, timeout=self.patience, set_as_default=False)
+            except (OSError, ValueError, TypeError, RuntimeError) as error:
+                raise InvalidInput(
+                    f"Scheduler {self.address!r} cannot be reached ({type(error).__name__}): give the address that "
+                    "'dask scheduler' shows, such as tcp://127.0.0.1:8786."
+                ) from None
+            with client:
+                yield client
+        finally:
+            logger.setLevel(level)
 
 
 @dataclass(eq=False)

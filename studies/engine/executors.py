@@ -43,10 +43,6 @@ class Executor(Protocol):
         """
         ...
 
-    def close_idle(self) -> None:
-        """Use no processor time until the next run."""
-        ...
-
 
 def packed(work: Work) -> bytes:
     """Return `work` pickled for another process; raise InvalidInput where it cannot be pickled."""
@@ -90,9 +86,6 @@ class InProcess:
                     os._exit(0)
                 interpreter_state.restore(name)
                 finished(name, replace(outcome, loaded=LOADED.scan()))
-
-    def close_idle(self) -> None:
-        """Do nothing: there is nothing to close."""
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from studies.store.journal import Journal
 from studies.store.provenance import machine
 from studies.store.records import Record
 from studies.store.request import Request
-from studies.store.result_file import has_fields
+from studies.store.result_file import load_fields
 
 SUFFIX = ".journal.jsonl"
 Log = Callable[[str], object]
@@ -100,7 +100,7 @@ class Inventory:
         """Return whether the stored record of a case is enough for the options."""
         wants_fields = self.options.fields == "kept" and record.case_status is CaseStatus.OK
         return record.case_status not in self.options.retry and (
-            not wants_fields or has_fields(self.fields, record.key, record.stamp, log)
+            not wants_fields or load_fields(self.fields, record.key, record.stamp, log) is not None
         )
 
     def times_missing(self) -> dict[str, int]:

@@ -27,7 +27,7 @@ from studies.store.netcdf import check_kind, open_folder, read
 from studies.store.provenance import machine, provenance
 from studies.store.request import Request
 from studies.store.result_file import ResultFile, save_fields
-from studies.store.table import requested_table, stored_table
+from studies.store.table import PointTable, stored_table
 
 if TYPE_CHECKING:
     from studies.engine.executors import Executor
@@ -175,7 +175,7 @@ class _Run:
     ) -> None:
         self.study, self.request, self.journal = study, request, journal
         self.options, self.stop = options, stop
-        self.file = ResultFile(study, request, journal, requested_table(study, request))
+        self.file = ResultFile(study, request, journal, PointTable(study.points, request.keys))
         self.inventory = Inventory(study, request, journal, options, self.file.fields_folder)
         self._said = False
         self.log: Log = lambda text: log(f"{study.name}: {text}")
@@ -197,7 +197,6 @@ class _Run:
             if missing:
                 executor = executor or self._executor(missing, closing)
                 self._solve(missing, executor)
-                executor.close_idle()
             if missing and self.inventory.times_missing():
                 self.file.write()
             activity = "timing"

@@ -40,13 +40,12 @@ class Journal:
     path
         The file, which need not exist.
     context
-        Part of the study, and what would be loaded now; records of another program are kept apart. None takes records
-        of every program, and allows no writing.
+        Part of the study, and what would be loaded now; records of another program are kept apart.
     machine
         Name of this machine; times of another machine are kept apart.
     """
 
-    def __init__(self, path: Path, context: Context | None, machine: str) -> None:
+    def __init__(self, path: Path, context: Context, machine: str) -> None:
         self.path = path
         self.notes: list[str] = []
         self._context, self._machine = context, machine
@@ -92,7 +91,6 @@ class Journal:
         axes
             Values of each axis.
         """
-        assert self._context is not None, "a journal that is read for every program is not written"
         run = {"format": FORMAT, "part": dict(self._context.part), "machine": self._machine}
         self._run = short_hash(run)
         self._write({"run": self._run, "history": history} | run)
@@ -117,13 +115,12 @@ class Journal:
         """
         known = self._stamps.get((id(loaded), state))
         if known is None:
-            assert self._context is not None
             program = {"part": dict(self._context.part), "state": state, "loaded": dict(loaded)}
             stamp = short_hash(program)
             if stamp not in self.contents.programs:
                 self._write({"program": stamp} | program)
             # what this run computes counts in it, also where a file has been edited meanwhile
-            self.contents.add_program(stamp, Program(**program), is_present=True)  # type: ignore[arg-type]
+            self.contents.add_program(stamp, Program(**program), computes=True)  # type: ignore[arg-type]
             known = self._stamps[id(loaded), state] = loaded, stamp
         return known[1]
 

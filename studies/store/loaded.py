@@ -8,7 +8,7 @@ import site
 import sys
 import sysconfig
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib.machinery import ModuleSpec
@@ -284,13 +284,6 @@ class Present:
 
 def shown(changes: Sequence[str]) -> str:
     """Return the names of changed entries in words, the first of many."""
-    return ", ".join(_names(changes))
-
-
-def _names(changes: Sequence[str]) -> Iterator[str]:
-    """Yield up to four names, and how many more there are."""
-    for change in changes[:4]:
-        kind, _, name = change.partition(" ")
-        yield name if kind == "module" else change
-    if len(changes) > 4:
-        yield f"and {len(changes) - 4} more"
+    names = [change.removeprefix("module ") for change in changes[:4]]
+    more = [f"and {len(changes) - 4} more"] if len(changes) > 4 else []
+    return ", ".join(names + more)

@@ -143,7 +143,7 @@ class Contents:
     Attributes
     ----------
     context
-        Part of the study and what would be loaded now; None takes the records of every program as present.
+        Part of the study and what would be loaded now.
     machine
         Name of the machine whose timed runs count.
     records
@@ -168,7 +168,7 @@ class Contents:
         True for a journal of another format.
     """
 
-    context: Context | None
+    context: Context
     machine: str
     records: dict[str, Record] = field(default_factory=dict)
     other_records: dict[str, Record] = field(default_factory=dict)
@@ -209,7 +209,7 @@ class Contents:
             case {"loaded": loaded}:
                 self.add_program(line["program"], Program(line["part"], line["state"], loaded))
             case {"axis": name, "values": values}:
-                if self.context is None or self._runs[line["run"]]["part"] == self.context.part:
+                if self._runs[line["run"]]["part"] == self.context.part:
                     self.axes.setdefault(name, {}).update(dict.fromkeys(values))
             case _:
                 raise ValueError(line)
@@ -220,12 +220,10 @@ class Contents:
         self.samples.clear()
         self.untimed.clear()
 
-    def add_program(self, stamp: str, program: Program, *, is_present: bool | None = None) -> None:
+    def add_program(self, stamp: str, program: Program, *, computes: bool = False) -> None:
         """Add a program; one that computes in this run counts as present."""
         self.programs[stamp] = program
-        if is_present is None:
-            is_present = self.context is None or not self.context.changes(program)
-        self._present[stamp] = is_present
+        self._present[stamp] = computes or not self.context.changes(program)
 
     def record(self, line: Mapping[str, Any], raw: bytes) -> Record:
         """Return the record of a case from its line, read and raw; raise a ``MALFORMED_RECORD`` for any other line."""
@@ -257,7 +255,7 @@ class Contents:
         before = self.records.get(identity.key) or self.other_records.get(identity.key)
         tree = before.identity.tree if before else self._trees.get(_place(identity.point))
         changes = [] if tree is None else differences(tree, identity.tree)
-        if before is not None and self.context is not None:
+        if before is not None:
             names = self.context.changes(self.programs[before.stamp])
             if before.state != identity.state:
                 names = ["the state of the case's classes", *names]

@@ -39,30 +39,25 @@ def save_fields(folder: Path, key: str, stamp: str, variables: Mapping[str, xr.V
         ) from None
 
 
-def has_fields(folder: Path, key: str, stamp: str, log: Callable[[str], object]) -> bool:
-    """Return whether the fields of a case of a program are stored; a damaged file is set aside and reported to `log`."""
+def load_fields(
+    folder: Path, key: str, stamp: str, log: Callable[[str], object] = lambda text: None
+) -> xr.Dataset | None:
+    """Return the fields of a case that a program computed; None where there are none.
+
+    A damaged file is set aside, which is reported to `log`. A variable named like its dimension is its coordinate.
+    """
     path = folder / f"{key}.json"
     if not path.is_file():
-        return False
+        return None
     content = read_verified(path)
     if content is None:
         log(
             f"{path} is damaged: it is set aside as {set_aside(path).name}, and its case is computed anew"
         )
-        return False
-    return bool(json.loads(content).get("program") == stamp)
-
-
-def load_fields(folder: Path, key: str, stamp: str) -> xr.Dataset | None:
-    """Return the fields of the case `key`; None for a damaged file, and for those of another program.
-
-    A variable named like its dimension is its coordinate.
-    """
-    content = read_verified(folder / f"{key}.json")
-    stored = {} if content is None else json.loads(content)
+        return None
+    stored = json.loads(content)
     if stored.get("program") != stamp:
         return None
-    # a variable named like its dimension becomes its coordinate
     return xr.Dataset({name: decoded_variable(v) for name, v in stored["fields"].items()})
 
 
@@ -182,7 +177,7 @@ class ResultFile:
         """Yield the fields of every case that has some, read one at a time."""
         for name in dict.fromkeys(self.table.keys):
             record = self.journal.contents.records.get(name)
-            if record is not None and (self.fields_folder / f"{name}.json").is_file():
+            if record is not None:
                 fields = load_fields(self.fields_folder, name, record.stamp)
                 if fields is not None:
                     yield f"fields/case_{name}", fields

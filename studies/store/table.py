@@ -216,11 +216,6 @@ class PointTable:
     keys: Sequence[str]
 
 
-def requested_table(study: Study, request: Request) -> PointTable:
-    """Return the requested points, and no others."""
-    return PointTable(study.points, request.keys)
-
-
 def stored_table(study: Study, request: Request, contents: Contents) -> PointTable:
     """Return the requested points, with every value of an axis at which a case is stored.
 
@@ -229,7 +224,7 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
     """
     axes = tuple(_grown(axis, contents.axes.get(axis.name, ())) for axis in study.points)
     if axes == study.points or prod(len(axis.values) for axis in axes) > LARGEST:
-        return requested_table(study, request)
+        return PointTable(study.points, request.keys)
     shape = tuple(len(axis.values) for axis in axes)
     requested = dict(
         zip(product(*(axis.values for axis in study.points)), request.keys, strict=True)

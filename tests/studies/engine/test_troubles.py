@@ -168,22 +168,25 @@ def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_p
     assert sorted(outcomes) == [str(n) for n in range(AHEAD * 2 - 2)]
 
 
-def test_dask_here_listens_to_this_machine_alone_and_rests_while_cases_are_timed() -> None:
+def listening() -> set[str]:
+    """Addresses to which this process listens."""
+    connections = psutil.Process().net_connections("inet")
+    return {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN}
+
+
+def test_dask_here_listens_to_this_machine_alone_and_only_while_cases_are_computed() -> None:
+    heard = []
     with Cluster(1) as cluster:
-        compute(cluster, [Trouble(1.0)], Work(trouble.measures))
-        listening = {
-            connection.laddr.ip
-            for connection in psutil.Process().net_connections("inet")
-            if connection.status == psutil.CONN_LISTEN
-        }
-        assert listening <= {"127.0.0.1"}
-        cluster.close_idle()
-        assert not [
-            connection
-            for connection in psutil.Process().net_connections("inet")
-            if connection.status == psutil.CONN_LISTEN
-        ]
-        compute(cluster, [Trouble(1.0)], Work(trouble.measures))
+        for name in "ab":
+            cluster.run(
+                {name: Trouble(1.0)},
+                Work(trouble.measures),
+                lambda name, outcome: heard.append(listening()),
+                Stop(),
+            )
+            assert listening() == set()
+    assert len(heard) == 2
+    assert set().union(*heard) <= {"127.0.0.1"}
 
 
 SCRIPT = """

@@ -14,7 +14,7 @@ from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.registry import load
 from studies.store.netcdf import read
-from studies.store.result_file import has_fields, load_fields, save_fields
+from studies.store.result_file import load_fields, save_fields
 from tests.studies.conftest import quiet
 
 KEPT = RunOptions(workers=0, repeats=0, fields="kept")
@@ -44,11 +44,9 @@ def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> 
     x = xr.Variable(("x",), [1.5, 2.5, 3.5], {"units": "m"})
     pressure = xr.Variable(("x",), [0.0, 2.0, 1.0], {"units": "Pa"})
     save_fields(tmp_path / "kept", "abc", "program", {"x": x, "pressure": pressure})
-    assert has_fields(tmp_path / "kept", "abc", "program", pytest.fail)
-    assert not has_fields(tmp_path / "kept", "abd", "program", pytest.fail)
-    assert not has_fields(tmp_path / "kept", "abc", "another", pytest.fail)
-    assert load_fields(tmp_path / "kept", "abc", "another") is None
-    found = load_fields(tmp_path / "kept", "abc", "program")
+    assert load_fields(tmp_path / "kept", "abd", "program", pytest.fail) is None
+    assert load_fields(tmp_path / "kept", "abc", "another", pytest.fail) is None
+    found = load_fields(tmp_path / "kept", "abc", "program", pytest.fail)
     assert found is not None
     xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
 

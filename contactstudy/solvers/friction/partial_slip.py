@@ -111,8 +111,8 @@ def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Arr
 
     Every increment of pressure from `before` to `after` (x, y) [Pa] takes a shear of `slope` times itself into the
     contact without slip. The slope is the change of the tangential force over that of the load, within plus or minus the
-    coefficient of friction, and 0 for a falling load. This is exact in plane strain and for a Poisson's ratio of 0.
-    Source: Jaeger (1998), J. Tribol. 120, 677.
+    coefficient of friction, and 0 for a falling load. This is exact in plane strain and for a Poisson's ratio of 0, of
+    bodies that are not coated. Source: Jaeger (1998), J. Tribol. 120, 677.
     """
     reference = shear.copy()
     reference[0] += slope * (after - before)

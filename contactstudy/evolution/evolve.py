@@ -34,7 +34,7 @@ from contactstudy.evolution.steps import (
 )
 from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import response, sudden
+from contactstudy.scene.bodies import is_layered, response, sudden
 from contactstudy.scene.fretting import Fretting
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad, LoadHistory
@@ -244,6 +244,7 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
         period=inf if fretting.period is None else fretting.period,
         cell_compliance=least_compliance(scene.contact_modulus, min(problem.grid.cell)),
         gap_scale=problem.scales.gap,
+        coated=any(map(is_layered, scene.solids)),
         grid=problem.grid,
         tolerance=options.tolerance,
         max_applications=options.max_iterations,

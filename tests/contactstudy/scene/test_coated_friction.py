@@ -135,3 +135,23 @@ def test_a_stiff_coating_sticks_less_under_a_smaller_creepage() -> None:
         for body in (STEEL, cs.CoatedHalfSpace(STIFF, 2e-5, STEEL), STIFF)
     ]
     assert forces[0] < forces[1] < forces[2]
+
+
+@pytest.mark.cases(1)
+@pytest.mark.parametrize("coating", [cs.HalfSpace(50e9, 0.4), STIFF, cs.HalfSpace(800e9, 0.2)])
+def test_shear_locked_in_below_a_coating_is_known_to_its_step_error(coating: cs.HalfSpace) -> None:
+    """Load and force rise in proportion; without a coating one step would be exact."""
+    body = cs.CoatedHalfSpace(coating, 1e-5, STEEL)
+    friction = cs.Fretting(0.3, (0.0, 1.2e4), times=(0.0, 1.0))
+    load = cs.LoadHistory((0.0, 1.0), (2e4, 1e5))
+    scene = cs.Scene(load, (body, body), CYLINDER, friction=friction)
+    shears, errors = [], []
+    for count in (4, 64):
+        times = np.linspace(0, 1, count + 1)
+        found = cs.solve(scene, cs.Grid((64, 1), (4e-4, 1e-3)), EXACT, times=times, tolerance=1e-6)
+        shears.append(found.frames[-1].shear[0])
+        errors.append(found.frames[-1].error.l1.steps)
+        force = shears[-1].sum() * found.grid.cell_area / found.grid.period
+        assert force == pytest.approx(1.2e4)
+    change = np.abs(shears[1] - shears[0]).sum() / np.abs(shears[1]).sum()
+    assert 1e-4 < change < errors[0]

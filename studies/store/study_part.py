@@ -12,8 +12,8 @@ REFLECTIVE = frozenset((
     "globals", "locals", "vars", "eval", "exec", "dir", "__dict__", "__globals__", "f_globals", "f_locals", "modules",
     "inspect", "__import__",
 ))  # fmt: skip
-NUMPY = frozenset(("np.arange", "np.array", "np.geomspace", "np.linspace", "np.logspace"))
-PURE = NUMPY | frozenset((
+PURE = frozenset((
+    "np.arange", "np.array", "np.geomspace", "np.linspace", "np.logspace",
     "Axis", "abs", "dict", "enumerate", "float", "frozenset", "int", "len", "list", "max", "min", "range", "reversed",
     "round", "set", "sorted", "str", "sum", "tuple", "zip",
 ))  # fmt: skip
@@ -34,7 +34,8 @@ def numerical_part(source: bytes) -> str:
         body = [statement for statement in body if not _is_text(statement)]
         _forget_documentation(body)
         words = [frozenset(_words(statement)) for statement in body]
-    pure = PURE - frozenset(_bound(body))
+    bound = frozenset(_bound(body))
+    pure = frozenset(name for name in PURE if not bound & {"*", name.split(".")[0]})
     is_reflective = any(map(_is_reflective, body))
     defined = [_defined(statement, pure) for statement in body]
     kept = {
@@ -72,28 +73,26 @@ def _is_reflective(statement: ast.stmt) -> bool:
 
 
 def _bound(body: list[ast.stmt]) -> Iterator[str]:
-    """Yield the pure functions that stand for something else in this file."""
+    """Yield the names that a file binds itself, and "*"; not those of studies, nor np for numpy."""
     for node in (part for statement in body for part in ast.walk(statement)):
         match node:
-            case ast.Name(id=name, ctx=ast.Store() | ast.Del()):
-                yield name
             case (
-                ast.FunctionDef(name=name)
+                ast.Name(id=name, ctx=ast.Store() | ast.Del())
+                | ast.FunctionDef(name=name)
                 | ast.AsyncFunctionDef(name=name)
                 | ast.ClassDef(name=name)
             ):
                 yield name
-            case ast.ImportFrom(module=module, names=aliases):
-                for alias in aliases:
-                    if alias.name == "*":
-                        yield from PURE
-                    elif (module or "").partition(".")[0] != "studies" or alias.asname:
-                        yield alias.asname or alias.name
-            case ast.Import(names=aliases):
-                for alias in aliases:
-                    yield alias.asname or alias.name
-                    if (alias.asname or alias.name) == "np" and alias.name != "numpy":
-                        yield from NUMPY
+            case ast.ImportFrom(module=str(module), names=aliases) if (
+                module.split(".")[0] == "studies"
+            ):
+                yield from (alias.asname for alias in aliases if alias.asname)
+            case ast.ImportFrom(names=aliases) | ast.Import(names=aliases):
+                yield from (
+                    alias.asname or alias.name
+                    for alias in aliases
+                    if ast.unparse(alias) != "numpy as np"
+                )
 
 
 def _defined(statement: ast.stmt, pure: Names) -> Names | None:

@@ -144,8 +144,10 @@ class TimeStepper:
     @property
     def is_first_order(self) -> bool:
         """True if the error of a step falls only in proportion to its duration."""
-        return len(self.scheme.stages) == 1 and any(
-            state_variable.has_stages for state_variable in self.state_variables
+        in_one_stage = len(self.scheme.stages) == 1
+        return any(
+            (variable.has_stages and in_one_stage) or isinstance(variable, HasGuess)
+            for variable in self.state_variables
         )
 
     def start(self, time: float) -> Instant:

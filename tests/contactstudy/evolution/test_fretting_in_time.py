@@ -112,7 +112,7 @@ def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None
     jumps are stable below 0.09 / 0.03 cycles; these grow beyond a thousand.
     """
     jumps = [1.3**n for n in range(30)]
-    frame = jumping(jumps, 1 / 32, 540)
+    frame = jumping(jumps, 1 / 32, 270)
     x, pressure = frame.grid.x, frame.pressure[:, 0]
     depth = frame.state["worn_depth"].values[:, 0]
     c = (1 - FORCE / MU) ** 0.5
@@ -123,11 +123,12 @@ def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None
     assert pressure[np.abs(x) > c + frame.grid.cell[0]].max() < 1e-3 * pressure.max()
     assert not depth[inside].any()
     # the volume in the limit, of a stick zone that may be a cell wider or narrower
-    assert depth.sum() * frame.grid.cell[0] == pytest.approx(0.1702123, rel=0.02)
+    assert depth.sum() * frame.grid.cell[0] == pytest.approx(0.1702123, rel=0.04)
 
 
-@pytest.mark.cases(2)
-@pytest.mark.parametrize(("jump", "error"), [(4, 0.03), (16, 0.06), (1, 0.03)])
+@pytest.mark.parametrize(
+    ("jump", "error"), [(4, 0.03), (16, 0.06), pytest.param(1, 0.03, marks=pytest.mark.whole)]
+)
 def test_jumps_wear_as_cycle_after_cycle_does(jump: int, error: float) -> None:
     """By 64 cycles of 1/16; a jump of 16 is ten times as long as explicit wear is stable."""
     wear = 1 / 16

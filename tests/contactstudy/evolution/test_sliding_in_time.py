@@ -186,14 +186,13 @@ def test_what_sliding_does_not_support_is_refused(
 def test_bodies_that_slide_yield_alike_along_their_length_where_nothing_varies() -> None:
     body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3.5e8, 1e10)
     scene = replace(SCENE, solids=(body, STEEL))
-    waves = cs.Waviness(2e-7, across=np.inf, along=3e-4)
-    strains = [
-        solved(replace(scene, shapes=(*scene.shapes, *more)), cs.Grid((48, along), (6e-4, 3e-4)))
+    steps = cs.TimeSteps((0.0, 1.0), step_error=cs.StepError.NONE)
+    flat, repeated = (
+        cs.solve(scene, cs.Grid((32, along), (6e-4, 3e-4)), EXACT, times=steps)
         .to_dataset()["equivalent_plastic_strain"]
         .isel(time=-1)
-        for more, along in (((), 1), ((), 4), ((waves,), 4))
-    ]
-    flat, repeated, wavy = (strain.values for strain in strains)
+        .values
+        for along in (1, 2)
+    )
     assert flat.max() > 0
-    np.testing.assert_allclose(repeated, np.repeat(flat, 4, axis=-1), atol=1e-3 * float(flat.max()))
-    assert np.ptp(wavy, axis=-1).max() > 0.05 * flat.max()
+    np.testing.assert_allclose(repeated, flat.repeat(2, axis=-1), atol=1e-3 * float(flat.max()))

@@ -164,9 +164,10 @@ class Cluster:
         from distributed import Client
 
         # what goes wrong with the connection is said here, in a sentence
-        logger = logging.getLogger("distributed")
-        level = logger.level
-        logger.setLevel(logging.CRITICAL)
+        loggers = [logging.getLogger(name) for name in ("distributed", "tornado.application")]
+        levels = [logger.level for logger in loggers]
+        for logger in loggers:
+            logger.setLevel(logging.CRITICAL)
         try:
             try:
                 if ":" not in str(self.address):
@@ -180,7 +181,8 @@ class Cluster:
             with client:
                 yield client
         finally:
-            logger.setLevel(level)
+            for logger, level in zip(loggers, levels, strict=True):
+                logger.setLevel(level)
 
 
 @dataclass(eq=False)

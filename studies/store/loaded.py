@@ -15,8 +15,6 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import Any
 
-import psutil
-
 CODE = (".py", ".pyc", ".pyd", ".so")
 PYTHON = "{}.{}".format(*sys.version_info)
 OWN = ("contactstudy", "studies")
@@ -246,6 +244,8 @@ def _process_start() -> float:
         fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
         ticks = float(fields[19]) / os.sysconf("SC_CLK_TCK")
         return time.time() - time.clock_gettime(time.CLOCK_BOOTTIME) + ticks
+    import psutil  # whose own import takes 30 ms
+
     return float(psutil.Process().create_time())
 
 

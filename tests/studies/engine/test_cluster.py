@@ -1,6 +1,8 @@
 """What a run says of a scheduler without workers, one that is lost, and workers that die."""
 
+import logging
 from collections import deque
+from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import chain
 from types import SimpleNamespace
@@ -92,3 +94,16 @@ def test_of_a_batch_that_killed_its_workers_each_case_is_tried_alone() -> None:
     flow._running = {other: ["1"]}
     with pytest.raises(InvalidInput, match="install the same version of contactstudy there"):
         flow._take(other, None)
+
+
+def test_what_libraries_say_of_a_lost_connection_is_not_shown(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(distributed, "Client", lambda *_, **__: nullcontext())
+    for library in ("distributed.core", "tornado.application"):
+        with Cluster(0, "tcp://here:1")._connection():
+            logging.getLogger(library).error("a traceback")
+        assert not caplog.records
+        logging.getLogger(library).error("another one")
+        assert len(caplog.records) == 1
+        caplog.clear()

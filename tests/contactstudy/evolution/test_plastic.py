@@ -14,7 +14,7 @@ from contactstudy.answers.evolution import evolution_of
 from contactstudy.evolution import plastic as yielding_volume
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
-from contactstudy.solvers import elastoplastic_step
+from contactstudy.solvers.plasticity import elastoplastic_step
 
 EXACT = cs.ExactPeriodicity()
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9

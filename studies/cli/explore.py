@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 # Values of a variable that a page holds; a finer contact is shown by the means of blocks of cells.
 MOST_VALUES = 200_000
 # Variables with which a page of a study and another begins, the first of them that is there.
-NUMBERS = ("peak_pressure", "largest_pressure", "central_film")
+NUMBERS = ("central_film", "peak_pressure", "largest_pressure")
 FIELDS = ("pressure", "film")
 # Values of a study span more than this on an axis that begins as logarithmic.
 WIDE = 30.0
@@ -52,6 +52,13 @@ def page_of(dataset: "xr.Dataset", name: str) -> str:
     template = (files("studies.cli") / "explore.html").read_text(encoding="utf-8")
     before, after = template.replace("TITLE", html.escape(shown["title"]), 1).split(">DATA<")
     return f"{before}>{_json(shown)}<{after}"
+
+
+def _instant_of_largest(field: "xr.DataArray") -> int | None:
+    """Return the index of the instant at which `field` has its largest value; None without a time."""
+    if "time" not in field.dims:
+        return None
+    return int(field.max([dim for dim in field.dims if dim != "time"]).argmax("time"))
 
 
 def _json(value: object) -> str:
@@ -88,10 +95,12 @@ def contents(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
     title = str(dataset.attrs.get("title", "contact"))
     dims = {str(dim): field for field in fields.values() for dim in field.dims}
     first = (*NUMBERS, *FIELDS) if is_study else (*FIELDS, *NUMBERS)
+    begin = next((key for key in first if key in fields), next(iter(fields)))
     shown: dict[str, Any] = {
         "title": title if title.startswith(name) else f"{name}: {title}",
         "study": is_study,
-        "first": next((key for key in first if key in fields), next(iter(fields))),
+        "first": begin,
+        "instant": _instant_of_largest(fields[begin]),
         "axes": {dim: _axis(field, dim, in_study=is_study) for dim, field in dims.items()},
         "variables": {key: _variable(field) for key, field in fields.items()},
         "numbers": [

@@ -114,6 +114,11 @@ def test_a_march_has_a_slider_over_time(march: xr.Dataset, tmp_path: Path) -> No
     assert "time = 1 s" in shown(page, tmp_path, earlier)
 
 
+def test_an_evolution_begins_at_the_instant_of_its_largest_pressure(march: xr.Dataset) -> None:
+    unloaded = march.assign(pressure=march["pressure"] * xr.DataArray([1, 1, 2, 0], dims="time"))
+    assert contents(unloaded, "march")["instant"] == 2
+
+
 def test_a_browser_draws_a_contact_as_a_sharp_map_with_both_sections(
     contact: xr.Dataset, tmp_path: Path
 ) -> None:

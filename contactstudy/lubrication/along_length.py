@@ -119,13 +119,13 @@ class KrylovStep:
         missing = load_residual - system.mean * total.sum()
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, known))
         balance = -(linear.residual + change)
-        right = system.joined(balance, (to_boundary - known) * touching, system.flow * missing)
+        right = system.stacked(balance, (to_boundary - known) * touching, system.flow * missing)
         norm = float(np.linalg.norm(right))
         if norm == 0:
             return FilmStep(pressure, void, 0.0, staged, contact=film.contact)
         start = np.zeros_like(right)
         if self.last is not None and self.last[0].linear is linear:
-            start = system.carried(*self.last)
+            start = system.restricted_from(*self.last)
         unknowns, missed, count = system.solve(right, start, norm)
         at_first = count if staged.iterations_then is None else staged.iterations_then
         slow = count > TUNING.slower * at_first + TUNING.more
@@ -188,12 +188,12 @@ class StepSystem:
         """Load of a unit pressure on one cell."""
         return float(self.linear.equation.cell[0] / self.free.shape[1])
 
-    def joined(self, cells: Array, touching: Array, last: float) -> Array:
+    def stacked(self, cells: Array, touching: Array, last: float) -> Array:
         """Return a vector of values of cells (x, y), of touching cells (x, y), and of the separation or the load."""
         return np.concatenate((cells.ravel(), touching[self.touching], [last]))
 
-    def parts(self, values: Array) -> tuple[Array, Array, float]:
-        """Return what :meth:`joined` joins; zero where no cell touches."""
+    def unstacked(self, values: Array) -> tuple[Array, Array, float]:
+        """Return what :meth:`stacked` stacks; zero where no cell touches."""
         cells = values[: self.free.size].reshape(self.free.shape)
         touching = np.zeros_like(cells)
         touching[self.touching] = values[self.free.size : -1]
@@ -201,13 +201,13 @@ class StepSystem:
 
     def split(self, values: Array) -> tuple[Array, Array, Array, float]:
         """Return pressure and void fraction (x, y), pressure on touching cells, and separation of the unknowns."""
-        cells, touching, separation = self.parts(values)
+        cells, touching, separation = self.unstacked(values)
         return cells * self.free, cells * self.cavitated, touching, separation
 
-    def carried(self, other: "StepSystem", values: Array) -> Array:
+    def restricted_from(self, other: "StepSystem", values: Array) -> Array:
         """Return the unknowns of another system where they are those of this one, else zero."""
-        cells, touching, separation = other.parts(values)
-        return self.joined(cells * (self.cavitated == other.cavitated), touching, separation)
+        cells, touching, separation = other.unstacked(values)
+        return self.stacked(cells * (self.cavitated == other.cavitated), touching, separation)
 
     def product(self, values: Array) -> Array:
         """Multiply the matrix with a vector of unknowns."""
@@ -215,21 +215,21 @@ class StepSystem:
         total = np.where(self.touching, touching, pressure)
         film = self.linear.equation.deflection(total) + separation
         balance = self.linear.change_with(pressure, void, np.where(self.touching, 0.0, film))
-        return self.joined(balance, film, self.flow * self.mean * total.sum())
+        return self.stacked(balance, film, self.flow * self.mean * total.sum())
 
     def preconditioned(self, values: Array) -> Array:
         """Apply the Fourier stage, then the local stage to what it leaves."""
-        cells, touching, load = self.parts(values)
+        cells, touching, load = self.unstacked(values)
         solved = self.free | self.touching
         rows = np.where(self.touching, touching, cells * self.free)
         coarse, separation = self.fourier.solve(rows, load / self.flow)
         coarse = coarse * solved
-        unknowns = self.joined(coarse * (self.free & ~self.touching), coarse, separation)
-        cells, touching, _ = self.parts(values - self.product(unknowns))
+        unknowns = self.stacked(coarse * (self.free & ~self.touching), coarse, separation)
+        cells, touching, _ = self.unstacked(values - self.product(unknowns))
         correction = self.local.solve(cells) * ~self.linear.equation.fixed
         if self.extension is not None:
             touching = self.extension.pressure(self.extension(touching))
-        return unknowns + self.joined(correction, touching, 0.0)
+        return unknowns + self.stacked(correction, touching, 0.0)
 
     def solve(self, right: Array, start: Array, norm: float) -> tuple[Array, float, int]:
         """Return unknowns, their residual over ``norm``, and the number of iterations from ``start``."""

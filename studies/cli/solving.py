@@ -25,7 +25,7 @@ def solved(
     What a scene in time has done, or the pressure of a contact at rest, is left in `folder` when the command is stopped,
     so that it can go on from there.
     """
-    kept = folder / f"{scene.stem}.march"
+    kept = folder / f"{scene.stem}.evolution"
     last: list[cs.Progress] = []
     with tqdm(
         total=100, desc=str(scene), bar_format=BAR, disable=None, leave=False, delay=1

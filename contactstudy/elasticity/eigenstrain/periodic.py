@@ -25,7 +25,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain import (
 )
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.eigenstrain.wave import Components
-from contactstudy.elasticity.eigenstrain.waves import Complex, Traction, Waves
+from contactstudy.elasticity.eigenstrain.waves import Complex, SurfaceLoad, Waves
 
 # Number of the component that is odd in x.
 ODD = 1
@@ -144,19 +144,19 @@ class PeriodicOperator:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
-        return self._from_traction(pressure, Traction.PRESSURE, Components.DEVIATOR)
+        return self._from_traction(pressure, SurfaceLoad.PRESSURE, Components.DEVIATOR)
 
     def stress_of_shear(self, shear: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `shear` along x (x, y) [Pa]."""
-        return self._from_traction(shear, Traction.SHEAR, Components.DEVIATOR)
+        return self._from_traction(shear, SurfaceLoad.SHEAR, Components.DEVIATOR)
 
     def tensor_of_pressure(self, pressure: Array) -> Array:
         """Return the stress (6, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
-        return self._from_traction(pressure, Traction.PRESSURE, Components.TENSOR)
+        return self._from_traction(pressure, SurfaceLoad.PRESSURE, Components.TENSOR)
 
     def tensor_of_shear(self, shear: Array) -> Array:
         """Return the stress (6, layers, x, y) [Pa] under `shear` along x (x, y) [Pa]."""
-        return self._from_traction(shear, Traction.SHEAR, Components.TENSOR)
+        return self._from_traction(shear, SurfaceLoad.SHEAR, Components.TENSOR)
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, y) [m] of the unloaded surface into the body by plastic `strain`."""
@@ -205,7 +205,7 @@ class PeriodicOperator:
             self._write(stress, group, along)
         return self._transformed_back(along)
 
-    def _from_traction(self, values: Array, traction: Traction, components: Components) -> Array:
+    def _from_traction(self, values: Array, traction: SurfaceLoad, components: Components) -> Array:
         """Return the `components` of the stress under the `values` (x, y) [Pa] of a traction."""
         layers, across, ny = self.volume.shape
         waves = fft.rfft(values, axis=-1)
@@ -213,14 +213,14 @@ class PeriodicOperator:
         mean, plane = ny * values.mean(axis=-1, keepdims=True), self._plane
         if components is Components.TENSOR:
             of = {
-                Traction.PRESSURE: plane.tensor_of_pressure,
-                Traction.SHEAR: plane.tensor_of_shear,
+                SurfaceLoad.PRESSURE: plane.tensor_of_pressure,
+                SurfaceLoad.SHEAR: plane.tensor_of_shear,
             }
             along[..., :1] = of[traction](mean)
         else:
             of = {
-                Traction.PRESSURE: plane.stress_of_pressure,
-                Traction.SHEAR: plane.stress_of_shear,
+                SurfaceLoad.PRESSURE: plane.stress_of_pressure,
+                SurfaceLoad.SHEAR: plane.stress_of_shear,
             }
             along[:3, ..., :1] = of[traction](mean)
         for group in self._groups:

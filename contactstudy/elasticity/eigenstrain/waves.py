@@ -39,8 +39,8 @@ DEEPEST = 1e3
 NEAR = 0.6
 
 
-class Traction(Enum):
-    """What acts on the surface."""
+class SurfaceLoad(Enum):
+    """Load on the surface under which stress is a wave."""
 
     #: Pressure.
     PRESSURE = "pressure"
@@ -50,7 +50,7 @@ class Traction(Enum):
     def stress(self, direction: WaveDirection, top: float, layer: Layer, nu: float) -> Tensor:
         """Return the means of the stress over a `layer`, whose upper side is at the depth `top` [m], by a unit of it."""
         depth = direction.q * top
-        if self is Traction.PRESSURE:
+        if self is SurfaceLoad.PRESSURE:
             return stress_under_pressure(depth, layer, nu)
         return stress_under_shear(depth, layer, nu, (direction.c, direction.s))
 
@@ -94,7 +94,7 @@ class Aliases:
         weight = (np.sinc(x * dx / (2 * pi)) * np.sinc(y * dy / (2 * pi))) ** 2
         return WaveDirection(q, x / q, y / q, weight)
 
-    def stress_of_traction(self, traction: "Traction", components: Components) -> Array:
+    def stress_of_traction(self, traction: "SurfaceLoad", components: Components) -> Array:
         """Return the stress (components, layers, waves) by a unit traction in the short waves."""
         volume = self.volume
         total = np.zeros((len(components.value), volume.shape[0], len(self.x)))
@@ -251,11 +251,11 @@ class Waves:
         return _complex(total, components, strain.shape[2:])
 
     def stress_of_traction(
-        self, waves: Complex, traction: Traction, components: Components
+        self, waves: Complex, traction: SurfaceLoad, components: Components
     ) -> Complex:
         """Return the stress of cells (components, layers, ...) by `waves` (period, orders) of a traction."""
         unit, shape = self._by_unit[traction][components], waves.shape
-        if traction is Traction.SHEAR:
+        if traction is SurfaceLoad.SHEAR:
             waves = 1j * waves
         parts = np.stack((waves.real.ravel(), waves.imag.ravel()))
         return _complex(unit[:, :, None] * parts, components, shape)
@@ -265,7 +265,7 @@ class Waves:
         e = _real(strain)
         parts, unit = (
             np.zeros((2, e.shape[3])),
-            self._by_unit[Traction.PRESSURE][Components.DEVIATOR],
+            self._by_unit[SurfaceLoad.PRESSURE][Components.DEVIATOR],
         )
         for number, thickness in enumerate(self.volume.thicknesses):
             parts += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
@@ -327,11 +327,11 @@ class Waves:
         return _OnRequest(lambda components: tuple(self._short.couplings(components)))
 
     @cached_property
-    def _by_unit(self) -> "dict[Traction, _OnRequest[Array]]":
+    def _by_unit(self) -> "dict[SurfaceLoad, _OnRequest[Array]]":
         """Stress (components, layers, waves) by a unit of each traction, by components."""
-        return {traction: _OnRequest(partial(self._stress, traction)) for traction in Traction}
+        return {traction: _OnRequest(partial(self._stress, traction)) for traction in SurfaceLoad}
 
-    def _stress(self, traction: Traction, components: Components) -> Array:
+    def _stress(self, traction: SurfaceLoad, components: Components) -> Array:
         """Return the stress (components, layers, waves) by a unit of a traction."""
         direction = self._direction
         total = self._short.stress_of_traction(traction, components)

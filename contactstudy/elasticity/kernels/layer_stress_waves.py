@@ -23,14 +23,17 @@ TURNED = {"pressure": "pressure", "across": "along", "along": "across"}
 
 @dataclass(frozen=True)
 class StressWaves:
-    """What :meth:`~contactstudy.elasticity.kernels.layer_stress.LayerStress.remainder` is under one wave of a load.
+    """Remainder of the stress in a layered body under one wave of a load on its surface.
+
+    Its part of a homogeneous body is subtracted, as in
+    :meth:`~contactstudy.elasticity.kernels.layer_stress.LayerStress.remainder`.
 
     Parameters
     ----------
     stress
         Stress under one wave at a depth.
     load
-        What acts on the surface, of ``FAMILIES``.
+        Load on the surface, of ``FAMILIES``.
     """
 
     stress: LayerStress

@@ -149,10 +149,10 @@ def test_a_scene_that_cannot_be_read_leaves_nothing_behind(command: str, tmp_pat
     assert not out.exists()
 
 
-def test_the_rubber_example_is_marched_and_leaves_no_march_behind(tmp_path: Path) -> None:
+def test_the_rubber_example_is_marched_and_leaves_no_frames_behind(tmp_path: Path) -> None:
     dataset = solved("rubber", tmp_path)
     assert dataset.sizes["time"] == 21
-    assert not (tmp_path / "rubber.march").exists()
+    assert not (tmp_path / "rubber.evolution").exists()
     # worn volume per length: k v int P dt = 1e-10 / Pa 0.1 m/s (0.5 + 3) s 500 N/m
     worn = float(dataset["worn_depth"].isel(time=-1).mean("y").sum("x"))
     cell = float(dataset["x"][1] - dataset["x"][0])

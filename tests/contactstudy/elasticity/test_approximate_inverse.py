@@ -10,8 +10,6 @@ from contactstudy.elasticity.approximate_inverse import (
     BlockExtension,
     ExactInverse,
     SpectralInverse,
-    hole_width,
-    sampled,
 )
 
 CASES = [
@@ -97,24 +95,6 @@ def test_the_transposed_map_is_the_transpose(shape: tuple[int, int], elongation:
     assert abs(difference) < 1e-15 * pressure.size * work
 
 
-@pytest.mark.parametrize(
-    ("rows", "width"),
-    [
-        # eight cells outside, and 2, 2 and 1 ends of the contact along rows, 1, 2, 0 and 2 along columns
-        (["#..#", ".#..", "...#"], 2 * 8 / 10),
-        (["####", "####"], 0.0),
-        (["#.##"], 0.5 * 2),
-        (["#...", "...."], 2 * 7 / 2),
-        (["#", ".", ".", "#"], 2 * 2 / 2),
-    ],
-)
-def test_holes_are_as_wide_as_the_cells_between_two_ends_of_the_contact(
-    rows: list[str], width: float
-) -> None:
-    contact = np.array([[cell == "#" for cell in row] for row in rows]) * 1.0
-    assert hole_width(contact) == pytest.approx(width)
-
-
 def stiffness_ratios(cells: int, contact: Array, seen: Array) -> Array:
     """Eigenvalues of the approximate inverse times the operator, both on pressures without a resultant."""
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
@@ -177,24 +157,3 @@ def test_a_contact_of_all_cells_is_extended_by_nothing() -> None:
     np.testing.assert_array_equal(extension(known), known)
     np.testing.assert_array_equal(extension.pressure(known), found.pressure(known))
     assert found.work == 2 * 48
-
-
-# Of 15 rows and 15 columns, of which those up to the shortest wave are kept: each is its own number.
-SPECTRUM = 100.0 * np.arange(15)[:, None] + np.arange(8) + 1
-
-
-@pytest.mark.parametrize(
-    ("cells", "rows", "columns"),
-    [
-        # every second wave but for rounding; of 7.5 the longest that there is
-        ((8, 8), [0, 2, 4, 6, 8, 9, 11, 13], [0, 2, 4, 6, 7]),
-        ((5, 3), [0, 3, 6, 9, 12], [0, 5]),
-        ((15, 15), [*range(15)], [*range(8)]),
-    ],
-)
-def test_a_wave_of_the_grid_has_the_nearest_of_the_padded_one(
-    cells: tuple[int, int], rows: list[int], columns: list[int]
-) -> None:
-    np.testing.assert_array_equal(
-        sampled(SPECTRUM, cells, (15, 15)), SPECTRUM[np.ix_(rows, columns)]
-    )

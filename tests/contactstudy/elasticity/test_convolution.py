@@ -3,8 +3,6 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.domain.reuse import ArrayCache, caching
-from contactstudy.elasticity import convolution
 
 ALONG = [
     cs.ZeroPadding(),
@@ -41,13 +39,6 @@ def test_operator_is_self_adjoint(
     apply = operator(cells, padding)
     scale = np.abs(apply(np.abs(a))).max() * np.abs(b).sum()
     assert abs(np.vdot(b, apply(a)) - np.vdot(a, apply(b))) < 1e-15 * a.size * scale
-
-
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-def test_operator_is_linear(padding: cs.Padding | cs.Paddings) -> None:
-    a, b = two((8, 6))
-    apply = operator((8, 6), padding)
-    assert_allclose(apply(3 * a - b), 3 * apply(a) - apply(b), rtol=0, atol=1e-14)
 
 
 @pytest.mark.parametrize("padding", [p for p in ALONG if p.wraps], ids=str)
@@ -152,25 +143,6 @@ def test_approximate_inverse_is_symmetric_and_positive(padding: cs.Padding | cs.
     difference = np.vdot(b, closing_a) - np.vdot(a, closing_b)
     assert abs(difference) < 1e-13 * scale
     assert np.vdot(a, closing_a) > 0
-
-
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-def test_coefficients_are_shared_by_operators_of_one_grid(
-    padding: cs.Padding | cs.Paddings, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Loads and moduli change the datum and the weight, which cost nothing."""
-    coat = cs.CoatedHalfSpace(cs.HalfSpace(3.0, 0.3), 0.1, cs.HalfSpace(1.0, 0.2))
-    grid, computed = cs.Grid((8, 6), (1.0, 0.7)), []
-    computing = convolution.kernel
-    alone = [convolution.superposed(coat.response(datum), grid, padding) for datum in (0.5, 2.0)]
-    monkeypatch.setattr(
-        convolution, "kernel", lambda *given: computed.append(given) or computing(*given)
-    )
-    with caching(ArrayCache(10**6)):
-        for datum, expected in zip((0.5, 2.0), alone, strict=True):
-            shared = convolution.superposed(coat.response(datum), grid, padding)
-            np.testing.assert_array_equal(shared.spectrum, expected.spectrum)
-    assert len(computed) == 2  # the coating's own, and the change by the substrate
 
 
 def test_a_datum_shifts_the_displacement_alone() -> None:

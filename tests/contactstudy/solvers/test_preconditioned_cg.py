@@ -1,6 +1,5 @@
 """When an iteration is taken to have stalled."""
 
-from collections import Counter
 from dataclasses import replace
 from math import nan
 
@@ -9,8 +8,6 @@ import pytest
 from scipy.special import erfinv
 
 import contactstudy as cs
-from contactstudy.domain import fields
-from contactstudy.elasticity.approximate_inverse import SpectralInverse
 from contactstudy.solvers.iterate import Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
@@ -153,48 +150,6 @@ def test_rough_contacts_take_a_fifth_of_the_convolutions(
     # of full size is one an iteration and one to start; preconditioning and coarse grids come on top
     assert ours.iterations + 1 <= reference.convolutions / 5
     assert ours.convolutions <= reference.convolutions / 3.5
-
-
-def test_an_iteration_is_one_convolution_and_one_preconditioning(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    counted: Counter[tuple[int, int]] = Counter()
-    apply = cs.Convolution.__call__
-
-    def counting(operator: cs.Convolution, pressure: np.ndarray) -> np.ndarray:
-        counted[operator.cells] += 1
-        return apply(operator, pressure)
-
-    pressure, smoothed = SpectralInverse.pressure, SpectralInverse._smoothed
-    closed: Counter[tuple[int, int]] = Counter()
-    extended: Counter[tuple[int, int]] = Counter()
-
-    def closing(inverse: SpectralInverse, displacement: np.ndarray) -> np.ndarray:
-        closed[displacement.shape[0], displacement.shape[1]] += 1
-        return pressure(inverse, displacement)
-
-    def smoothing(inverse: SpectralInverse, field: np.ndarray) -> np.ndarray:
-        extended[field.shape[0], field.shape[1]] += 1
-        return smoothed(inverse, field)
-
-    monkeypatch.setattr(fields, "LARGE", np.inf)
-    monkeypatch.setattr(cs.Convolution, "__call__", counting)
-    monkeypatch.setattr(SpectralInverse, "pressure", closing)
-    monkeypatch.setattr(SpectralInverse, "_smoothed", smoothing)
-    solution = cs.solve(problem(line_contact, 128, "30 %"))
-    assert set(counted) == {(128, 128), (64, 64)}
-    # one to begin with, and one more for the springs of the coarsest grid
-    assert counted[128, 128] == solution.iterations + 1 == closed[128, 128] + 1
-    assert counted[64, 64] == closed[64, 64] + 2
-    # an extension is used and gathered by, made where the contact changed, and made again where a cell joins
-    for cells, n in closed.items():
-        assert 2 * n < extended[cells] <= 5 * n
-    # on the grid that is not padded
-    levels = [
-        (n + (closed[cells] + extended[cells]) / 2) * (cells[0] / 128) ** 2
-        for cells, n in counted.items()
-    ]
-    assert solution.convolutions == pytest.approx(sum(levels), rel=1e-12)
 
 
 def test_a_stall_hands_over_to_the_reference_and_says_so(line_contact: LineContact) -> None:

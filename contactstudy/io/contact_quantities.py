@@ -113,12 +113,26 @@ def contact_quantities(
 
 
 def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
-    """Return the approach, which is exact where it is given."""
+    """Return the approach, which is exact where it is given, and the point that it is counted from."""
+    datum = approach_datum(solution)
+    label = "approach" + (f", from {readable(datum, 'm')} beside the axis" if datum else "")
     if solution.problem.resultant.approach is not None:
-        return Quantity(solution.approach, "m", "approach", 0.0, "")
-    return bounded(
-        Quantity(solution.approach, "m", "approach"), estimate.approach, estimate.warnings
-    )
+        return Quantity(solution.approach, "m", label, 0.0, "")
+    return bounded(Quantity(solution.approach, "m", label), estimate.approach, estimate.warnings)
+
+
+def approach_datum(solution: Solution) -> float | None:
+    """Return the distance [m] from the axis at which the surface does not move; None where the padding fixes it.
+
+    Along an endless contact the approach grows with the logarithm of this distance (Johnson 1985, eq. 2.20).
+    """
+    problem, scene = solution.problem, scene_of(solution)
+    if scene is None or problem.paddings is None:
+        return None
+    across, along = problem.paddings
+    if along.window is not None or across.window is None:
+        return None
+    return scene.datum(problem.scales, problem.grid)
 
 
 def _of_adhesion(

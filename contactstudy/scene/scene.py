@@ -412,7 +412,7 @@ class Scene:
         return Problem(
             grid=grid,
             undeformed_gap=gap,
-            operator=superposed(response(self.solids, self._datum(scales, grid)), grid, paddings),
+            operator=superposed(response(self.solids, self.datum(scales, grid)), grid, paddings),
             constraint=self._constraint(),
             resultant=self._resultant(grid),
             scales=scales,
@@ -429,7 +429,7 @@ class Scene:
             row_lengths=source.row_lengths(grid),
         )
 
-    def _datum(self, scales: Scales, grid: Grid) -> float:
+    def datum(self, scales: Scales, grid: Grid) -> float:
         """Return the distance [m] that displacements count from where infinitely many images leave that open."""
         if isinstance(self.load, Approach):
             return self.load.datum_on(grid.extent[0])

@@ -8,6 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array, inner
+from contactstudy.io.contact_quantities import approach_datum
 from contactstudy.io.dataset import labelled
 from studies.model.case import SceneCase, Solved, error_estimates, number
 
@@ -90,19 +91,16 @@ def _of_contact(case: SceneCase, contact: cs.Contact) -> dict[str, xr.Variable]:
     area = float(np.count_nonzero(touching) * grid.cell_area)
     perimeter = _perimeter(touching, grid, contact.problem.paddings)
     load = float(contact.pressure.sum()) * grid.cell_area / grid.period
-    farther = compliance_to_width(contact)
-    datum = (
-        {"description": f"counted from {grid.extent[0] / 2:.4g} m beside the contact"}
-        if farther
-        else {}
-    )
+    scene_datum, datum = approach_datum(contact), common_datum(contact)
+    described = {"description": f"counted from {datum:.4g} m beside the axis"} if datum else {}
+    farther = _compliance_between(contact, scene_datum, datum)
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
         "contact_share": number(float(touching.mean()), "fraction of the grid in contact"),
         "contact_perimeter": labelled(
             (), perimeter, "m", "contact perimeter", description="edges of cells at which contact ends"
         ),
-        "approach": labelled((), contact.approach + load * farther, "m", "approach", **datum),
+        "approach": labelled((), contact.approach + load * farther, "m", "approach", **described),
     }  # fmt: skip
     if (hertz := scene.hertz) is not None:
         share = area / (2 * hertz.half_width * grid.period)
@@ -115,21 +113,28 @@ def _of_contact(case: SceneCase, contact: cs.Contact) -> dict[str, xr.Variable]:
     return measured
 
 
-def compliance_to_width(contact: cs.Contact) -> float:
-    """Return the further approach [m] of points half the grid's width beside a contact, per load per length [N/m].
+def common_datum(contact: cs.Contact) -> float | None:
+    """Return the distance [m] from the axis that approaches of a sweep count from; None where the padding fixes it.
 
-    Along an endless contact the approach grows with the logarithm of the distance that it counts from. A scene counts
-    from Hertz's half-width, which changes with the load; contacts of a sweep are compared from one place. The far
-    displacement of a line load q is ``-2 q / (pi E*) ln r`` (Johnson 1985, eq. 2.20). It is 0 where the padding fixes
-    the datum.
+    A scene counts from Hertz's half-width, which changes with the load. Contacts of a sweep are compared from half the
+    grid's width, or from the datum of an approach that is given.
     """
-    problem, grid = contact.problem, contact.grid
-    across, along = problem.paddings or (None, None)
-    if across is None or along is None or along.window is not None or across.window is None:
+    datum = approach_datum(contact)
+    if datum is None or contact.problem.resultant.approach is not None:
+        return datum
+    return contact.grid.extent[0] / 2
+
+
+def _compliance_between(contact: cs.Contact, near: float | None, far: float | None) -> float:
+    """Return the further approach [m] from a farther datum [m], per load per length [N/m].
+
+    The far displacement of a line load q is ``-2 q / (pi E*) ln r`` (Johnson 1985, eq. 2.20).
+    """
+    if near is None or far is None:
         return 0.0
     assert contact.scene is not None
     compliance = sum(getattr(body, "substrate", body).compliance for body in contact.scene.solids)
-    return 2 * compliance / pi * log(grid.extent[0] / 2 / problem.scales.length)
+    return 2 * compliance / pi * log(far / near)
 
 
 def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None) -> float:

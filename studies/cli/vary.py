@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,7 +37,7 @@ FIGURES = figures_option(
 def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "Study | None":
     """Return the study of the scene in the file `name`, over `vary` or what the file varies; None for no scene file.
 
-    Raises :class:`~contactstudy.InvalidInput` for what cannot be varied.
+    Raises :class:`~contactstudy.InvalidInput` for what cannot be varied, and click's error for an unknown option.
     """
     if not name.endswith(".toml"):
         if vary:
@@ -45,6 +46,10 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
                 f"which contactstudy run {name} --help lists."
             )
         return None
+    if others and others[0].startswith("--"):
+        option = others[0].partition("=")[0]
+        known = [name for each in click.get_current_context().command.params for name in each.opts]
+        raise click.NoSuchOption(option, possibilities=get_close_matches(option, known))
     if others:
         raise InvalidInput(f"Argument {others[0]!r} is not expected: write {EXAMPLE}.")
     fields: dict[str, object] = {}

@@ -104,7 +104,14 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(
 
 
 @pytest.mark.parametrize(
-    "arguments", [["nothing"], ["report", "--workers", "-1"], ["run"], ["report", "--sideways"]]
+    "arguments",
+    [
+        ["nothing"],
+        ["report", "--workers", "-1"],
+        ["run"],
+        ["report", "--sideways"],
+        ["run", "x.toml", "--ot", "y"],
+    ],
 )
 def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], call: Call) -> None:
     done = call(*arguments)

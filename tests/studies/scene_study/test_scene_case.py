@@ -54,6 +54,16 @@ def test_stiffness_is_the_slope_of_the_load_over_the_approach(rough: Path) -> No
     assert float(found[1]["stiffness"].values) == pytest.approx(slope, rel=3e-2)
 
 
+def test_an_approach_that_is_given_is_recorded_as_given(smooth: Path, tmp_path: Path) -> None:
+    text = smooth.read_text(encoding="utf-8")
+    smooth.write_text(
+        text.replace('per_length = "100 N/mm"', 'approach = "1 um"'), encoding="utf-8"
+    )
+    study = studies.study_of(smooth, {"load.approach": [1e-6, 2e-6], "plan.error": [0.1]})
+    dataset = run(study, tmp_path, workers=0, log=quiet)
+    assert dataset["approach"].values.ravel().tolist() == [1e-6, 2e-6]
+
+
 def test_every_contact_is_measured_without_asking(rough: Path, tmp_path: Path) -> None:
     dataset = solved(rough, tmp_path)
     assert dataset["load_per_length"].attrs["units"] == "N m-1"

@@ -76,8 +76,8 @@ class HertzLine:
         difference = (1 - x) * (1 + x) + z**2
         root = np.hypot(difference, 2 * x * z)
         m, n = np.sqrt((root + difference) / 2), np.copysign(np.sqrt((root - difference) / 2), x)
-        share = (z**2 + n**2) / root
-        xx, zz = 2 * z - m * (1 + share), -m * (1 - share)
+        fraction = (z**2 + n**2) / root
+        xx, zz = 2 * z - m * (1 + fraction), -m * (1 - fraction)
         return self.peak_pressure * np.stack([xx, zz, -n * (m**2 - z**2) / root])
 
 
@@ -288,8 +288,8 @@ class Westergaard:
     @property
     def half_width(self) -> float:
         """Half-width of a strip of contact [m], ``(wavelength / pi) asin(sqrt(mean / p*))``; half a wave when closed."""
-        share = min(self.mean_pressure / self.closing_pressure, 1.0)
-        return float(self.wavelength / np.pi * np.arcsin(np.sqrt(share)))
+        fraction = min(self.mean_pressure / self.closing_pressure, 1.0)
+        return float(self.wavelength / np.pi * np.arcsin(np.sqrt(fraction)))
 
     @property
     def peak_pressure(self) -> float:

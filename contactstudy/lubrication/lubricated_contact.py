@@ -12,7 +12,7 @@ from contactstudy.scene.lubrication import LimitingShear
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
-# The stress that a lubricant bears at most: at rest [Pa], and of the pressure; and the share of the friction that may
+# The stress that a lubricant bears at most: at rest [Pa], and of the pressure; and the fraction of the friction that may
 # be above it.
 BORNE_AT_REST, BORNE, UNBORNE = 1e7, 0.15, 0.01
 # The thermal loading up to which an inlet's heating is known, and the residual of temperatures that counts as none.
@@ -51,7 +51,7 @@ class FilmTemperatures:
 class FilmSolution:
     """Fields (x, y) of a lubricated contact: ``pressure`` [Pa], ``film`` [m], ``film_fraction``.
 
-    The film fraction is the share of the film that holds lubricant: one under pressure, less where the lubricant is
+    The film fraction is the fraction of the film that holds lubricant: one under pressure, less where the lubricant is
     torn into streamers. ``shear`` [Pa] is the stress in the middle of the film, positive where it drags the first
     body back; ``mean_speed`` [m/s] is that of the instant. ``residual`` is the larger of the flow that is not balanced
     over the flow along x, and the load that is missing over the load of Hertz's peak pressure on one half-width.
@@ -196,7 +196,7 @@ class FilmSolution:
         return sheared * self.sliding_speed
 
     def thinner_than(self, film: float) -> tuple[float, float]:
-        """Return the shares of the area of Hertz's contact and of the load where the film is below ``film`` [m]."""
+        """Return the fractions of the area of Hertz's contact and of the load where the film is below ``film`` [m]."""
         thin = self.film < film
         hertz_area = 2 * self.scales.hertz.half_width * self.grid.period
         return (
@@ -232,7 +232,7 @@ def shear_stress(
 ) -> Array:
     """Return the shear stress [Pa] of sliding in the middle of the film, by the shear law of the lubricant.
 
-    Only the share of the film that holds lubricant is sheared. Asperities add their friction on the pressure that they
+    Only the part of the film that holds lubricant is sheared. Asperities add their friction on the pressure that they
     bear in ``contact``; the lubricant beside them has the remainder of it. ``thinned`` is the viscosity over that at the
     temperature of the supply.
     """

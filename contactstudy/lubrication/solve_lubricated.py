@@ -20,20 +20,20 @@ from contactstudy.solvers.solution import Status
 
 # Cells of half an inlet sweep give the smallest film within this error.
 HALF_SWEEP_ERROR = 0.02
-# An inlet is no shorter than this [a]. No more than this share of the contact counts as an inlet sweep.
+# An inlet is no shorter than this [a]. No more than this fraction of the contact counts as an inlet sweep.
 INLET, WIDEST = 1.5, 0.1
 # Rounds of refinement towards an error, and the most cells across of plane strain.
 REFINEMENTS, MOST_CELLS = 6, 3200
 # Cells for the shortest wave of a surface.
 PER_WAVE = 8
-# The inlet's error falls as its length^-2. A constriction of few cells hides a share of the film's rise beside it.
+# The inlet's error falls as its length^-2. A constriction of few cells hides a fraction of the film's rise beside it.
 SHORTER_INLET, HIDDEN = 4 / 3, 0.2
-# Of the change from a quarter to half the cells, the share that the next change may have, unless it happens to vanish.
+# Of the change from a quarter to half the cells, the part that the next change may have, unless it happens to vanish.
 NEXT = 1 / 3
 # Cells of the coarsest grid of an estimate, at least.
 FEWEST = 8
 # A second peak of pressure, this much higher than the valley before it [of the highest], is a spike.
-# Where a spike adds more than this share to the friction, and so many times as much as with half the cells, friction
+# Where a spike adds more than this fraction to the friction, and so many times as much as with half the cells, friction
 # has no estimate.
 SPIKE, SPIKE_DRAG, SPIKE_GROWTH = 0.02, 0.01, 1.5
 
@@ -370,7 +370,7 @@ def _valley(pressure: Array) -> tuple[int, float]:
 
 
 def _drag_of_spike(contact: FilmSolution) -> float:
-    """Return the share of the friction by which the stress downstream of a valley exceeds that in it."""
+    """Return the fraction of the friction by which the stress downstream of a valley exceeds that in it."""
     stress = np.abs(contact.shear.mean(axis=1))
     if not (has_spike(contact.pressure) and stress.any()):
         return 0.0

@@ -35,7 +35,7 @@ from contactstudy.solvers.solution import Status
 # gives a film that is too thin by 0.9 H / x_a^2.
 SWEEP, INLET_ERROR = 0.94, 0.9
 # A film that is more than this too thin is starved. Cells that are one inlet sweep wide, or across which the film rises
-# by this share beside its lowest cell, do not resolve it.
+# by this fraction beside its lowest cell, do not resolve it.
 STARVED, STEEP = 0.05, 0.5
 
 
@@ -132,8 +132,8 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
     number = ceil(log(posed.ridges / TUNING.ridges) / log(TUNING.growth))
-    for share in np.geomspace(TUNING.ridges / posed.ridges, 1, number + 1):
-        lower = replace(posed, equation=replace(posed.equation, gap=smooth + share * heights))
+    for fraction in np.geomspace(TUNING.ridges / posed.ridges, 1, number + 1):
+        lower = replace(posed, equation=replace(posed.equation, gap=smooth + fraction * heights))
         last = (
             _iterated(lower, last.film, controls, last.cavitated)
             if last

@@ -181,9 +181,9 @@ class GridRequirements:
         length = self.length(period, width)
         # the cells for each source of error alone, then both are reduced to the requested error
         step = self.hertz.half_width / l1_factor() ** (1 / RATE)
-        share = self.coefficient() ** (-1 / RATE)
-        across = min(step, self.finest[0] * share)
-        along = self.finest[1] * share
+        ratio = self.coefficient() ** (-1 / RATE)
+        across = min(step, self.finest[0] * ratio)
+        along = self.finest[1] * ratio
         reduction = 1.0
         for _ in range(4):  # the smooth part's second term falls faster than the rate
             expected = self.error((across * reduction, along * reduction))

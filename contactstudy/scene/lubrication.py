@@ -280,7 +280,7 @@ class LimitingShear:
 @suggest_fields
 @dataclass(frozen=True)
 class ElrodAdams:
-    """Cavitation that conserves mass: where the pressure is zero, lubricant fills a share of the film.
+    """Cavitation that conserves mass: where the pressure is zero, lubricant fills a fraction of the film.
 
     Source: Jakobsson & Floberg (1957), Elrod & Adams (1974).
     """

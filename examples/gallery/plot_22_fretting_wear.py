@@ -12,8 +12,8 @@ import numpy as np
 import contactstudy as cs
 
 steel = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
-load, friction, share = cs.LineLoad(1e5), 0.3, 0.6
-force = share * friction * load.per_length  # N/m
+load, friction, fraction = cs.LineLoad(1e5), 0.3, 0.6
+force = fraction * friction * load.per_length  # N/m
 jumps = [1.3**n for n in range(40)]  # cycles
 ends = 0.5 + np.cumsum(jumps)
 times, forces = [0.0, 0.5], [0.0, force]
@@ -46,7 +46,7 @@ volume, energy = (worn.quantities[name].value for name in ("worn_volume", "frict
 print(f"worn volume {volume:.3g} m^3/m after {ends[-1]:.0f} cycles")
 assert abs(volume / (wear.coefficient / friction * energy) - 1) < 1e-12
 
-c, last = (1 - share) ** 0.5, worn.frames[-1]
+c, last = (1 - fraction) ** 0.5, worn.frames[-1]
 inside = np.abs(x) < 0.9 * c
 hertz = scene.hertz.peak_pressure
 punch = hertz * (0.5 + c**2 / 2 - x[inside] ** 2) / np.sqrt(c**2 - x[inside] ** 2)

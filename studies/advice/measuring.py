@@ -46,24 +46,24 @@ FATAL = (cs.Status.CONTACT_AT_EDGE, cs.Status.YIELD_AT_EDGE, cs.Status.NO_ADMISS
 RESOLVED = 8
 # Multiple of the unit up to which every rung is solved.
 COARSE = 6
-# Share of the requested error that the tolerance may take.
+# Fraction of the requested error that the tolerance may take.
 TOLERANCE_SHARE = 0.1
 # Cells on which paddings and tolerances are compared, and those of one row.
 MIDDLE, MIDDLE_OF_LINE = 2**14, 2**9
-# Share of the requested error at which the bound on the reference's own error needs no finer grid.
+# Fraction of the requested error at which the bound on the reference's own error needs no finer grid.
 FINE_ENOUGH = 0.02
 # Exponent of the time over the cells, at least and at most.
 GROWTH = 1.0, 1.3
-# Share of the time left that the next solve of the ladder may take, and that it may take where the reference is too
+# Fraction of the time left that the next solve of the ladder may take, and that it may take where the reference is too
 # coarse for the request; the fraction of a budget for the paddings on one grid.
 NEXT, NEXT_FOR_REFERENCE, FOR_PADDINGS = 0.15, 0.45, 0.15
-# Share of a budget after which no further padding is compared: some take far longer than the own boundary.
+# Fraction of a budget after which no further padding is compared: some take far longer than the own boundary.
 MOST_FOR_PADDINGS = 0.3
 # Factor of the expected time above which a solve is repeated.
 UNUSUAL = 3.0
 # Cost of a bound over that of its answer: solutions on cells of twice the size, of a film three further ones.
 BOUND, BOUND_OF_FILM = 0.5, 2.0
-# Share of the requested error above which the bound on the reference's own error is too large.
+# Fraction of the requested error above which the bound on the reference's own error is too large.
 TOO_COARSE = 0.5
 # Factor of the least error by the cells up to which a padding's own error is worth timing.
 WORTH = 20.0
@@ -71,9 +71,9 @@ WORTH = 20.0
 REPEATS = 3
 # Settings of the last rounds, and how much slower than the quickest they may be.
 MOST, SLOWER = 7, 2.0
-# Share of the budget that is kept for the rounds, and for what follows them.
+# Fraction of the budget that is kept for the rounds, and for what follows them.
 FOR_ROUNDS, SPARE = 0.3, 0.03
-# Share of the budget that the finest grid may take where the reference is a closed form.
+# Fraction of the budget that the finest grid may take where the reference is a closed form.
 FINEST = 0.005
 # Numbers of images that are compared on one grid, and those that are timed.
 CIRCULAR, SUPERPOSED, TIMED = (1, 2, 4, 6, 10, 20), (1, 6, 20), (1, 6)
@@ -202,7 +202,7 @@ class _Comparing:
                 f"{self.subject.name} has no solution to compare: {failure_of(answer)}"
             )
 
-    def _climb(self, wanted: Callable[[int], bool], share: float) -> None:
+    def _climb(self, wanted: Callable[[int], bool], fraction: float) -> None:
         """Solve ever finer rungs that are wanted, until the next one would take a fraction of the time left.
 
         The coarsest rungs are solved in any case.
@@ -215,7 +215,7 @@ class _Comparing:
                 continue
             expected = inf if is_coarse else self.forecast(multiple)
             costs = expected * (1 + self._bound_cost)
-            if not is_coarse and costs > (1 + BOUND) * share * self.budget.left:
+            if not is_coarse and costs > (1 + BOUND) * fraction * self.budget.left:
                 return
             if not self.subject.fits(self._cells(multiple)):
                 self.notes.append("Finer grids do not fit into this machine's memory.")

@@ -13,7 +13,7 @@ from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.friction import Sliding
 from studies.definitions.solvers import peak_bytes
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, Computation, EvolutionCase, contact_share
+from studies.model.case import Case, Computation, EvolutionCase, contact_fraction
 from studies.model.study import Point
 from studies.reference.line_contact import FLATTENING, HERTZ, SCENE, STEEL
 
@@ -122,5 +122,5 @@ def measures(case: Computation, result: cs.Contact | Trajectory) -> Mapping[str,
     label = {"units": "MB", "long_name": "peak memory of set-up, solve and outputs"}
     return {
         "memory": xr.Variable((), peak / 1e6, label),
-        "contact_share": contact_share(pressure),
+        "contact_fraction": contact_fraction(pressure),
     }

@@ -20,7 +20,7 @@ from studies.reference.line_contact import HERTZ, SCENE, STEEL
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 COEFFICIENTS = (0.0, 0.1, 0.2, 0.25, 0.3, 0.4)
 DEPTHS = (1e-6, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9)
-SHARES = (0.1, 0.3, 0.5, 0.7, 0.9)
+FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9)
 MU = 0.3
 
 points = (
@@ -56,12 +56,12 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     hertz = case.scene.hertz
     assert hertz is not None
     stick, mindlin = [], []
-    for share in SHARES:
-        slip = PartialSlip(MU, share * MU * case.scene.load.largest)
+    for fraction in FRACTIONS:
+        slip = PartialSlip(MU, fraction * MU * case.scene.load.largest)
         slipping = replace(case, scene=replace(case.scene, friction=slip))
         stick_width = cs.solve(slipping.prepare()).stick.sum() * case.grid.cell[0] / 2
         stick.append(float(stick_width) / hertz.half_width)
-        mindlin.append(_sphere(case, share))
+        mindlin.append(_sphere(case, fraction))
     error, across = _superposition(case)
     return {
         "coefficient": _along("coefficient", COEFFICIENTS, "coefficient of friction"),
@@ -69,12 +69,16 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
             "coefficient", highest, "highest von Mises stress over Hertz's pressure"
         ),
         "depth": _along("coefficient", depth, "its depth over the half-width"),
-        "share": _along(
-            "share", SHARES, "tangential force over the largest that friction can carry"
+        "fraction": _along(
+            "fraction", FRACTIONS, "tangential force over the largest that friction can carry"
         ),
-        "stick": _along("share", stick, "half-width of the zone that sticks over that in contact"),
+        "stick": _along(
+            "fraction", stick, "half-width of the zone that sticks over that in contact"
+        ),
         "stick_sphere": _along(
-            "share", mindlin, "radius of the zone that sticks under a sphere over that in contact"
+            "fraction",
+            mindlin,
+            "radius of the zone that sticks under a sphere over that in contact",
         ),
         "superposition_error": number(
             error, "relative L1 error of Ciavarella-Jaeger's shear on a rough contact"
@@ -111,14 +115,14 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
     return highest, depth
 
 
-def _sphere(case: Rough, share: float) -> float:
+def _sphere(case: Rough, fraction: float) -> float:
     """Return the radius of the sticking zone under a sphere over that of the contact, from their areas."""
     width = 2.5 * A
     n = case.cells_rough
     modulus = case.scene.contact_modulus
     radius = HERTZ.radius
     force = 4 / 3 * modulus * A**3 / radius
-    slip = PartialSlip(MU, share * MU * force / width)
+    slip = PartialSlip(MU, fraction * MU * force / width)
     scene = cs.Scene(
         cs.LineLoad(force / width), case.scene.solids, (cs.Sphere(radius),), friction=slip
     )

@@ -80,7 +80,7 @@ def scene_at(point: Point) -> SceneCase:
 
 
 def measures(case: SceneCase, solved: Solved) -> Mapping[str, xr.Variable]:
-    """Return films in Moes' units, how evenly lubricant flows, friction, shares of a thin film and the time taken."""
+    """Return films in Moes' units, how evenly lubricant flows, friction, fractions of a thin film and the time taken."""
     contact = solved.answer
     assert isinstance(contact, cs.LubricatedContact)
     scales = contact.scales

@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, contact_share, number
+from studies.model.case import Case, contact_fraction, number
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
@@ -53,7 +53,7 @@ def measures(case: Case, result: cs.Contact) -> Mapping[str, xr.Variable]:
     problem = short_case.prepare()
     peak = peak_bytes(lambda: short_case.run(problem))
     return {
-        "contact_share": contact_share(result.pressure),
+        "contact_fraction": contact_fraction(result.pressure),
         "memory": number(
             peak / (8 * prod(case.grid.cells)), "peak memory of a solve over that of one field"
         ),

@@ -17,7 +17,7 @@ from contactstudy.elasticity.transforms import transforms
 from studies.definitions import solvers
 from studies.definitions.solvers import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, contact_share, number
+from studies.model.case import Case, contact_fraction, number
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
@@ -38,7 +38,7 @@ points = (
     ),
     Axis("hurst", (0.2, 0.8), "Hurst exponent of the self-affine surface"),
     Axis("cut_off", (2.0,), "shortest wavelength of the self-affine surface, in cells"),
-    Axis("share", (0.2,), "share in contact of the self-affine surface, by Persson (2001)"),
+    Axis("fraction", (0.2,), "fraction in contact of the self-affine surface, by Persson (2001)"),
     Axis("precision", ("double",), "floating-point numbers"),
     Axis("device", ("cpu",), "what solves: the processor, or the graphics processor"),
     Axis("threads", (1, 2), "threads of the processor"),
@@ -95,23 +95,25 @@ def scene_at(point: Point) -> CaseOnDevice:
             grid = replace(grid, cells=(cells, 1))
     else:
         grid = cs.Grid(cells=(cells, cells), extent=(HERTZ.half_width, HERTZ.half_width))
-        scene = self_affine(grid, *(float(point[name]) for name in ("hurst", "cut_off", "share")))
+        scene = self_affine(
+            grid, *(float(point[name]) for name in ("hurst", "cut_off", "fraction"))
+        )
         padding = (cs.ExactPeriodicity(), cs.ExactPeriodicity())
     options = cs.SolveOptions(TOLERANCES[precision], precision=precision)
     case = Case(scene, grid, padding, options)
     return CaseOnDevice(case, DEVICES[one_of("device", point["device"], DEVICES)](threads))
 
 
-def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs.Scene:
-    """Return a flat surface with waves down to so many cells, under the load of a ``share`` in contact.
+def self_affine(grid: cs.Grid, hurst: float, cut_off: float, fraction: float) -> cs.Scene:
+    """Return a flat surface with waves down to so many cells, under the load of a ``fraction`` in contact.
 
     Source: Persson (2001): the fraction is ``erf(sqrt(2) p / (E* slope))``.
     """
     side = grid.period
     cut_off = positive("cut_off", cut_off, "give a number of cells above 0")
-    share = in_range("share", share, "give a share between 0 and 1")
-    if share >= 1:
-        raise cs.InvalidInput(f"share is {share!r}: give a share between 0 and 1.")
+    fraction = in_range("fraction", fraction, "give a fraction between 0 and 1")
+    if fraction >= 1:
+        raise cs.InvalidInput(f"fraction is {fraction!r}: give a fraction between 0 and 1.")
     shape = cs.Roughness(
         rms=cs.RmsSlope(SLOPE),
         hurst=hurst,
@@ -119,7 +121,7 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, share: float) -> cs
         cut_off=cut_off * grid.cell[0],
         seed=1,
     )
-    mean = float(erfinv(share)) / sqrt(2) * SCENE.contact_modulus * SLOPE
+    mean = float(erfinv(fraction)) / sqrt(2) * SCENE.contact_modulus * SLOPE
     return cs.Scene(cs.LineLoad(mean * side), SCENE.solids, (shape,))
 
 
@@ -130,7 +132,7 @@ def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable
     seconds = least_seconds(clock_of(case.on), lambda: case.run(problem))
     pair = transform_seconds(problem.operator, case.case.options.precision, case.on)
     return {
-        "contact_share": contact_share(result.pressure),
+        "contact_fraction": contact_fraction(result.pressure),
         "memory": number(
             peak / (8 * prod(problem.grid.cells)),
             "peak memory of a solve over that of one field in double precision",

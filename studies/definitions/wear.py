@@ -74,11 +74,11 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     fine = _fine(case.grid.cells[0])
     last = frames[-1]
     volume = float(last.fields["worn_depth"].values.sum()) * cell
-    share = np.linspace(0, 1, RECORDS + 1)
+    fraction = np.linspace(0, 1, RECORDS + 1)
     error = np.abs(last.pressure - fine).sum() / fine.sum()
     return {
         "distance": xr.Variable(
-            "distance", share, {"units": "1", "long_name": "distance over the whole"}
+            "distance", fraction, {"units": "1", "long_name": "distance over the whole"}
         ),
         "half_width": xr.Variable(
             "distance", np.array(widths), {"units": "1", "long_name": "half-width over Hertz's"}

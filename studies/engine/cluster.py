@@ -323,8 +323,8 @@ class _Flow:
             and self._waiting
             and len(self._running) < AHEAD * self.threads
         ):
-            share = len(self._waiting) // (2 * self.threads) + 1
-            size = min(self.size, share, len(self._waiting))
+            part = len(self._waiting) // (2 * self.threads) + 1
+            size = min(self.size, part, len(self._waiting))
             self._submit([self._waiting.popleft() for _ in range(size)])
 
     def _submit(self, names: list[str]) -> None:

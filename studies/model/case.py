@@ -232,7 +232,7 @@ def numbers(measured: Mapping[str, tuple[float, str]]) -> dict[str, xr.Variable]
     return {name: number(float(value), long_name) for name, (value, long_name) in measured.items()}
 
 
-def contact_share(pressure: np.ndarray) -> xr.Variable:
+def contact_fraction(pressure: np.ndarray) -> xr.Variable:
     """Return the fraction of the cells under pressure (x, y)."""
     return number(float((pressure > 0).mean()), "fraction of cells in contact")
 

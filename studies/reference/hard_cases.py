@@ -111,11 +111,11 @@ def _material() -> dict[str, HardCase]:
         assert hertz is not None
         extent = (2.4 * hertz.half_width, 1.2 * hertz.half_width)
         cases[name] = HardCase("material", hard, scene, cs.Grid(CELLS, extent))
-    for share in (1.01, 0.99, 0.7, 0.4, 0.33, 0.328):
-        scene = replace(bumpy(ROUGH), hardness=share * P_H)
-        cases[f"hardness {share:g} p_H"] = HardCase(
+    for fraction in (1.01, 0.99, 0.7, 0.4, 0.33, 0.328):
+        scene = replace(bumpy(ROUGH), hardness=fraction * P_H)
+        cases[f"hardness {fraction:g} p_H"] = HardCase(
             "material",
-            f"a hardness of {share:g} p_H; 0.327 carries the load",
+            f"a hardness of {fraction:g} p_H; 0.327 carries the load",
             scene,
             grid(width=4.8),
             AT_EDGE,

@@ -22,7 +22,7 @@ from studies.report.style import COLORS, captioned, panels
 
 # Measures of a contact that are drawn if they are stored; of other studies the first six measures are.
 DRAWN = (
-    "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_share", "peak_pressure",
+    "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_fraction", "peak_pressure",
     "mean_pressure", "approach", "stiffness", "mean_gap", "largest_von_mises", "rolling_resistance", "worn_volume",
     "dent_depth",
 )  # fmt: skip

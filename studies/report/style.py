@@ -93,12 +93,12 @@ def select_evenly(values: Iterable[float], most: int = 3) -> list[float]:
 
 
 def percent(value: SupportsFloat) -> str:
-    """Return a share in per cent, with two significant digits; the space before the sign does not break."""
-    share = 100 * abs(float(value))
-    if not np.isfinite(share):
+    """Return a fraction in per cent, with two significant digits; the space before the sign does not break."""
+    fraction = 100 * abs(float(value))
+    if not np.isfinite(fraction):
         return "not known"
-    digits = 0 if share == 0 else max(0, 1 - int(np.floor(np.log10(share))))
-    return (f"{share:.{digits}f}" if digits < 7 else f"{share:.1e}") + "\u00a0%"
+    digits = 0 if fraction == 0 else max(0, 1 - int(np.floor(np.log10(fraction))))
+    return (f"{fraction:.{digits}f}" if digits < 7 else f"{fraction:.1e}") + "\u00a0%"
 
 
 def paddings(dataset: xr.Dataset) -> list[str]:

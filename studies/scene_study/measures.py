@@ -96,15 +96,15 @@ def _of_contact(case: SceneCase, contact: cs.Contact) -> dict[str, xr.Variable]:
     farther = _compliance_between(contact, scene_datum, datum)
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
-        "contact_share": number(float(touching.mean()), "fraction of the grid in contact"),
+        "contact_fraction": number(float(touching.mean()), "fraction of the grid in contact"),
         "contact_perimeter": labelled(
             (), perimeter, "m", "contact perimeter", description="edges of cells at which contact ends"
         ),
         "approach": labelled((), contact.approach + load * farther, "m", "approach", **described),
     }  # fmt: skip
     if (hertz := scene.hertz) is not None:
-        share = area / (2 * hertz.half_width * grid.period)
-        measured["contact_area_over_hertz"] = number(share, "contact area over Hertz's")
+        ratio = area / (2 * hertz.half_width * grid.period)
+        measured["contact_area_over_hertz"] = number(ratio, "contact area over Hertz's")
     if contact.pressure.any():
         stiffness = 1 / (1 / normal_stiffness(contact) + farther)
         measured["stiffness"] = labelled(

@@ -66,25 +66,25 @@ def test_hertz_point_peak_pressure_carries_its_load() -> None:
     assert load == pytest.approx(POINT.load, rel=1e-8)
 
 
-def westergaard(share: float) -> cs.analytic.Westergaard:
+def westergaard(fraction: float) -> cs.analytic.Westergaard:
     """Of the pressure that closes every gap."""
     closing = np.pi * 2e11 * 1e-6 / 1e-3
-    return cs.analytic.Westergaard(share * closing, 1e-6, 1e-3, 2e11)
+    return cs.analytic.Westergaard(fraction * closing, 1e-6, 1e-3, 2e11)
 
 
-@pytest.mark.parametrize("share", [0.01, 0.3, 0.9, 1.0, 1.5])
-def test_westergaard_pressure_carries_its_load(share: float) -> None:
-    wave = westergaard(share)
+@pytest.mark.parametrize("fraction", [0.01, 0.3, 0.9, 1.0, 1.5])
+def test_westergaard_pressure_carries_its_load(fraction: float) -> None:
+    wave = westergaard(fraction)
     a = wave.half_width
     load = quad(lambda t: wave.pressure(a * np.sin(t)) * a * np.cos(t), -np.pi / 2, np.pi / 2)[0]
     assert load == pytest.approx(wave.mean_pressure * wave.wavelength, rel=1e-9)
     assert wave.pressure(0.0) == pytest.approx(wave.peak_pressure, rel=1e-14)
 
 
-@pytest.mark.parametrize("share", [0.1, 0.6, 1.0])
-def test_westergaard_surface_is_flat_inside(share: float) -> None:
+@pytest.mark.parametrize("fraction", [0.1, 0.6, 1.0])
+def test_westergaard_surface_is_flat_inside(fraction: float) -> None:
     """The slope under its pressure, a row of ``cot(pi (x - t) / wavelength)``, is that of the wave."""
-    wave = westergaard(share)
+    wave = westergaard(fraction)
     a, length = wave.half_width, wave.wavelength
 
     def slope(x: float) -> float:
@@ -104,13 +104,13 @@ def test_westergaard_surface_is_flat_inside(share: float) -> None:
 
 def test_lightly_loaded_westergaard_is_hertz() -> None:
     """To first order in the load: the crest is a parabola then."""
-    for share in (1e-3, 1e-4):
-        wave = westergaard(share)
+    for fraction in (1e-3, 1e-4):
+        wave = westergaard(fraction)
         radius = wave.wavelength**2 / (4 * np.pi**2 * wave.amplitude)
         load = wave.mean_pressure * wave.wavelength
         line = cs.analytic.HertzLine(load, radius, wave.contact_modulus)
-        assert wave.half_width == pytest.approx(line.half_width, rel=share)
-        assert wave.peak_pressure == pytest.approx(line.peak_pressure, rel=share)
+        assert wave.half_width == pytest.approx(line.half_width, rel=fraction)
+        assert wave.peak_pressure == pytest.approx(line.peak_pressure, rel=fraction)
 
 
 def test_truncation_error_is_one_eighth_of_the_squared_ratio() -> None:

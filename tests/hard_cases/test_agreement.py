@@ -14,12 +14,12 @@ from studies.reference.line_contact import SCENE
 CELLS = (32, 32)
 
 
-@pytest.mark.parametrize("share", [np.inf, 0.8], ids=["elastic", "yielding"])
+@pytest.mark.parametrize("fraction", [np.inf, 0.8], ids=["elastic", "yielding"])
 @pytest.mark.parametrize("padding", PADDINGS)
-def test_both_solvers_agree_with_a_dense_active_set(padding: str, share: float) -> None:
+def test_both_solvers_agree_with_a_dense_active_set(padding: str, fraction: float) -> None:
     scene = bumpy(0.2 * noise(CELLS))
-    if share < np.inf:
-        scene = replace(scene, hardness=share * P_H)
+    if fraction < np.inf:
+        scene = replace(scene, hardness=fraction * P_H)
     posed = scene.problem(grid(CELLS), PADDINGS[padding])
     unit = posed.scales.pressure
     for solver in SOLVERS.values():

@@ -31,12 +31,12 @@ def test_materials_scale_the_answer_and_nothing_else() -> None:
 def test_a_hardness_binds_from_the_elastic_peak_down(solver: cs.Solver) -> None:
     posed = SCENE.problem(grid(), EXACT)
     peak = cs.solve(posed, tolerance=1e-12, solver=solver).pressure.max()
-    for share, yields in ((1 + 1e-6, False), (1 - 1e-6, True)):
-        hard = replace(SCENE, hardness=share * peak)
+    for fraction, yields in ((1 + 1e-6, False), (1 - 1e-6, True)):
+        hard = replace(SCENE, hardness=fraction * peak)
         solution = cs.solve(hard.problem(grid(), EXACT), tolerance=1e-12, solver=solver)
         assert solution.status is cs.Status.CONVERGED
-        assert (solution.pressure == share * peak).any() == yields
-        # what the cap takes off stands beside it: no more than a cell's share moves
+        assert (solution.pressure == fraction * peak).any() == yields
+        # what the cap takes off stands beside it: no more than a cell's fraction moves
         assert np.abs(solution.pressure.max() / peak - 1) < 2e-6
 
 

@@ -24,7 +24,7 @@ AT_ONCE = 1 << 20
 # from a cell nothing varies along the length.
 DECAY, END = 37.0, 6.0
 # Evaluations of the response that a Fourier series may take; beyond it images are summed in space.
-# A term of a sum over waves costs this share of an evaluation.
+# A term of a sum over waves costs this fraction of an evaluation.
 MOST_WAVES, SUM = 5e6, 0.02
 # Further away than this, in distances over which the singularity of R nearest to zero is felt, three powers
 # of the distance are enough.

@@ -46,16 +46,16 @@ def grooves() -> Iterator[AccuracyCase]:
     """Along the length: every profile, from narrow grooves to narrow lands, coarse and fine."""
     number = 0
     for profile in PROFILES:
-        for share in (0.2, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995):
+        for fraction in (0.2, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995):
             for depth in (0.1, 0.5, 20.0):
                 # pitches and cells by turns, so that lands fall anywhere between the centres
                 pitch = (0.45, 0.1, 0.23)[number % 3]
                 cells = (60, 131, 256, 701)[number % 4]
                 number += 1
-                groove = cs.Groove(depth * FLATTENED, share * pitch * A, profile)
+                groove = cs.Groove(depth * FLATTENED, fraction * pitch * A, profile)
                 grooved = scene(cs.Texture(groove, (pitch * A, inf)))
                 grid = cs.Grid((cells, 1), (2.6 * A + (depth == 20.0) * 0.4 * A, A))
-                factor = max(16, round(8 * grid.extent[0] / cells / ((1 - share) * pitch * A)))
+                factor = max(16, round(8 * grid.extent[0] / cells / ((1 - fraction) * pitch * A)))
                 truth = Finer((min(factor, 200), 1), EXACT)
                 yield AccuracyCase("grooves along", grooved, grid, EXACT, truth)
 
@@ -63,8 +63,8 @@ def grooves() -> Iterator[AccuracyCase]:
 def grooves_across() -> Iterator[AccuracyCase]:
     """Across the length."""
     for profile in PROFILES:
-        for share, depth, cells in ((0.3, 0.3, 24), (0.7, 1.0, 50), (0.9, 0.2, 37)):
-            groove = cs.Groove(depth * FLATTENED, share * 0.6 * A, profile)
+        for fraction, depth, cells in ((0.3, 0.3, 24), (0.7, 1.0, 50), (0.9, 0.2, 37)):
+            groove = cs.Groove(depth * FLATTENED, fraction * 0.6 * A, profile)
             grooved = scene(cs.Texture(groove, (inf, 0.6 * A)))
             grid = cs.Grid((2 * cells, cells), (3.0 * A, 0.6 * A))
             yield AccuracyCase("grooves across", grooved, grid, EXACT, Finer((4, 6), EXACT))
@@ -73,10 +73,10 @@ def grooves_across() -> Iterator[AccuracyCase]:
 def dimples() -> Iterator[AccuracyCase]:
     """Return textured cases, from a few cells across a dimple on."""
     for profile in PROFILES:
-        for share in (0.4, 0.9):
+        for fraction in (0.4, 0.9):
             for depth in (0.1, 1.0):
                 for cells in (48, 100):
-                    dimple = cs.Dimple(depth * FLATTENED, share * 0.6 * A, profile)
+                    dimple = cs.Dimple(depth * FLATTENED, fraction * 0.6 * A, profile)
                     dimpled = scene(cs.Texture(dimple, (0.6 * A, 0.6 * A)))
                     grid = cs.Grid((cells, cells // 4), (2.6 * A, 0.6 * A))
                     yield AccuracyCase("dimples", dimpled, grid, EXACT, Finer((6, 6), EXACT))
@@ -153,18 +153,18 @@ def roughness() -> Iterator[AccuracyCase]:
 
 def hard() -> Iterator[AccuracyCase]:
     """A hardness that no cell reaches, some do, most do; smooth and rough."""
-    for share in (0.6, 0.8, 0.95, 1.5):
+    for fraction in (0.6, 0.8, 0.95, 1.5):
         for cells in (50, 128):
             grid = cs.Grid((cells, 1), (3.0 * A, A))
-            soft = scene(hardness=share * P_H)
+            soft = scene(hardness=fraction * P_H)
             yield AccuracyCase("hardness", soft, grid, EXACT, Finer((32, 1), EXACT, 1e-7))
-    for number, share in enumerate((0.8, 1.2, 2.0, 5.0)):
+    for number, fraction in enumerate((0.8, 1.2, 2.0, 5.0)):
         for rms in (0.2, 0.8):
             shape = cs.Roughness(
                 rms * FLATTENED, hurst=0.8, roll_off=0.9 * A, cut_off=0.15 * A, seed=number
             )
             grid = cs.Grid((100, 50), (3.6 * A, 1.8 * A))
-            soft = scene(shape, hardness=share * P_H)
+            soft = scene(shape, hardness=fraction * P_H)
             yield AccuracyCase("hardness", soft, grid, EXACT, FINER)
 
 
@@ -256,13 +256,13 @@ def logarithmic() -> Iterator[AccuracyCase]:
 def gaps() -> Iterator[AccuracyCase]:
     """Smooth contacts with mean gaps from small to large: bare, coated and under friction."""
     aluminium = cs.HalfSpace(70e9, 0.2)
-    for cells, width, thickness, share in (
+    for cells, width, thickness, fraction in (
         (99, 2.3, 0.0, 0.0), (40, 3.3, 0.0, 0.0), (43, 3.6, 0.1, 0.02), (109, 5.0, 1.0, 0.05), (56, 2.6, 0.3, 0.8),
     ):  # fmt: skip
         steel = SCENE.solids[0]
         assert isinstance(steel, cs.HalfSpace)
-        coat = cs.HalfSpace(share * steel.youngs_modulus, 0.3) if share else steel
-        body = cs.CoatedHalfSpace(coat, thickness * A, steel) if share else steel
+        coating = cs.HalfSpace(fraction * steel.youngs_modulus, 0.3) if fraction else steel
+        body = cs.CoatedHalfSpace(coating, thickness * A, steel) if fraction else steel
         smooth_scene = cs.Scene(SCENE.load, (body, steel), SCENE.shapes)
         grid = cs.Grid((cells, 1), (width * A, A))
         yield AccuracyCase("mean gaps", smooth_scene, grid, EXACT, Finer((16, 1), EXACT))

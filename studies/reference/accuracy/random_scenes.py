@@ -132,8 +132,8 @@ def measured(rng: np.random.Generator) -> Made:
     return scene(surface), grid, EXACT, Finer((3, 3), EXACT)
 
 
-def coats(rng: np.random.Generator) -> Made:
-    """Coats 2 to 200 times stiffer than the substrate, of a tenth of a cell to thirty."""
+def coatings(rng: np.random.Generator) -> Made:
+    """Coatings 2 to 200 times stiffer than the substrate, of a tenth of a cell to thirty."""
     stiffer, cells = _ratio(rng, 2, 200), int(rng.integers(30, 150))
     coating, substrate = (
         cs.HalfSpace(modulus, 0.3) for modulus in (2e11 * stiffer**0.5, 2e11 / stiffer**0.5)
@@ -188,7 +188,7 @@ def hard(rng: np.random.Generator) -> Made:
 
 
 MAKERS: tuple[Callable[[np.random.Generator], Made], ...] = (
-    waves, waves_of_few_cells, slits, needles, textures, roughness, measured, coats, point_contacts, rollers, hard,
+    waves, waves_of_few_cells, slits, needles, textures, roughness, measured, coatings, point_contacts, rollers, hard,
 )  # fmt: skip
 RANDOM = {f"random {make.__name__.replace('_', ' ')}": make for make in MAKERS}
 NAMES = tuple(f"{kind} {number}" for kind in RANDOM for number in range(EACH))

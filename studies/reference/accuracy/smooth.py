@@ -52,9 +52,9 @@ def cylinders() -> Iterator[AccuracyCase]:
 def few_cells() -> Iterator[AccuracyCase]:
     """A contact from a part of a cell to ten cells wide, its axis anywhere in its cell."""
     for touching in (0.3, 0.6, 1.0, 1.4, 2.0, 2.6, 3.5, 5.0, 7.0, 10.0):
-        for share in (0.0, 0.37):
+        for fraction in (0.0, 0.37):
             grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
-            aside = share * grid.cell[0]
+            aside = fraction * grid.cell[0]
             truth = ClosedForm(_cylinder(aside), P_H, touching / 32, 512)
             shifted = cs.Scene(SCENE.load, STEEL, (Shifted(aside),))
             yield AccuracyCase("1-10 cells in contact", shifted, grid, EXACT, truth)
@@ -79,9 +79,9 @@ def waves() -> Iterator[AccuracyCase]:
     """Westergaard's wave, from a strip of contact to nearly no gap left."""
     height, length = 1e-6, 1e-3
     for cells in (25, 64):
-        for share in (0.05, 0.3, 0.6, 0.9, 0.97):
+        for fraction in (0.05, 0.3, 0.6, 0.9, 0.97):
             closing = pi * MODULUS * height / length
-            wave = cs.analytic.Westergaard(share * closing, height, length, MODULUS)
+            wave = cs.analytic.Westergaard(fraction * closing, height, length, MODULUS)
             truth = ClosedForm(
                 _wave(wave),
                 wave.peak_pressure,
@@ -154,18 +154,18 @@ def powers() -> Iterator[AccuracyCase]:
 def full() -> Iterator[AccuracyCase]:
     """Waves pressed flat, over both axes and over one."""
     length, mean = 1e-4, 1e9
-    for cells, share, across, along in (
+    for cells, fraction, across, along in (
         ((36, 36), 0.25, 1, 1), ((50, 80), 0.4, 2, 1), ((96, 64), 0.3, 1, 2), ((48, 1), 0.35, 2, 0),
     ):  # fmt: skip
         wave = 2 * pi / length * np.hypot(across, along)
         shape = cs.Waviness(
-            2 * share * mean / (MODULUS * wave),
+            2 * fraction * mean / (MODULUS * wave),
             across=length / across,
             along=length / along if along else inf,
         )
         phase = 2 * pi / length
         truth = ClosedForm(
-            _flat(mean, share, phase * across, phase * along), mean * (1 + share), 1.0
+            _flat(mean, fraction, phase * across, phase * along), mean * (1 + fraction), 1.0
         )
         pressed = cs.Scene(cs.LineLoad(mean * length), STEEL, (shape,))
         grid = cs.Grid(cells, (length, length))
@@ -174,17 +174,17 @@ def full() -> Iterator[AccuracyCase]:
 
 def yielding() -> Iterator[AccuracyCase]:
     """Return cases whose cells are all at the hardness: a strip of a known width."""
-    for share in (0.3, 0.4, 0.5):
-        half = SCENE.load.largest / (2 * share * P_H)
+    for fraction in (0.3, 0.4, 0.5):
+        half = SCENE.load.largest / (2 * fraction * P_H)
         for cells in (40, 101, 256):
             grid = cs.Grid((cells, 1), (2.6 * half, A))
             truth = ClosedForm(
-                _strip(half, share * P_H),
-                share * P_H,
+                _strip(half, fraction * P_H),
+                fraction * P_H,
                 1 / 1.3,
                 512,
             )
-            yield AccuracyCase("all yielding", scene(hardness=share * P_H), grid, EXACT, truth)
+            yield AccuracyCase("all yielding", scene(hardness=fraction * P_H), grid, EXACT, truth)
 
 
 def _cylinder(aside: float) -> Pressure:
@@ -195,8 +195,8 @@ def _wave(wave: Westergaard) -> Pressure:
     return lambda x, y: wave.pressure(x)
 
 
-def _flat(mean: float, share: float, across: float, along: float) -> Pressure:
-    return lambda x, y: mean * (1 + share * np.cos(across * x + along * y))
+def _flat(mean: float, fraction: float, across: float, along: float) -> Pressure:
+    return lambda x, y: mean * (1 + fraction * np.cos(across * x + along * y))
 
 
 def _strip(half: float, pressure: float) -> Pressure:

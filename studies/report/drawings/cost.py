@@ -118,7 +118,7 @@ solvers = Drawing(_solvers_figures, _solvers_findings, axes=("solver", "surface"
 # speed
 
 
-FAMILY = ("hurst", "cut_off", "share")
+FAMILY = ("hurst", "cut_off", "fraction")
 WAYS = ("precision", "device", "threads")
 FIRST = dict.fromkeys(WAYS, 0)
 LABELS = {
@@ -155,7 +155,7 @@ def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
                 words = {
                     "hurst": f", H = {chosen['hurst']:g}",
                     "cut_off": f", down to {chosen['cut_off']:g} cells",
-                    "share": f", {percent(chosen['share'])} in contact",
+                    "fraction": f", {percent(chosen['fraction'])} in contact",
                 }
                 varied = [words[axis] for axis in FAMILY if dataset.sizes[axis] > 1]
                 name = f"{SELF_AFFINE}{''.join(varied)}"
@@ -186,7 +186,7 @@ def _speed_caption(dataset: xr.Dataset) -> str:
     device = thread_count(finest["threads"]) if on_cpu else "a graphics processor"
     facts = [
         f"{name}: {int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s, "
-        f"{percent(part['contact_share'])} in contact, {float(part['memory']):.0f} fields of memory"
+        f"{percent(part['contact_fraction'])} in contact, {float(part['memory']):.0f} fields of memory"
         for name, part in _each(finest)
     ]
     return (

@@ -96,9 +96,9 @@ def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             axes, ("von_mises", "depth", "stick", "stick_sphere"), strict=False
         ):
             ax.plot(part[part[variable].dims[0]], part[variable], **style)
-    share = np.linspace(0, 1, 200)
-    axes[2].plot(share, np.sqrt(1 - share), label="Cattaneo, Mindlin", **LAW_STYLE)
-    axes[3].plot(share, np.cbrt(1 - share), **LAW_STYLE)
+    fraction = np.linspace(0, 1, 200)
+    axes[2].plot(fraction, np.sqrt(1 - fraction), label="Cattaneo, Mindlin", **LAW_STYLE)
+    axes[3].plot(fraction, np.cbrt(1 - fraction), **LAW_STYLE)
     for ax, variable in ((axes[4], "superposition_error"), (axes[5], "shear_aside")):
         ax.plot(finest["poisson_ratio"], finest[variable], color=COLORS[0], marker="o")
     label_panels(
@@ -129,7 +129,7 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     stress, depth = steel["von_mises"], steel["depth"]
     surface = depth.where(depth < 0.01, drop=True)["coefficient"]
     low, most = stress.isel(coefficient=0), stress.isel(coefficient=-1)
-    deviation = float(abs(steel["stick"] - np.sqrt(1 - steel["share"])).max())
+    deviation = float(abs(steel["stick"] - np.sqrt(1 - steel["fraction"])).max())
     return (
         Finding(
             "Friction brings the highest stress to the surface at a coefficient of about 0.3; sticking zones are "

@@ -74,7 +74,9 @@ def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     if dataset.sizes["case"] != len(CASES):
         return ()
-    share = (dataset["pressure_error"] / dataset["stated_error"]).where(dataset["verdict"] == RIGHT)
+    fraction = (dataset["pressure_error"] / dataset["stated_error"]).where(
+        dataset["verdict"] == RIGHT
+    )
     claim = "Hard cases end with an error within the stated one, or with a status that explains why there is no answer."
     n_wrong, where = _count(dataset, WRONG), ""
     if n_wrong:
@@ -89,9 +91,9 @@ def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"{dataset.sizes['solver']} solvers, where the combination applies: {_count(dataset, RIGHT)} solves have "
             f"an "
             f"error within the one stated for them, {_count(dataset, EXPLAINED)} end with a status that explains why "
-            f"there is no answer, and {n_wrong} do neither{where}. The median error is {percent(share.median())} of "
+            f"there is no answer, and {n_wrong} do neither{where}. The median error is {percent(fraction.median())} of "
             f"the "
-            f"stated error, the largest {percent(share.max())}.{_explained(dataset)}",
+            f"stated error, the largest {percent(fraction.max())}.{_explained(dataset)}",
             "Is it stable?",
         ),
     )
@@ -182,16 +184,16 @@ def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     for number, use in enumerate(USES):
         chosen = dataset.isel(case=dataset["use"].values == number)
         if chosen.sizes["case"]:
-            shares = [100 * _summary(*_pairs(chosen, metric))[0] for metric in PROMISED]
-            held = " / ".join(f"{share:.1f}" for share in shares)
+            fractions = [100 * _summary(*_pairs(chosen, metric))[0] for metric in PROMISED]
+            held = " / ".join(f"{fraction:.1f}" for fraction in fractions)
             by_use.append(f"{held} % of {chosen.sizes['case']} contacts ({use})")
     dataset = dataset.isel(case=dataset["use"].values != USES.index("set"))
     parts, lowest = [], 1.0
     for metric in PROMISED:
-        share, median, missing = _summary(*_pairs(dataset, metric))
-        lowest = min(lowest, share)
+        fraction, median, missing = _summary(*_pairs(dataset, metric))
+        lowest = min(lowest, fraction)
         parts.append(
-            f"{LABELS[metric]}: {100 * share:.1f} % bounded, in the median {median:.2g} times too large, "
+            f"{LABELS[metric]}: {100 * fraction:.1f} % bounded, in the median {median:.2g} times too large, "
             f"{missing} without a bound"
         )
     silent = int(dataset["silent"].sum())
@@ -217,9 +219,9 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
         row = [KINDS[kind], str(int((kinds == kind).sum()))]
         for metric in PROMISED:
             error, bound = _pairs(dataset, metric)
-            share, median, missing = _summary(error[kinds == kind], bound[kinds == kind])
+            fraction, median, missing = _summary(error[kinds == kind], bound[kinds == kind])
             ratio = f"{median:.2g}" if np.isfinite(median) else "none"
-            row += [f"{100 * share:.1f} %", ratio, str(missing)]
+            row += [f"{100 * fraction:.1f} %", ratio, str(missing)]
         rows.append(tuple(row))
     for metric in METRICS:
         error, bound = _pairs(dataset, metric)
@@ -274,9 +276,9 @@ def _summary(error: np.ndarray, bound: np.ndarray) -> tuple[float, float, int]:
     is_known = ~np.isnan(error)
     error, bound = error[is_known], bound[is_known]
     finite = np.isfinite(bound) & (error > 0)
-    share = float((bound >= error).mean()) if error.size else 1.0
+    fraction = float((bound >= error).mean()) if error.size else 1.0
     median = float(np.median(bound[finite] / error[finite])) if finite.any() else np.inf
-    return share, median, int((~np.isfinite(bound)).sum())
+    return fraction, median, int((~np.isfinite(bound)).sum())
 
 
 accuracy = Drawing(_accuracy_figures, _accuracy_findings, _accuracy_tables, axes=("case", "seed"))

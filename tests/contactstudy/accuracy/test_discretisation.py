@@ -49,12 +49,12 @@ def test_uniform_pressure_without_an_edge_has_no_error() -> None:
 def test_a_cosine_s_maximum_is_found_between_the_cells() -> None:
     """Where no edge is, the estimate is the second difference's: 1/24 at the centre, 1/12 half a cell aside."""
     cells = 64
-    for aside, share in ((0.0, 1 / 24), (0.5, 1 / 8 - 1 / 24)):
+    for aside, fraction in ((0.0, 1 / 24), (0.5, 1 / 8 - 1 / 24)):
         wave = 2 + np.cos(2 * np.pi * (np.arange(cells) + aside) / cells)[:, None]
         bend = (2 * np.pi / cells) ** 2 / 3
         peak, _ = discretisation(wave, (True, True))
         # and what edges might add, of which there are none
-        assert peak - bend / 12 == pytest.approx(share * bend, rel=20 / cells**2)
+        assert peak - bend / 12 == pytest.approx(fraction * bend, rel=20 / cells**2)
 
 
 @pytest.mark.parametrize("wraps", [(False, True), (True, True), (False, False)])

@@ -51,9 +51,9 @@ def wavy_surfaces(line_contact: LineContact) -> Iterator[tuple[float, float]]:
     """From a strip of contact in each wave to nearly no gap left."""
     height, length = 1e-6, 1e-3
     for cells in (16, 25, 32, 64, 129):
-        for share in np.linspace(0.05, 0.95, 7):
+        for fraction in np.linspace(0.05, 0.95, 7):
             closing = math.pi * MODULUS * height / length
-            wave = cs.analytic.Westergaard(share * closing, height, length, MODULUS)
+            wave = cs.analytic.Westergaard(fraction * closing, height, length, MODULUS)
             load = cs.LineLoad(wave.mean_pressure * length)
             shapes = (cs.Waviness(height, across=length),)
             grid = cs.Grid(cells=(cells, 1), extent=(length, length))

@@ -59,7 +59,7 @@ def test_a_grid_a_thousand_times_wider_than_its_contact_is_noticed(
 
 def of_strength(contact: LineContact, **strength: float) -> list[str]:
     """The warnings beside a peak pressure beyond the strength of the first body, in Hertz's peak pressures."""
-    limits = {name: share * contact.hertz.peak_pressure for name, share in strength.items()}
+    limits = {name: fraction * contact.hertz.peak_pressure for name, fraction in strength.items()}
     solid: Any = contact.scene.solids[0]
     scene = replace(contact.scene, solids=(replace(solid, **limits), contact.scene.solids[1]))
     solution = cs.solve(scene.problem(contact.grid((64, 1), 1.0), EXACT), tolerance=1e-5)

@@ -30,7 +30,7 @@ def test_uniform_window_s_error_is_found_to_second_order(
         cut = solved(line_contact, (128, along), period, padding)
         whole = solved(line_contact, (128, along), period, EXACT)
         peak, l1 = truncation(cut.pressure, cut.problem.grid, (FREE, padding))
-        # the next order, a share (a / D)^2 = 8 peak; and the edge's leap from its cell, at its two rates
+        # the next order, a fraction (a / D)^2 = 8 peak; and the edge's leap from its cell, at its two rates
         order = 8 * peak**2 + (2.4 / 128) ** 2
         assert cut.pressure.max() / whole.pressure.max() - 1 == pytest.approx(peak, abs=order)
         moved = np.abs(cut.pressure - whole.pressure).sum() / whole.pressure.sum()
@@ -49,7 +49,7 @@ def test_ends_of_a_centred_window_stand_out_like_a_kink(
         highest = cut.pressure.max(axis=0)
         rises.append(highest[0] / highest[along // 2] - 1)
     growth = 2 / np.pi / period * np.log(3) / (2 * images + 1) ** 2
-    # the next order of the window's logarithm is a share 1 / (2 n + 1)^2, and a wave along the length
+    # the next order of the window's logarithm is a fraction 1 / (2 n + 1)^2, and a wave along the length
     # presses on a contact of finite width: a tenth
     assert rises[1] - rises[0] == pytest.approx(growth, rel=0.1 + (2 * images + 1) ** -2)
 

@@ -18,12 +18,12 @@ def errors(
     pressure = solution.pressure / contact.hertz.peak_pressure
     error = pressure - contact.hertz.pressure(grid.x)[:, None] / contact.hertz.peak_pressure
     near = np.argsort(np.abs(grid.x), kind="stable")[:2]
-    share = grid.cell[0] / (np.pi / 2 * contact.hertz.half_width)
+    fraction = grid.cell[0] / (np.pi / 2 * contact.hertz.half_width)
     return (
         float(pressure[near].mean() - 1),
         float(np.abs(error).max()),
         float(np.ptp(pressure, axis=1).max()),
-        float(np.abs(error).sum(axis=0).mean() * share),
+        float(np.abs(error).sum(axis=0).mean() * fraction),
     )
 
 

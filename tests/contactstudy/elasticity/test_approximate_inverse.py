@@ -27,8 +27,8 @@ def no_exact_inverse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(convolution, "FEW", 0)
 
 
-def island(shape: tuple[int, int], share: float = 0.3) -> Array:
-    contact = (np.random.default_rng(5).random(shape) < share).astype(float)
+def island(shape: tuple[int, int], fraction: float = 0.3) -> Array:
+    contact = (np.random.default_rng(5).random(shape) < fraction).astype(float)
     contact[0, 0] = 1
     return contact
 

@@ -191,7 +191,7 @@ def test_a_step_weighs_the_past_and_both_pressures_and_they_add_up(ratio: float)
     assert min(kept, before, after) >= 0
     assert kept + before + after == pytest.approx(1, rel=1e-15)
     nodes, gauss = np.polynomial.legendre.leggauss(20)
-    if 0 < ratio < 10:  # int of the rising share of p under exp(-(1 - s) ratio) ratio
+    if 0 < ratio < 10:  # int of the rising fraction of p under exp(-(1 - s) ratio) ratio
         s = (nodes + 1) / 2
         exact = (gauss / 2 * s * ratio * np.exp(-(1 - s) * ratio)).sum()
         assert after == pytest.approx(exact, rel=1e-9)

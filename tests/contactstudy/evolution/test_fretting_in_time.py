@@ -36,9 +36,11 @@ def hertz(load: float) -> np.ndarray:
 
 
 def test_a_cycle_in_time_loses_the_energy_of_the_closed_form() -> None:
-    share = FORCE / MU
+    fraction = FORCE / MU
     found = fretted(CYCLE, [0.0, 1.0, 3.0])
-    expected = MU**2 / pi * (4 * (1 - share) * log(1 - share) + 4 * share - 2 * share**2)
+    expected = (
+        MU**2 / pi * (4 * (1 - fraction) * log(1 - fraction) + 4 * fraction - 2 * fraction**2)
+    )
     assert energy(found.frames[2]) - energy(found.frames[1]) == pytest.approx(expected, rel=2e-3)
     # one step a half cycle is exact, and the doubled steps show it
     assert found.error.l1.steps < 1e-6

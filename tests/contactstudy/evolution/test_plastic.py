@@ -62,19 +62,19 @@ def von_mises(stress: np.ndarray) -> np.ndarray:
 
 
 def test_a_body_yields_first_where_von_mises_says() -> None:
-    """At 1.79367 Y: stress in means over cells is less by a share of the cell squared."""
+    """At 1.79367 Y: stress in means over cells is less by a fraction of the cell squared."""
     errors = []
     for cell in (0.2, 0.1):
         grid = grid_of(1.5, cell)
         found = evolve(pressed(1.5), grid, EXACT, times=(1,), step_error=cs.StepError.NONE)
         stress = evolution_of(found).to_dataset()["stress"].isel(time=0, y=0)
-        share = von_mises(stress.values).max() / YIELD
-        errors.append(1.5 / share / FIRST_YIELD - 1)
+        fraction = von_mises(stress.values).max() / YIELD
+        errors.append(1.5 / fraction / FIRST_YIELD - 1)
         layer = np.unravel_index(von_mises(stress.values).argmax(), stress.shape[1:])[0]
         assert stress["z"][layer] / half_width(1.5) == pytest.approx(0.704, abs=cell)
         for step, yields in ((-1e-3, False), (1e-3, True)):
-            scene = pressed(1.5 / share * (1 + step))
-            found = evolve(scene, grid_of(1.5 / share, cell), EXACT, times=(0, 1))
+            scene = pressed(1.5 / fraction * (1 + step))
+            found = evolve(scene, grid_of(1.5 / fraction, cell), EXACT, times=(0, 1))
             assert evolution_of(found).to_dataset()["plastic_strain"].any() == yields
     assert 0 < errors[1] < 5e-3
     # a quarter, but for where the highest stress lies in its cell

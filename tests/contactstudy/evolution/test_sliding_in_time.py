@@ -95,17 +95,17 @@ def test_shear_below_a_pressed_cell_is_that_of_cerruti_where_it_varies_along() -
 
 
 def yielding(
-    share: float,
+    fraction: float,
     place: int,
     friction: cs.Sliding | None,
     cells: int = 60,
     ratio: float = 0.6093,
 ) -> cs.Evolution:
-    """A steel cylinder whose largest von Mises stress is a `share` of the yield stress of one body."""
+    """A steel cylinder whose largest von Mises stress is a `fraction` of the yield stress of one body."""
     stress = 5e8
     modulus = STEEL.youngs_modulus / (1 - 0.3**2) / 2
     # 0.6093 p0 at a coefficient of 0.25: McEwen's stress, maximised
-    peak = share * stress / ratio
+    peak = fraction * stress / ratio
     half_width = 2 * peak * RADIUS / modulus
     solids: list[cs.HalfSpace | cs.ElasticPlasticHalfSpace] = [STEEL, STEEL]
     solids[place] = cs.ElasticPlasticHalfSpace(210e9, 0.3, stress, 1e10)

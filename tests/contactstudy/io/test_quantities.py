@@ -192,14 +192,14 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     assert "of solids[1]" in numbers["lowest_residual_stress_1"].label
 
 
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
-def test_the_bound_of_the_part_that_sticks_holds_cattaneo_s(share: float) -> None:
+@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
+def test_the_bound_of_the_part_that_sticks_holds_cattaneo_s(fraction: float) -> None:
     """c / a = (1 - Q / (mu P))^(1/2), Cattaneo (1938)."""
     steel = cs.HalfSpace(2e11, 0.3)
-    slip = cs.PartialSlip(coefficient=0.3, tangential=share * 0.3 * 1e5)
+    slip = cs.PartialSlip(coefficient=0.3, tangential=fraction * 0.3 * 1e5)
     scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), friction=slip)
     stick = cs.solve(scene, error=2e-2).quantities["stick_fraction"]
-    assert abs(stick.value - (1 - share) ** 0.5) <= stick.bound < 0.5
+    assert abs(stick.value - (1 - fraction) ** 0.5) <= stick.bound < 0.5
 
 
 def test_the_worn_volume_is_archard_s_within_its_bound() -> None:

@@ -18,13 +18,13 @@ def ridges(height: float) -> tuple[cs.Waviness, ...]:
     """Three transverse waves of a ``height`` over a^2 / R."""
     waves = ((0.5, 0.5, 0.3), (0.3, 0.31, 1.1), (0.2, 0.17, 2.0))
     return tuple(
-        cs.Waviness(height * share * UNIT, across=wave * A, phase=phase)
-        for share, wave, phase in waves
+        cs.Waviness(height * fraction * UNIT, across=wave * A, phase=phase)
+        for fraction, wave, phase in waves
     )
 
 
 def mixed(height: float, speed: float, boundary: float | None = 0.004) -> cs.Scene:
-    """Ridges at M = 20, L = 5 and a share of that ``speed``, on a ``boundary`` film over a^2 / R."""
+    """Ridges at M = 20, L = 5 and a fraction of that ``speed``, on a ``boundary`` film over a^2 / R."""
     scene = by_moes(20, 5, *ridges(height), shear=cs.Eyring(5e6))
     assert scene.lubrication is not None
     layer = None if boundary is None else cs.Boundary(boundary * UNIT, 0.12)
@@ -37,7 +37,7 @@ def grid(cells: int) -> cs.Grid:
     return cs.Grid((cells, 1), (6 * A, 1e-3))
 
 
-# height, speed: share of asperities, mean film in the contact and flow over 1e-3 a^2 / R, friction, from another
+# height, speed: fraction of asperities, mean film in the contact and flow over 1e-3 a^2 / R, friction, from another
 # program of the same scheme; all digits
 ROWS = (
     (0.06, 0.2, 0.0, 13.362, 11.907, 0.02548),
@@ -48,14 +48,14 @@ ROWS = (
 )
 
 
-@pytest.mark.parametrize(("height", "speed", "share", "film", "flow", "friction"), ROWS)
+@pytest.mark.parametrize(("height", "speed", "fraction", "film", "flow", "friction"), ROWS)
 def test_load_share_film_flow_and_friction_are_those_of_the_reference(
-    height: float, speed: float, share: float, film: float, flow: float, friction: float
+    height: float, speed: float, fraction: float, film: float, flow: float, friction: float
 ) -> None:
     contact = solve_lubricated(mixed(height, speed), grid(400))
     inside = np.abs(contact.grid.x) < A
     assert contact.status is cs.Status.CONVERGED
-    assert contact.contact_load_fraction == pytest.approx(share, abs=1e-5)
+    assert contact.contact_load_fraction == pytest.approx(fraction, abs=1e-5)
     assert contact.film[inside].mean() / UNIT == pytest.approx(1e-3 * film, rel=1e-3)
     assert contact.flow / contact.mean_speed / UNIT == pytest.approx(1e-3 * flow, rel=1e-3)
     assert contact.friction == pytest.approx(friction, abs=1e-5)
@@ -101,9 +101,9 @@ def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error(
     parts = film_error(coarse).contact_load_fraction
     assert parts is not None
     assert parts.total < 0.02
-    share = fine.contact_load_fraction
-    assert coarse.contact_load_fraction == pytest.approx(share, rel=parts.total)
-    assert coarse.contact_load_fraction == pytest.approx(share, abs=1e-2)
+    fraction = fine.contact_load_fraction
+    assert coarse.contact_load_fraction == pytest.approx(fraction, rel=parts.total)
+    assert coarse.contact_load_fraction == pytest.approx(fraction, abs=1e-2)
 
 
 @pytest.mark.whole
@@ -175,11 +175,11 @@ def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
 def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
     contact = cs.solve(mixed(0.06, 0.01), grid(200))
     assert isinstance(contact, cs.LubricatedContact)
-    share = contact.quantities["contact_load_fraction"]
-    assert share.value == contact.contact_load_fraction
-    assert share.bound is not None
+    fraction = contact.quantities["contact_load_fraction"]
+    assert fraction.value == contact.contact_load_fraction
+    assert fraction.bound is not None
     dataset = contact.to_dataset()
     assert dataset["contact_pressure"].dims == ("x", "y")
-    assert float(dataset["contact_load_fraction"]) == share.value
+    assert float(dataset["contact_load_fraction"]) == fraction.value
     # of both, in the direction of sliding
-    assert contact.friction == pytest.approx(0.12 * share.value, rel=0.05)
+    assert contact.friction == pytest.approx(0.12 * fraction.value, rel=0.05)

@@ -27,21 +27,21 @@ def test_the_flow_is_the_smaller_of_supply_and_flooded_flow(load: float, viscosi
     """No lubricant can go round a line contact."""
     scene = by_moes(load, viscosity)
     flooded = thickness_of_flow(solve_lubricated(scene, grid(240, 4.5)))
-    for share in (5.0, 0.5, 0.2):
-        contact = solve_lubricated(supplied(scene, share * flooded), grid(240, 4.5))
+    for fraction in (5.0, 0.5, 0.2):
+        contact = solve_lubricated(supplied(scene, fraction * flooded), grid(240, 4.5))
         assert contact.status is not cs.Status.FILM_NOT_CONVERGED
-        assert thickness_of_flow(contact) == pytest.approx(min(share, 1.0) * flooded, rel=1e-4)
+        assert thickness_of_flow(contact) == pytest.approx(min(fraction, 1.0) * flooded, rel=1e-4)
 
 
 # supply over the flooded flow: front over the half-width at M = 20, L = 5, on cells of 0.00625, from another program
 FRONTS = ((0.9, -1.391), (0.65, -1.128), (0.3, -1.022))
 
 
-@pytest.mark.parametrize(("share", "front"), FRONTS)
-def test_the_meniscus_is_where_the_reference_has_it(share: float, front: float) -> None:
+@pytest.mark.parametrize(("fraction", "front"), FRONTS)
+def test_the_meniscus_is_where_the_reference_has_it(fraction: float, front: float) -> None:
     scene, cells = by_moes(20, 5), grid(480, 4.5)
     flooded = thickness_of_flow(solve_lubricated(scene, cells))
-    contact = solve_lubricated(supplied(scene, share * flooded), cells)
+    contact = solve_lubricated(supplied(scene, fraction * flooded), cells)
     # two cells of this grid and of that one; the flow has an error by its cells of 0.2 %, and the front at 0.9 moves by
     # ten times as much
     assert contact.meniscus / A == pytest.approx(front, abs=2 * cells.cell[0] / A)

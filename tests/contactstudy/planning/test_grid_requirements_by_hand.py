@@ -59,8 +59,8 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     assert "no whole number of 0.25 m" in waves.period_check(0.6)
     assert "holds 2 of the longest wavelength 0.125 m: give 0.5 m" in waves.period_check(0.25)
     rough = requirements(replace(WAVES, longest=0.25))
-    for share, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
-        assert ("holds what repeats" in rough.period_check(share)) == enough
+    for fraction, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
+        assert ("holds what repeats" in rough.period_check(fraction)) == enough
     assert "any period" in SMOOTH.period_check(0.1)
     assert "from end to end 0.5 m" in requirements(Detail(roller=0.5)).period_check(0.5)
 

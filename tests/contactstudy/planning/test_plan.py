@@ -20,9 +20,9 @@ def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
     return replace(contact.scene, shapes=(*contact.scene.shapes, *shapes))
 
 
-def rough(contact: LineContact, share: float, cut_off: float = 0.3) -> cs.Scene:
+def rough(contact: LineContact, fraction: float, cut_off: float = 0.3) -> cs.Scene:
     a, gap = contact.hertz.half_width, contact.hertz.half_width**2 / contact.hertz.radius / 2
-    shape = cs.Roughness(share * gap, hurst=0.8, roll_off=1.2 * a, cut_off=cut_off * a, seed=1)
+    shape = cs.Roughness(fraction * gap, hurst=0.8, roll_off=1.2 * a, cut_off=cut_off * a, seed=1)
     return with_shapes(contact, shape)
 
 
@@ -37,9 +37,11 @@ def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: Li
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize("share", [0.15, 0.6, 2.2])
-def test_a_planned_rough_contact_meets_its_error(share: float, line_contact: LineContact) -> None:
-    scene, error = rough(line_contact, share), 0.05
+@pytest.mark.parametrize("fraction", [0.15, 0.6, 2.2])
+def test_a_planned_rough_contact_meets_its_error(
+    fraction: float, line_contact: LineContact
+) -> None:
+    scene, error = rough(line_contact, fraction), 0.05
     plan = cs.plan(scene, error=error, period=2.4 * line_contact.hertz.half_width)
     finer = cs.Grid((4 * plan.grid.cells[0], 4 * plan.grid.cells[1]), plan.grid.extent)
     coarse, fine = (
@@ -104,7 +106,7 @@ def test_shapes_that_repeat_share_a_period(line_contact: LineContact) -> None:
         1.5 * a
     )
     stranger = cs.Waviness(1e-8, along=0.5 * np.pi * a)
-    with pytest.raises(cs.InvalidInput, match="share no period"):
+    with pytest.raises(cs.InvalidInput, match="fraction no period"):
         cs.plan(with_shapes(line_contact, *waves, stranger))
 
 
@@ -148,8 +150,8 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
 
 def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: LineContact) -> None:
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
-    for share, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):
-        groove = cs.Groove(0.1 * gap, share * 0.4 * a, profile)
+    for fraction, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):
+        groove = cs.Groove(0.1 * gap, fraction * 0.4 * a, profile)
         scene = with_shapes(line_contact, cs.Texture(groove, (0.4 * a, inf)))
         plan = cs.plan(scene, error=0.03)
         solution = cs.solve(scene.problem(plan.grid, plan.padding))

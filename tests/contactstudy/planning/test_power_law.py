@@ -19,7 +19,7 @@ def test_an_exact_power_law_is_found() -> None:
         return np.log(3e-6) + 1.3 * u[:, 0] + 0.6 * u[:, 1]
 
     found, deviation = PowerLaw.fit(seen, law(seen)).predict(asked)
-    # 27 measurements, two of them assumed: the spread is their share of what is assumed of them
+    # 27 measurements, two of them assumed: the spread is their fraction of what is assumed of them
     assert deviation[0] < 1.5 * SPREAD * (2 / 27) ** 0.5
     assert np.abs(found - law(asked))[0] < deviation[0]
     assert np.abs(found - law(asked))[1] < 2 * deviation[1]

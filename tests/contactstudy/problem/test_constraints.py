@@ -75,12 +75,12 @@ def test_a_hardness_everywhere_may_just_carry_the_load() -> None:
 SHARES = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width is 0.327 p_H
 
 
-@pytest.mark.parametrize("share", SHARES)
+@pytest.mark.parametrize("fraction", SHARES)
 @pytest.mark.parametrize("heights", ROUGH)
 def test_both_solvers_give_one_answer_under_a_hardness(
-    heights: str, share: float, line_contact: LineContact
+    heights: str, fraction: float, line_contact: LineContact
 ) -> None:
-    hardness = share * line_contact.hertz.peak_pressure
+    hardness = fraction * line_contact.hertz.peak_pressure
     free = problem(line_contact, 64, heights)
     posed = replace(free, constraint=HardnessLimited(hardness))
     loaded = posed.resultant
@@ -105,8 +105,8 @@ def test_both_solvers_give_one_answer_under_a_hardness(
 def test_a_hardness_costs_no_more_iterations(line_contact: LineContact) -> None:
     for heights in ROUGH:
         free = problem(line_contact, 128, heights)
-        for share in SHARES:
-            hardness = share * line_contact.hertz.peak_pressure
+        for fraction in SHARES:
+            hardness = fraction * line_contact.hertz.peak_pressure
             posed = replace(free, constraint=HardnessLimited(hardness))
             assert cs.solve(posed).iterations <= 40
 
@@ -145,8 +145,8 @@ def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(
 ) -> None:
     """Whatever the hardness: a pressure's unit is a power of two."""
     grid = line_contact.grid((16, 2), 1.2)
-    for share in np.random.default_rng(1).uniform(0.7, 0.95, 20):
-        hardness = share * line_contact.hertz.peak_pressure
+    for fraction in np.random.default_rng(1).uniform(0.7, 0.95, 20):
+        hardness = fraction * line_contact.hertz.peak_pressure
         problem = replace(line_contact.scene, hardness=hardness).problem(
             grid, cs.ExactPeriodicity()
         )

@@ -48,7 +48,7 @@ def test_a_thin_coat_is_its_substrate_and_a_thick_one_its_own_material(
         body = cs.CoatedHalfSpace(coating, 1e-21, substrate)
         thin = coefficients(body, grid, PADDINGS[padding])
         bare = coefficients(substrate, grid, PADDINGS[padding])
-        # a film adds its membrane's share, (E1 / E2) h / dx < 1e-13, and the sums their rounding
+        # a film adds its membrane's fraction, (E1 / E2) h / dx < 1e-13, and the sums their rounding
         assert np.abs(thin - bare).max() <= 1e-12 * np.abs(bare).max()
         thick = coefficients(replace(body, thickness=1e9), grid, PADDINGS[padding])
         alone = coefficients(coating, grid, PADDINGS[padding])
@@ -220,15 +220,15 @@ def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(
     assert np.abs(found - expected).max() < 1e-10 * np.abs(bare(pressure)).max()
 
 
-@pytest.mark.parametrize("share", [0.25, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("fraction", [0.25, 0.5, 1.0, 2.0])
 @pytest.mark.parametrize(("ratio", "within"), [(1 / 3, 0.1), (3.0, 0.1), (8.0, 0.25)])
 def test_a_contact_is_about_as_wide_as_its_compliance_says(
-    ratio: float, within: float, share: float
+    ratio: float, within: float, fraction: float
 ) -> None:
     """On coats from a quarter of a half-width to two of them, which is where it is between the limits."""
     half_width, radius = 1e-4, 0.01
     coating = cs.HalfSpace(STEEL.youngs_modulus * ratio, 0.25)
-    body = cs.CoatedHalfSpace(coating, share * half_width, STEEL)
+    body = cs.CoatedHalfSpace(coating, fraction * half_width, STEEL)
     load = np.pi * half_width**2 / (4 * radius * body.compliance_at(half_width))
     scene = cs.Scene(cs.LineLoad(load), (body, RIGID), (cs.Cylinder(radius),))
     grid = cs.Grid((256, 1), (4 * half_width, half_width))

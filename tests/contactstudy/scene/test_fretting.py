@@ -48,15 +48,17 @@ def test_shear_on_the_way_down_is_mindlin_and_deresiewicz() -> None:
     assert np.mean(errors) < 1e-3
 
 
-@pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
-def test_a_cycle_loses_the_energy_of_the_closed_form(share: float) -> None:
+@pytest.mark.parametrize("fraction", [0.3, 0.6, 0.9])
+def test_a_cycle_loses_the_energy_of_the_closed_form(fraction: float) -> None:
     """By Masing's rule from the displacement under Cattaneo's shear; 0.2 % at 220 cells."""
-    found = fretted(cs.Fretting.cycle(MU, share * MU))
-    expected = MU**2 / pi * (4 * (1 - share) * log(1 - share) + 4 * share - 2 * share**2)
+    found = fretted(cs.Fretting.cycle(MU, fraction * MU))
+    expected = (
+        MU**2 / pi * (4 * (1 - fraction) * log(1 - fraction) + 4 * fraction - 2 * fraction**2)
+    )
     energy = found.quantities["energy_per_cycle"]
     assert (energy.value, energy.unit) == (pytest.approx(expected, rel=2e-3), "J m-1")
     # the area of the loop of force and displacement, which one step a half cycle does not show
-    steps = fretted(cs.Fretting.cycle(MU, share * MU, steps=8))
+    steps = fretted(cs.Fretting.cycle(MU, fraction * MU, steps=8))
     assert steps.quantities["energy_per_cycle"].value == pytest.approx(energy.value, rel=1e-3)
     loop = slice(steps.traction.cycle_start, None)
     force, moved = steps.traction.forces[loop], steps.traction.rigid_displacement[loop]
@@ -65,23 +67,23 @@ def test_a_cycle_loses_the_energy_of_the_closed_form(share: float) -> None:
 
 
 @pytest.mark.parametrize("cells", [37, 90, 211])
-@pytest.mark.parametrize("share", [0.13, 0.37, 0.61, 0.86])
+@pytest.mark.parametrize("fraction", [0.13, 0.37, 0.61, 0.86])
 def test_energy_and_largest_slip_of_a_cycle_are_within_their_bounds(
-    share: float, cells: int
+    fraction: float, cells: int
 ) -> None:
     """Against the closed forms; of a slip zone of one cell there is none."""
-    found = fretted(cs.Fretting.cycle(MU, share * MU), cs.Grid((cells, 1), (2.5, 1.0)))
-    c = (1 - share) ** 0.5
+    found = fretted(cs.Fretting.cycle(MU, fraction * MU), cs.Grid((cells, 1), (2.5, 1.0)))
+    c = (1 - fraction) ** 0.5
     expected = {
         "energy_per_cycle": MU**2
         / pi
-        * (4 * (1 - share) * log(1 - share) + 4 * share - 2 * share**2),
-        "largest_slip": 4 * MU * P0 * (share**0.5 - c**2 * np.arccosh(1 / c)),
+        * (4 * (1 - fraction) * log(1 - fraction) + 4 * fraction - 2 * fraction**2),
+        "largest_slip": 4 * MU * P0 * (fraction**0.5 - c**2 * np.arccosh(1 / c)),
     }
     for name, value in expected.items():
         number = found.quantities[name]
         assert abs(number.value - value) <= number.bound
-        if share * cells > 20:
+        if fraction * cells > 20:
             assert number.bound < 0.4 * value
 
 

@@ -48,10 +48,10 @@ def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> Non
     solids = (elastic, RIGID) if sign > 0 else (RIGID, elastic)
     assert dundurs(solids) == sign * 0.5
     one = scene(cs.Sliding(2 * product), solids=solids, load=cs.LineLoad(1e4))
-    share = acos(-product / sqrt(1 + product**2)) / pi
-    assert 1 / tan(pi * share) == pytest.approx(-product)
+    fraction = acos(-product / sqrt(1 + product**2)) / pi
+    assert 1 / tan(pi * fraction) == pytest.approx(-product)
     a0, cells = one.hertz.half_width, 800
-    half = a0 / (2 * sqrt(share * (1 - share)))
+    half = a0 / (2 * sqrt(fraction * (1 - fraction)))
     grid = cs.Grid((cells, 1), (2.8 * a0, 1e-3))
     solution = cs.solve(one.problem(grid, cs.ExactPeriodicity()), tolerance=1e-9)
     assert solution.status is cs.Status.CONVERGED
@@ -60,17 +60,17 @@ def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> Non
     touching = grid.x[pressure > 0]
     dx = grid.cell[0]
     assert np.ptp(touching) / 2 == pytest.approx(half, abs=dx)
-    assert touching[[0, -1]].mean() == pytest.approx(-sign * half * (2 * share - 1), abs=dx)
-    centroid = -half * (2 * share - 1) * 4 / 3
+    assert touching[[0, -1]].mean() == pytest.approx(-sign * half * (2 * fraction - 1), abs=dx)
+    centroid = -half * (2 * fraction - 1) * 4 / 3
     # second order in the cell, with some factor below one
     found = sign * (grid.x * pressure).sum() / pressure.sum()
     assert found == pytest.approx(centroid, abs=(dx / a0) ** 2 * a0)
     # p = E* sin(pi s) (half / 2 R) (1 - t)^s (1 + t)^(1 - s)
-    t = (sign * grid.x + half * (2 * share - 1)) / half
+    t = (sign * grid.x + half * (2 * fraction - 1)) / half
     within = np.clip(1 - np.abs(t), 0, None) > 0
-    shape = np.where(within, (1 - np.where(within, t, 0)) ** share, 0)
-    shape *= (1 + np.where(within, t, 0)) ** (1 - share)
-    exact = one.contact_modulus * sin(pi * share) * half / 0.02 * shape
+    shape = np.where(within, (1 - np.where(within, t, 0)) ** fraction, 0)
+    shape *= (1 + np.where(within, t, 0)) ** (1 - fraction)
+    exact = one.contact_modulus * sin(pi * fraction) * half / 0.02 * shape
     # the edges' rate, 1.5
     assert np.abs(pressure - exact).sum() <= (dx / half) ** 1.5 * exact.sum()
 
@@ -81,25 +81,25 @@ def test_unlike_bodies_slide_alike_with_one_cell_along_and_many() -> None:
     np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-8 * line.max())
 
 
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
 @pytest.mark.parametrize("sign", [1, -1])
-def test_partial_slip_of_a_cylinder_is_cattaneos(share: float, sign: int) -> None:
+def test_partial_slip_of_a_cylinder_is_cattaneos(fraction: float, sign: int) -> None:
     """Stick for ``|x| < a sqrt(1 - Q / mu P)``, shear in the middle ``mu p0 (1 - sqrt(1 - Q / mu P))``."""
     mu = 0.3
-    one = scene(cs.PartialSlip(mu, sign * share * mu * 1e5))
+    one = scene(cs.PartialSlip(mu, sign * fraction * mu * 1e5))
     solution = solved(one, (601, 1), tolerance=1e-10)
     hertz, dx = one.hertz, solution.problem.grid.cell[0]
     assert solution.traction.method == "Ciavarella-Jaeger"
     stick = solution.stick.sum() * dx / 2
-    assert stick == pytest.approx(hertz.half_width * sqrt(1 - share), abs=dx)
-    middle = sign * mu * hertz.peak_pressure * (1 - sqrt(1 - share))
+    assert stick == pytest.approx(hertz.half_width * sqrt(1 - fraction), abs=dx)
+    middle = sign * mu * hertz.peak_pressure * (1 - sqrt(1 - fraction))
     # second order in the cell of either contact, the narrower one counts
-    narrow = dx / (hertz.half_width * sqrt(1 - share))
+    narrow = dx / (hertz.half_width * sqrt(1 - fraction))
     assert solution.shear[0][300, 0] == pytest.approx(
         middle, abs=mu * hertz.peak_pressure * narrow**2
     )
     carried = solution.shear[0].sum() * dx
-    assert carried == pytest.approx(sign * share * mu * 1e5, rel=1e-12)
+    assert carried == pytest.approx(sign * fraction * mu * 1e5, rel=1e-12)
 
 
 @pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), (cs.ZeroPadding(), cs.ZeroPadding())])

@@ -70,8 +70,8 @@ def test_stress_is_the_sum_over_all_pairs(
         left = np.zeros((*[cells[0]] * 2, len(steps_x)))
         right = np.zeros((*[cells[1]] * 2, len(steps_y)))
         for weights, side, steps in ((left, across, steps_x), (right, along, steps_y)):
-            for i, j, d, share in side:
-                weights[i, j, steps.index(d)] += share
+            for i, j, d, fraction in side:
+                weights[i, j, steps.index(d)] += fraction
         expected = np.einsum("ikd,jle,de,kl->ij", left, right, table, pressure, optimize=True)
         assert_allclose(found[number], expected, rtol=0, atol=2e-14)
 
@@ -154,7 +154,7 @@ def test_greatest_shear_is_0_300_of_the_peak_pressure_at_0_786_half_widths(
 
 
 def test_point_contact_has_hubers_stress_on_the_axis() -> None:
-    """Under Hertz's own pressure, sampled: the error falls like the cell to 3/2, the edge's share."""
+    """Under Hertz's own pressure, sampled: the error falls like the cell to 3/2, the edge's fraction."""
     hertz = cs.analytic.HertzPoint(1.0, 1.0, 1.0)
     a, depths = hertz.contact_radius, (0.3, 0.481, 1.0, 2.0)
     expected = hertz.axis_stress(np.array(depths) * a, NU)

@@ -251,13 +251,13 @@ def test_more_creepage_makes_more_traction() -> None:
     assert (np.diff(forces) > 0).all()
 
 
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.99, -0.5])
-def test_creepage_of_a_given_force_is_carters(share: float) -> None:
-    friction = cs.TractiveRolling(MU, tangential=share * MU * LOAD.per_length)
+@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9, 0.99, -0.5])
+def test_creepage_of_a_given_force_is_carters(fraction: float) -> None:
+    friction = cs.TractiveRolling(MU, tangential=fraction * MU * LOAD.per_length)
     solution = solved(friction, (512, 1), 1e-7)
     assert solution.status is cs.Status.CONVERGED
-    assert traction_share(solution)[0] == pytest.approx(share, abs=1e-7)
-    expected = np.sign(share) * (1 - np.sqrt(1 - abs(share)))
+    assert traction_share(solution)[0] == pytest.approx(fraction, abs=1e-7)
+    expected = np.sign(fraction) * (1 - np.sqrt(1 - abs(fraction)))
     found = solution.traction.creepage.longitudinal / SATURATION
     assert found == pytest.approx(expected, abs=1e-4)
 
@@ -265,8 +265,8 @@ def test_creepage_of_a_given_force_is_carters(share: float) -> None:
 RIGID, ELASTIC = cs.HalfSpace(inf, 0.3), cs.HalfSpace(210e9, 0.3)
 
 
-@pytest.mark.parametrize(("part", "share"), [(-0.5, -0.9553), (0.0, -0.7364), (0.5, -0.2116)])
-def test_pressing_unlike_bodies_shifts_the_creep_curve(part: float, share: float) -> None:
+@pytest.mark.parametrize(("part", "fraction"), [(-0.5, -0.9553), (0.0, -0.7364), (0.5, -0.2116)])
+def test_pressing_unlike_bodies_shifts_the_creep_curve(part: float, fraction: float) -> None:
     """Computed once by another program: Poisson's ratio 0.3 on a rigid body, 256 cells."""
     solids = (ELASTIC, RIGID)
     a = replace(SMOOTH, solids=solids).hertz.half_width
@@ -274,7 +274,7 @@ def test_pressing_unlike_bodies_shifts_the_creep_curve(part: float, share: float
     scene = replace(SMOOTH, solids=solids, friction=rolling(longitudinal=part * MU * a / RADIUS))
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
     assert solution.status is cs.Status.CONVERGED
-    assert traction_share(solution)[0] == pytest.approx(share, abs=1e-3)
+    assert traction_share(solution)[0] == pytest.approx(fraction, abs=1e-3)
 
 
 @pytest.mark.parametrize(

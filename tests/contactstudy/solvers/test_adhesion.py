@@ -71,9 +71,9 @@ def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui() -> None:
 
 
 @pytest.mark.cases(1)
-@pytest.mark.parametrize(("zone", "share"), [(24, -0.0172), (12, -0.0074)])
+@pytest.mark.parametrize(("zone", "fraction"), [(24, -0.0172), (12, -0.0074)])
 def test_a_wave_separates_as_johnson_says_in_the_limit_of_short_ranges(
-    zone: int, share: float
+    zone: int, fraction: float
 ) -> None:
     height, alpha, cells = 0.05, 0.3, 1024
     closing = pi * height
@@ -87,7 +87,7 @@ def test_a_wave_separates_as_johnson_says_in_the_limit_of_short_ranges(
     )
     found = pulled(scene, cs.Grid((cells, 1), (1.0, 1.0)), 1e-3, (LINE, LINE))
     # max over psi of alpha sqrt(tan psi) - sin^2 psi, Johnson (1995)
-    assert -force(found) / closing / 0.095944 - 1 == pytest.approx(share, abs=1.5e-3)
+    assert -force(found) / closing / 0.095944 - 1 == pytest.approx(fraction, abs=1.5e-3)
 
 
 def test_a_sphere_separates_between_the_limits_of_bradley_and_of_johnson_kendall_and_roberts() -> (

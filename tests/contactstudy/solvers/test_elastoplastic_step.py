@@ -26,13 +26,13 @@ WANTED = RNG.standard_normal(6)
 RIGHT = np.linalg.solve(MATRIX, WANTED)
 
 
-def solved(share: float, most: int, diagonal: np.ndarray) -> np.ndarray:
+def solved(fraction: float, most: int, diagonal: np.ndarray) -> np.ndarray:
     return conjugate_gradients(
         lambda x: MATRIX @ x,
         lambda r: r / diagonal,
         lambda a, b: float(a @ b),
         WANTED,
-        share,
+        fraction,
         most,
     )
 
@@ -44,11 +44,11 @@ def test_six_products_solve_six_equations(diagonal: np.ndarray) -> None:
     assert np.abs(solved(1e-14, 5, diagonal) - RIGHT).max() > 1e-6
 
 
-@pytest.mark.parametrize("share", [0.5, 0.1, 0.01])
-def test_it_ends_with_the_first_residual_below_the_share(share: float) -> None:
+@pytest.mark.parametrize("fraction", [0.5, 0.1, 0.01])
+def test_it_ends_with_the_first_residual_below_the_fraction(fraction: float) -> None:
     residuals = [np.linalg.norm(WANTED - MATRIX @ solved(1e-14, n, np.ones(6))) for n in range(7)]
-    ends = next(n for n, size in enumerate(residuals) if size <= share * residuals[0])
-    np.testing.assert_allclose(solved(share, 100, np.ones(6)), solved(1e-14, ends, np.ones(6)))
+    ends = next(n for n, size in enumerate(residuals) if size <= fraction * residuals[0])
+    np.testing.assert_allclose(solved(fraction, 100, np.ones(6)), solved(1e-14, ends, np.ones(6)))
 
 
 def test_without_curvature_it_ends() -> None:
@@ -109,7 +109,7 @@ GRID = cs.Grid((6, 1), (12.0, 3.0))
 
 
 class Local:
-    """A body whose strain takes ``share`` of 2 G from its own cell's stress; pressure is borne in one direction."""
+    """A body whose strain takes ``fraction`` of 2 G from its own cell's stress; pressure is borne in one direction."""
 
     def __init__(self, first: int, last: int, edges: tuple[float, ...], young: float) -> None:
         self.volume, self.moduli = Volume(GRID, first, last, edges), Moduli(young, 0.25)

@@ -26,7 +26,7 @@ def test_nothing_lagged_is_one_solve(problem: cs.Problem) -> None:
 
 
 def test_a_lagged_part_settles_where_it_is_that_of_its_own_pressure(problem: cs.Problem) -> None:
-    """A gap that tilts by a share of the pressure of the mirrored cells."""
+    """A gap that tilts by a fraction of the pressure of the mirrored cells."""
 
     def lagged(pressure: np.ndarray) -> np.ndarray:
         tilt = np.linspace(-1, 1, 24)[:, None]

@@ -77,19 +77,19 @@ def test_iterations_do_not_grow_with_the_grid(heights: str, line_contact: LineCo
 
 
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
-@pytest.mark.parametrize("share", [0.05, 0.2, 0.6])
-def test_iterations_do_not_grow_with_detail_down_to_the_cell(share: float, hurst: float) -> None:
+@pytest.mark.parametrize("fraction", [0.05, 0.2, 0.6])
+def test_iterations_do_not_grow_with_detail_down_to_the_cell(fraction: float, hurst: float) -> None:
     """A finer grid shows a finer surface, with a contact in more and smaller pieces."""
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     rigid, body = cs.HalfSpace(np.inf, 0.3), cs.HalfSpace(1e11, 0.0)
     iterations = []
     for cells in (64, 128, 256):
         rough = cs.Roughness(cs.RmsSlope(0.1), hurst, 0.25, 2 / cells * (1 + 1e-9), seed=1)
-        # Persson (2001): the share in contact of a flat rough surface with this rms slope
-        pressure = erfinv(share) * 0.1 * 1e11 / 2
+        # Persson (2001): the fraction in contact of a flat rough surface with this rms slope
+        pressure = erfinv(fraction) * 0.1 * 1e11 / 2
         scene = cs.Scene(cs.LineLoad(pressure), (body, rigid), (rough,))
         solution = cs.solve(scene.problem(cs.Grid((cells, cells), (1.0, 1.0)), both))
-        assert share / 2 < (solution.pressure > 0).mean() < 2 * share
+        assert fraction / 2 < (solution.pressure > 0).mean() < 2 * fraction
         iterations.append(solution.iterations)
     assert max(iterations) <= 10
     assert iterations[-1] <= max(1.3 * iterations[0], iterations[0] + 1)

@@ -30,10 +30,10 @@ def law(isotropic: float, kinematic: float) -> YieldLaw:
     return YieldLaw(*(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
 
 
-@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-def test_a_bar_in_tension_hardens_by_both_moduli_together(share: float) -> None:
+@pytest.mark.parametrize("fraction", [0.0, 0.5, 1.0])
+def test_a_bar_in_tension_hardens_by_both_moduli_together(fraction: float) -> None:
     both = 0.8
-    strain, equivalent = stressed(law(share * both, (1 - share) * both), [0.9, 1.2, 1.4])
+    strain, equivalent = stressed(law(fraction * both, (1 - fraction) * both), [0.9, 1.2, 1.4])
     assert strain == pytest.approx(0.4 / both, rel=1e-12)
     assert equivalent == pytest.approx(0.4 / both, rel=1e-12)
 

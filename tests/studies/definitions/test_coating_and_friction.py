@@ -69,8 +69,8 @@ def test_friction_is_measured_and_drawn(tmp_path: Path) -> None:
         found = float(steel["von_mises"].sel(coefficient=coefficient))
         assert found == pytest.approx(wanted, abs=5e-3)
     assert steel["depth"].sel(coefficient=0.3) < 0.01
-    np.testing.assert_allclose(steel["stick"], np.sqrt(1 - steel["share"]), atol=2.6 / 201)
-    np.testing.assert_allclose(cork["stick_sphere"], np.cbrt(1 - cork["share"]), atol=2.5 / 32)
+    np.testing.assert_allclose(steel["stick"], np.sqrt(1 - steel["fraction"]), atol=2.6 / 201)
+    np.testing.assert_allclose(cork["stick_sphere"], np.cbrt(1 - cork["fraction"]), atol=2.5 / 32)
     assert cork["superposition_error"] < 1e-3
     assert steel["superposition_error"] > 0.02
     drawing = load_drawing("friction")

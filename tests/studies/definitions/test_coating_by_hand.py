@@ -29,7 +29,7 @@ def test_stress_at_a_rigid_base_is_that_of_a_layer_bonded_to_it(nu: float) -> No
     det = value[0] * slope[1] - value[1] * slope[0]
     first, second = slope[1] / det, -slope[0] / det
     shear, along = coating._at_interface(body(1e-9, nu, 0.3), k)
-    # the base gives way by its share of the moduli
+    # the base gives way by its fraction of the moduli
     np.testing.assert_allclose(shear, -2 * (1 - nu) * first, rtol=1e-6)
     np.testing.assert_allclose(along, 2 * nu * second, rtol=1e-6)
 

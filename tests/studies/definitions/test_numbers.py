@@ -41,13 +41,13 @@ def test_memory_of_an_effect_is_in_megabytes() -> None:
     found = load("effect_cost").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
     assert float(found["memory"]) == pytest.approx(40, rel=1e-2)
     assert found["memory"].attrs["units"] == "MB"
-    assert float(found["contact_share"]) == 0.25
+    assert float(found["contact_fraction"]) == 0.25
 
 
 def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
     found = load("solvers").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
     assert float(found["memory"]) == pytest.approx(40_000_000 / (64 * 4 * 8), rel=1e-2)
-    assert float(found["contact_share"]) == 0.25
+    assert float(found["contact_fraction"]) == 0.25
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_the_error_of_a_window_s_coefficients_is_that_of_its_logarithm() -> None
     reach = 6.5 * 2.4
     x, y = 2.4 * 31 / 32, 1.2  # the farthest pair across; half a period along
     law = (x**2 / 2 + y**2) / (2 * reach**2) / 2
-    # the next order is a share (x / D)^2 of it, in a part of the range
+    # the next order is a fraction (x / D)^2 of it, in a part of the range
     assert found == pytest.approx(law, rel=2 * (x / reach) ** 2)
 
 

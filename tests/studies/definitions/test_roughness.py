@@ -64,7 +64,7 @@ def test_a_window_is_a_more_curved_cylinder_on_any_surface(
     smooth, rough = (by_images[rms, 6].sel(padding="circular") for rms in (0.0, 0.3))
     left = [float(one["curved_difference"] / one["pressure_error_l1"]) for one in (smooth, rough)]
     assert left[0] < 2 * (1 / 15.6) ** 2  # the law's next term
-    # an uneven load moves with the window: beyond it lacks a share of the spread, times (L / 2 pi a)²
+    # an uneven load moves with the window: beyond it lacks a fraction of the spread, times (L / 2 pi a)²
     assert left[1] < float(rough["load_spread"]) * (2.4 / (2 * pi)) ** 2 * 2
 
 

@@ -13,7 +13,7 @@ POINT = {
     "surface": "self-affine",
     "hurst": 0.5,
     "cut_off": 4.0,
-    "share": 0.3,
+    "fraction": 0.3,
     "precision": "double",
     "device": "cpu",
     "threads": 1,
@@ -22,7 +22,7 @@ POINT = {
 
 
 def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_cells() -> None:
-    """Persson (2001): the share is erf(sqrt(2) p / (E* slope)), p the mean pressure."""
+    """Persson (2001): the fraction is erf(sqrt(2) p / (E* slope)), p the mean pressure."""
     grid = cs.Grid((64, 64), (3e-3, 3e-3))
     scene = self_affine(grid, 0.5, 4.0, 0.3)
     mean = scene.load.largest / 3e-3
@@ -39,7 +39,7 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"share": 1.0}, r"^share is 1\.0: give a share between 0 and 1\."),
+        ({"fraction": 1.0}, r"^fraction is 1\.0: give a fraction between 0 and 1\."),
         ({"cut_off": 0.0}, r"^cut_off is 0\.0: give a number of cells above 0\."),
         ({"threads": 0}, r"^threads is 0: must be a whole number of threads, at least 1\."),
         ({"device": "gpu"}, "^Gpu "),

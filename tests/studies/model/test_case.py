@@ -4,7 +4,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.io.dataset import flags
-from studies.model.case import contact_share, solver_status
+from studies.model.case import contact_fraction, solver_status
 
 GRID = cs.Grid((8, 4), (1e-4, 1e-4))
 
@@ -22,6 +22,6 @@ def test_a_status_is_a_flag_of_all_that_there_are() -> None:
 
 def test_every_cell_that_bears_is_in_contact_however_little() -> None:
     """A faint load has pressures far below one pascal."""
-    share = contact_share(np.array([[0.0, 1e-9], [0.5, 2e9]]))
-    assert float(share) == 0.75
-    assert share.attrs["units"] == "1"
+    fraction = contact_fraction(np.array([[0.0, 1e-9], [0.5, 2e9]]))
+    assert float(fraction) == 0.75
+    assert fraction.attrs["units"] == "1"

@@ -57,13 +57,13 @@ def test_a_name_stands_for_the_same_contact_as_before() -> None:
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_a_closed_form_carries_its_load_on_its_area_up_to_its_peak_pressure(name: str) -> None:
-    """Sampled at points that fall anywhere: the load to the share of them at an edge or beside a pole."""
+    """Sampled at points that fall anywhere: the load to the fraction of them at an edge or beside a pole."""
     case: AccuracyCase = matrix()[name]
     truth = case.find_truth
     assert isinstance(truth, ClosedForm)
     count = (1008, 1012 if case.grid.cells[1] > 1 else 1)
     places = [(np.arange(n) + 0.5) / n - 0.5 for n in count]
-    x, y = (share * side for share, side in zip(places, case.grid.extent, strict=True))
+    x, y = (fraction * side for fraction, side in zip(places, case.grid.extent, strict=True))
     pressure = np.broadcast_to(truth.pressure(x[:, None], y), count)
     load = case.scene.load.largest
     carried = pressure.mean() * case.grid.extent[0]

@@ -15,12 +15,12 @@ LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]
 
 
 def swept(axes: dict[str, Any]) -> xr.Dataset:
-    """A share, a pressure [Pa], an approach [m] and a time [s]; the first case failed."""
-    dataset = numbered(axes, "contact_share", "peak_pressure", "approach", "solve_time")
-    dataset["contact_share"] **= 2
+    """A fraction, a pressure [Pa], an approach [m] and a time [s]; the first case failed."""
+    dataset = numbered(axes, "contact_fraction", "peak_pressure", "approach", "solve_time")
+    dataset["contact_fraction"] **= 2
     dataset["peak_pressure"] = 1e10 * dataset["peak_pressure"]
     dataset["approach"] = 1e-3 * dataset["approach"]
-    for name, units in (("contact_share", "1"), ("peak_pressure", "Pa"), ("approach", "m")):
+    for name, units in (("contact_fraction", "1"), ("peak_pressure", "Pa"), ("approach", "m")):
         dataset[name].attrs |= {"units": units, "long_name": name.replace("_", " ")}
     if "load_per_length" in axes:
         dataset["load_per_length"].attrs |= {"units": "N m-1", "long_name": "load, per length"}
@@ -35,11 +35,11 @@ def swept(axes: dict[str, Any]) -> xr.Dataset:
 def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None:
     dataset = swept({"rms": RMS, "load_per_length": LOADS})
     [drawn] = curves(dataset)
-    share, pressure, approach = drawn.figure.axes
+    fraction, pressure, approach = drawn.figure.axes
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
     # N/mm, and nm in the legend; the largest pressure is 24e6 Pa, the largest approach 3.6e-6 m
     for ax, name, unit in (
-        (share, "contact_share", 1.0), (pressure, "peak_pressure", 1e6), (approach, "approach", 1e-6),
+        (fraction, "contact_fraction", 1.0), (pressure, "peak_pressure", 1e6), (approach, "approach", 1e-6),
     ):  # fmt: skip
         lines = labelled(ax)
         assert list(lines) == [f"rms height {height} nm" for height in (100, 200, 300)]
@@ -47,11 +47,11 @@ def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None
             x, y = line
             assert x == pytest.approx([10, 20, 50, 200])
             np.testing.assert_allclose(y, good[name].sel(rms=height) / unit, rtol=1e-12)
-    labels = [ax.get_ylabel() for ax in (share, pressure, approach)]
-    assert labels == ["contact share", "peak pressure [MPa]", "approach [µm]"]
-    assert share.get_xlabel() == "load, per length [N/mm]"
-    # twenty times the least load is more than a decade; so is the share, but not the pressure of 13 to 24
-    scales = [(ax.get_xscale(), ax.get_yscale()) for ax in (share, pressure, approach)]
+    labels = [ax.get_ylabel() for ax in (fraction, pressure, approach)]
+    assert labels == ["contact fraction", "peak pressure [MPa]", "approach [µm]"]
+    assert fraction.get_xlabel() == "load, per length [N/mm]"
+    # twenty times the least load is more than a decade; so is the fraction, but not the pressure of 13 to 24
+    scales = [(ax.get_xscale(), ax.get_yscale()) for ax in (fraction, pressure, approach)]
     assert scales == [("log", "log"), ("log", "linear"), ("log", "linear")]
     assert (drawn.name, drawn.caption) == ("curves", "Rough contact.")
 
@@ -119,7 +119,7 @@ def test_maps_show_a_measure_over_two_axes() -> None:
 
 def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothing() -> None:
     dataset = swept({"load_per_length": LOADS})
-    other = dataset.drop_vars(["contact_share", "peak_pressure", "approach"])
+    other = dataset.drop_vars(["contact_fraction", "peak_pressure", "approach"])
     [ax] = curves(other)[0].figure.axes
     x, y = np.asarray(ax.lines[0].get_xydata(), dtype=float).T
     assert x == pytest.approx([10, 20, 50, 200])

@@ -5,7 +5,7 @@ from studies.report.style import percent, power, variation_text
 
 
 @pytest.mark.parametrize(
-    ("share", "text"),
+    ("fraction", "text"),
     [
         (0.0, "0"),
         (0.0123, "1.2"),
@@ -17,8 +17,8 @@ from studies.report.style import percent, power, variation_text
         (float("nan"), None),
     ],
 )
-def test_a_share_is_in_per_cent_with_two_digits(share: float, text: str | None) -> None:
-    assert percent(share) == ("not known" if text is None else f"{text}\u00a0%")
+def test_a_fraction_is_in_per_cent_with_two_digits(fraction: float, text: str | None) -> None:
+    assert percent(fraction) == ("not known" if text is None else f"{text}\u00a0%")
 
 
 @pytest.mark.parametrize(

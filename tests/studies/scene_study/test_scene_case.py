@@ -68,7 +68,7 @@ def test_every_contact_is_measured_without_asking(rough: Path, tmp_path: Path) -
     dataset = solved(rough, tmp_path)
     assert dataset["load_per_length"].attrs["units"] == "N m-1"
     names = (
-        "load contact_area contact_share contact_perimeter peak_pressure mean_pressure approach stiffness "
+        "load contact_area contact_fraction contact_perimeter peak_pressure mean_pressure approach stiffness "
         "mean_gap wall_time solver_status iterations residual pressure_l1_estimate case_status"
     )
     for name in names.split():
@@ -78,8 +78,8 @@ def test_every_contact_is_measured_without_asking(rough: Path, tmp_path: Path) -
     assert (dataset["contact_area"].diff("load_per_length") > 0).all()
     assert (dataset["approach"].diff("load_per_length") > 0).all()
     assert (dataset["mean_gap"].diff("load_per_length") < 0).all()
-    share = dataset["contact_area"] / _width(dataset)
-    np.testing.assert_allclose(dataset["contact_share"], share, rtol=1e-3)
+    fraction = dataset["contact_area"] / _width(dataset)
+    np.testing.assert_allclose(dataset["contact_fraction"], fraction, rtol=1e-3)
     assert "planned once" in dataset.attrs["notes"]
     assert "per_length" in dataset.attrs["scene"]
 

@@ -162,9 +162,9 @@ def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:
         stress = operator.stress_of_strain(strain)
         core = x**2 + y**2 + (volume.depths[:, None, None] - middle) ** 2 < (radius / 2) ** 2
         # Eshelby (1957), eq. 3.14: 1 - beta; the sphere is made of cells, images have (R / L)^3
-        share = 1 - 2 * (4 - 5 * 0.3) / (15 * (1 - 0.3))
+        fraction = 1 - 2 * (4 - 5 * 0.3) / (15 * (1 - 0.3))
         found = stress[:, core].mean(axis=1) / 2
-        wanted = share * np.eye(5)[component]
+        wanted = fraction * np.eye(5)[component]
         assert np.abs(found - wanted).max() < 0.03
 
 

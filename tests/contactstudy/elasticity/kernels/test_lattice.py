@@ -47,8 +47,8 @@ def test_lattice_is_exact(width: float, period: float, nx: int, ny: int) -> None
     found = boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)
     expected = [judged(u, v, dx, dy, width, period) for u, v in zip(x, y, strict=True)]
     error = np.array([abs(float(f - e)) for f, e in zip(found, expected, strict=True)])
-    share = dx * dy / min(width, period)
-    assert (error < EXACT * np.maximum(np.abs(np.array(expected, float)), share)).all()
+    fraction = dx * dy / min(width, period)
+    assert (error < EXACT * np.maximum(np.abs(np.array(expected, float)), fraction)).all()
 
 
 @pytest.mark.parametrize(("width", "period"), EXTENTS)

@@ -22,11 +22,11 @@ def by_quadrature(layer: LayerResponse, x: float, y: float, dx: float, dy: float
     k, weight = panels(
         np.concatenate([[0.0], np.geomspace(1e-6, 0.25, 30), np.arange(0.5, 20.1, 0.25)]), 12
     )
-    share = np.real(layer.remainder(k)) * weight
+    fraction = np.real(layer.remainder(k)) * weight
     u, across = panels(np.linspace(x - dx / 2, x + dx / 2, 3), 16)
     v, along = panels(np.linspace(y - dy / 2, y + dy / 2, 3), 16)
     r = np.hypot(u[:, None], v)
-    g = np.array([j0(np.multiply.outer(line, k)) @ share for line in r])
+    g = np.array([j0(np.multiply.outer(line, k)) @ fraction for line in r])
     return float(across @ g @ along)
 
 

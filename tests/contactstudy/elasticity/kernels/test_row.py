@@ -87,8 +87,8 @@ def lattice_error(
     found = boussinesq_cell_periodic(x, y, dx, dy, period).ravel()
     judged = [judged_lattice(*p) for p in points]
     error = np.array([float(f - j) for f, j in zip(found, judged, strict=True)])
-    share = np.array([dx * dy / period for _, _, dx, dy, period in points])
-    return float((np.abs(error) / np.maximum(np.abs(np.array(judged, float)), share)).max())
+    fraction = np.array([dx * dy / period for _, _, dx, dy, period in points])
+    return float((np.abs(error) / np.maximum(np.abs(np.array(judged, float)), fraction)).max())
 
 
 # --- the repeated cell -----------------------------------------------------------------------------
@@ -110,8 +110,8 @@ PERIODS = [0.013, 1.0, 1700.0]
 def test_lattice_has_its_reference_values() -> None:
     found = boussinesq_cell_periodic(*(column("lattice", k) for k in ("x", "y", "dx", "dy", "L")))
     expected = column("lattice", "S")
-    share = column("lattice", "dx") * column("lattice", "dy") / column("lattice", "L")
-    assert (np.abs(found - expected) <= EXACT * np.maximum(np.abs(expected), share)).all()
+    fraction = column("lattice", "dx") * column("lattice", "dy") / column("lattice", "L")
+    assert (np.abs(found - expected) <= EXACT * np.maximum(np.abs(expected), fraction)).all()
 
 
 @pytest.mark.parametrize(
@@ -248,9 +248,9 @@ def test_lattice_is_made_of_sparser_lattices(dx: float, dy: float, times: int) -
 @settings(max_examples=20)
 @given(offsets, offsets, lengths, fractions, lengths, st.floats(1e-6, 1e6))
 def test_lattice_scales_but_for_its_logarithm(
-    x: float, y: float, dx: float, share: float, period: float, scale: float
+    x: float, y: float, dx: float, fraction: float, period: float, scale: float
 ) -> None:
-    lengths = np.array([x, y, dx, share * period, period])
+    lengths = np.array([x, y, dx, fraction * period, period])
     found = boussinesq_cell_periodic(*(lengths * scale)) / scale
     unit = lengths[2] * lengths[3] / period
     expected = boussinesq_cell_periodic(*lengths) - 2 * unit * np.log(scale)

@@ -342,8 +342,8 @@ def test_lattice_is_the_sum_of_rows_but_for_its_mean(name: str) -> None:
     running = np.cumsum(images, axis=0)
     own = stress_cell_periodic(COMPONENTS[name], x, y, *cell, period, NU)
     summed = own + to_the_limit([running[n - 1] for n in strips], 1 / (strips + 0.5))
-    share = (1 - 2 * NU) / (1 - NU) * 0.3 * 0.2 / (width * period)
-    held = {"xx": share, "yy": NU * share}.get(name, 0.0)
+    fraction = (1 - 2 * NU) / (1 - NU) * 0.3 * 0.2 / (width * period)
+    held = {"xx": fraction, "yy": NU * fraction}.get(name, 0.0)
     assert_allclose(found, summed + held, rtol=0, atol=1e-11 * 0.3 * 0.2)
 
 
@@ -354,6 +354,9 @@ def test_deep_down_nothing_is_left_of_the_lattice_but_its_mean(z: float) -> None
     found = stress_cell_doubly_periodic(
         COMPONENTS["zz"], np.array([0.0, 0.6]), Y, z, 0.2, 0.2, width, period, NU
     )
-    share = 0.2 * 0.2 / (width * period)
+    fraction = 0.2 * 0.2 / (width * period)
     k = 2 * np.pi / width
-    assert np.abs(found + share).max() <= 4 * share * (1 + k * z) * np.exp(-k * z) + 1e-12 * share
+    assert (
+        np.abs(found + fraction).max()
+        <= 4 * fraction * (1 + k * z) * np.exp(-k * z) + 1e-12 * fraction
+    )

@@ -83,9 +83,9 @@ def test_an_amplitude_without_bound_is_a_parabola(amplitude: float) -> None:
     np.testing.assert_allclose(profile.gap(grid)[0], 1e-6 * (2 * grid.y / 0.01) ** 2, rtol=1e-8)
 
 
-@pytest.mark.parametrize("share", [0.5, 1.0])
+@pytest.mark.parametrize("fraction", [0.5, 1.0])
 def test_profile_is_what_an_even_pressure_of_finite_length_lifts(
-    share: float, line_contact: LineContact
+    fraction: float, line_contact: LineContact
 ) -> None:
     """Displacement of the axis under Hertz's pressure on ``|y| < l``, by quadrature of Boussinesq's.
 
@@ -104,11 +104,11 @@ def test_profile_is_what_an_even_pressure_of_finite_length_lifts(
             return 4 / math.pi * float(integrate.quad(along, 0, 1, epsabs=1e-12, epsrel=1e-12)[0])
 
         amplitude = hertz.load_per_length / (math.pi * hertz.contact_modulus)
-        lifted = amplitude * (displaced(0.0) - displaced(share * end))
+        lifted = amplitude * (displaced(0.0) - displaced(fraction * end))
         profile = lundberg(line_contact, length)
-        if share < 1:
+        if fraction < 1:
             profile = replace(profile, end_drop=1.0)
-        grid = cs.Grid(cells=(2, 2), extent=(1.0, 2 * share * profile.length))
+        grid = cs.Grid(cells=(2, 2), extent=(1.0, 2 * fraction * profile.length))
         drop = profile.gap(grid)[0, 0]
         errors.append(abs(drop - lifted) / amplitude)
     assert errors[-1] <= errors[0] / 13, errors  # second order would be 16

@@ -26,18 +26,18 @@ def test_dimples_repeat_at_their_pitch_and_are_deepest_in_the_middle() -> None:
 
 
 @pytest.mark.parametrize(
-    ("profile", "share"),
+    ("profile", "fraction"),
     [(cs.Parabolic(), 1 / 2), (cs.Cosine(), 1 / 2 - 2 / math.pi**2), (cs.FlatBottomed(), 1.0)],
     ids=repr,
 )
-def test_dimples_hold_the_volume_of_their_profile(profile: object, share: float) -> None:
+def test_dimples_hold_the_volume_of_their_profile(profile: object, fraction: float) -> None:
     """In closed form; a cell on the rim is in or out, so the error of the sum is a part of theirs."""
     texture = replace(DIMPLES, feature=replace(DIMPLE, profile=profile))
     cells = 800
     rim = math.pi * DIMPLE.diameter * math.hypot(4e-4 / cells, 5e-4 / cells)
     area = math.pi * DIMPLE.diameter**2 / 4
     mean = texture.gap(grid(cells, cells)).mean()
-    assert mean == pytest.approx(share * texture.area_density * 5e-6, rel=rim / area / 2)
+    assert mean == pytest.approx(fraction * texture.area_density * 5e-6, rel=rim / area / 2)
 
 
 def test_area_density_is_the_share_of_cells_below_the_surface() -> None:

@@ -23,13 +23,13 @@ def speed(device: str = "cpu") -> xr.Dataset:
         "surface": ["rough", "self-affine"],
         "hurst": [0.2, 0.8],
         "cut_off": [2.0],
-        "share": [0.2],
+        "fraction": [0.2],
         "precision": ["double"],
         "device": [device],
         "threads": [1, 2],
         "grid": CELLS,
     }
-    names = ("solve_time", "iterations", "transform_ratio", "contact_share", "memory")
+    names = ("solve_time", "iterations", "transform_ratio", "contact_fraction", "memory")
     dataset = numbered(axes, *names)
     dataset["iterations"] = (1e4 * dataset["iterations"]).round()
     dataset["transform_ratio"] *= 1e3

@@ -71,7 +71,7 @@ def test_creep_says_what_a_digit_costs() -> None:
 
 
 def friction() -> xr.Dataset:
-    ratio, coefficient, share = [0.0, 0.3], [0.0, 0.2, 0.4], [0.0, 0.75]
+    ratio, coefficient, fraction = [0.0, 0.3], [0.0, 0.2, 0.4], [0.0, 0.75]
 
     def each(*values: object) -> tuple[tuple[str, ...], np.ndarray]:
         return ("grid", "rough_grid", "poisson_ratio"), np.array([[values]])
@@ -86,9 +86,12 @@ def friction() -> xr.Dataset:
                 ("grid", "rough_grid", "poisson_ratio", "coefficient"),
                 np.array([[[[0.7, 0.6, 0.0], [0.7, 0.015, 0.0]]]]),
             ),
-            "stick": (("grid", "rough_grid", "poisson_ratio", "share"), [[[[1, 0.4], [1, 0.53]]]]),
+            "stick": (
+                ("grid", "rough_grid", "poisson_ratio", "fraction"),
+                [[[[1, 0.4], [1, 0.53]]]],
+            ),
             "stick_sphere": (
-                ("grid", "rough_grid", "poisson_ratio", "share"),
+                ("grid", "rough_grid", "poisson_ratio", "fraction"),
                 [[[[1, 0.6], [1, 0.7]]]],
             ),
             "superposition_error": each(0.001, 0.02),
@@ -99,7 +102,7 @@ def friction() -> xr.Dataset:
             "rough_grid": [24],
             "poisson_ratio": ratio,
             "coefficient": coefficient,
-            "share": share,
+            "fraction": fraction,
         },
     )
 

@@ -135,18 +135,18 @@ def solve(
     """
     if named:
         options = replace(options, **named) if options else SolveOptions(**named)
-    asked = None if error is None else relative_error("solve.error", error)
+    requested = None if error is None else relative_error("solve.error", error)
     request = _Request(
-        scene, grid, padding, asked, period, times, start, folder, progress, on, options or SolveOptions()
+        scene, grid, padding, requested, period, times, start, folder, progress, on, options or SolveOptions()
     )  # fmt: skip
     if isinstance(scene, Problem):
         request.refuse_unless("a problem", "start", "on")
         if grid is not None or padding is not None:
-            given = "padding" if grid is None else "grid"
+            argument = "padding" if grid is None else "grid"
             raise InvalidInput(
-                f"solve.{given} is for a scene: leave it out, a problem has its own."
+                f"solve.{argument} is for a scene: leave it out, a problem has its own."
             )
-        return replace(request.solve_problem(scene), requested=asked)
+        return replace(request.solve_problem(scene), requested=requested)
     if not isinstance(scene, Scene):
         raise InvalidInput(
             f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
@@ -188,14 +188,14 @@ class _Request:
 
     def refuse_unless(self, kind: str, *used: str) -> None:
         """Raise InvalidInput for a keyword beyond those that a scene of this `kind` has used."""
-        given = {
+        arguments = {
             "times": self.times is not None,
             "start": self.start is not None,
             "folder": self.folder is not None,
             "on": not isinstance(self.on, Cpu),
             "period": self.period is not None and self.grid is not None,
         }
-        for name, is_given in given.items():
+        for name, is_given in arguments.items():
             if is_given and name not in used:
                 other = (
                     "the grid has a period of its own"
@@ -219,10 +219,10 @@ class _Request:
             plan_grid,
         )  # only where something is left to be chosen
 
-        found = plan_grid(
+        planned = plan_grid(
             self.scene, error=error, period=self.period, grid=self.grid, times=self.times
         )
-        return found.grid, self.padding or found.padding
+        return planned.grid, self.padding or planned.padding
 
     @property
     def steps(self) -> "TimeSteps":
@@ -256,12 +256,12 @@ class _Request:
 
         def see(residual: float, pressure: Array) -> None:
             first.append(max(residual, 10 * tolerance))
-            done = 0.0
+            fraction = 0.0
             if isfinite(residual) and residual > 0:
-                done = log(first[0] / residual) / log(first[0] / tolerance)
+                fraction = log(first[0] / residual) / log(first[0] / tolerance)
             text = f"residual {residual:.1e} of {tolerance:.1e}"
             field = np.array(pressure, dtype=np.float64) * problem.scales.pressure
-            report(Progress(min(max(done, 0.0), 1.0), text, field, problem.grid))
+            report(Progress(min(max(fraction, 0.0), 1.0), text, field, problem.grid))
 
         return see
 
@@ -301,9 +301,9 @@ class _Request:
             return None
 
         def show(level: "BoundedSolution") -> None:
-            done, bound = min(requested / level.bound, 1.0), f"{100 * level.bound:.2g} % in L1"
+            fraction, bound = min(requested / level.bound, 1.0), f"{100 * level.bound:.2g} % in L1"
             text = f"{' x '.join(map(str, level.grid.cells))} cells: {bound}"
-            report(Progress(done, text, level.solution.pressure, level.grid))
+            report(Progress(fraction, text, level.solution.pressure, level.grid))
 
         return show
 
@@ -360,8 +360,8 @@ class _Request:
             return evolution_of(trajectory, requested)
 
         answer = solve_on(first)
-        asked = self.error is not None and self.grid is None
-        return self._refined(answer, solve_on) if asked else answer
+        refines = self.error is not None and self.grid is None
+        return self._refined(answer, solve_on) if refines else answer
 
     def adhesive_history(self) -> "Evolution":
         """Follow an adhesive contact through a history of loads."""
@@ -433,10 +433,10 @@ class _Request:
         requested = answer.requested
         for _ in range(ROUNDS):
             parts = answer.error.l1.by_cause
-            others = sum(parts.values()) - parts["discretisation"]
-            if answer.met or not isfinite(parts["discretisation"]) or others >= requested:
+            other_causes = sum(parts.values()) - parts["discretisation"]
+            if answer.met or not isfinite(parts["discretisation"]) or other_causes >= requested:
                 break
-            factor = parts["discretisation"] / (requested - others)
+            factor = parts["discretisation"] / (requested - other_causes)
             grid = _finer(answer.grid, min(1.05 * factor, FINER))
             if prod(grid.cells) > MOST_CELLS:
                 break

@@ -47,9 +47,9 @@ def approach_error(
         change *= MARGIN
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
-    moved = max(change, GAP * cells * varies)
-    reason = next(iter(estimate.warnings), "") if moved == inf else ""
-    return ErrorParts(0.0, moved / size, residual * varies / size, reason=reason)
+    shift = max(change, GAP * cells * varies)
+    reason = next(iter(estimate.warnings), "") if shift == inf else ""
+    return ErrorParts(0.0, shift / size, residual * varies / size, reason=reason)
 
 
 def stress_errors(
@@ -126,8 +126,8 @@ def _excess(values: Array, index: int) -> float:
     """Return by how much the parabola through a largest value and those beside rises above it."""
     if not 0 < index < len(values) - 1:
         return 0.0
-    before, here, after = (float(value) for value in values[index - 1 : index + 2])
-    bend = 2 * here - before - after
+    before, centre, after = (float(value) for value in values[index - 1 : index + 2])
+    bend = 2 * centre - before - after
     return (after - before) ** 2 / (8 * bend) if bend > 0 else 0.0
 
 

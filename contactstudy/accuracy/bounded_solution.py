@@ -102,18 +102,20 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     estimate = error_estimate(solution, coarse=coarse, heights=heights)
     inside = heights.effect_under(problem, solution.pressure) if heights else None
     is_sharp = (inside is not None and inside.corner > CORNER) or bool(_loaded_ends(solution))
-    found = BoundedSolution(solution, estimate, cell_errors(solution), is_sharp)
-    present = found.discretisation_error
+    result = BoundedSolution(solution, estimate, cell_errors(solution), is_sharp)
+    present = result.discretisation_error
     if inside is None or not coarser or solution.pressure.shape[1] == 1 or present == inf:
-        return found
+        return result
     # the end of a roller within the grid hides a step as high as the roller is long
     hidden = 0.0 if _row_lengths(problem) is not None else inside.uncertain
-    by_cells = (BY_CELL_ERRORS_AT_STEPS if is_sharp else BY_CELL_ERRORS) * sum(found.cell_errors)
-    by_change = min(present, BY_CHANGE * error_by_change(found, coarser))
+    by_cells = (BY_CELL_ERRORS_AT_STEPS if is_sharp else BY_CELL_ERRORS) * sum(result.cell_errors)
+    by_change = min(present, BY_CHANGE * error_by_change(result, coarser))
     bound = max(by_cells, by_change, BY_HIDDEN * hidden)
     if not _loaded_ends(solution):  # of a sharp end the estimate from one solution shows little
         bound = min(present, bound)
-    return replace(found, estimate=replace(estimate, l1=replace(estimate.l1, discretisation=bound)))
+    return replace(
+        result, estimate=replace(estimate, l1=replace(estimate.l1, discretisation=bound))
+    )
 
 
 def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float:
@@ -133,8 +135,8 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
             )
         )
         if remaining < 1:
-            moved = change(fine.solution, coarser[number]).l1
-            errors.append((remaining, moved * remaining / sqrt(1 - remaining**2)))
+            last_change = change(fine.solution, coarser[number]).l1
+            errors.append((remaining, last_change * remaining / sqrt(1 - remaining**2)))
         if remaining <= COARSER:
             return errors[-1][1]
     return min(errors, default=(inf, inf))[1]

@@ -128,8 +128,10 @@ def error_estimate(
             no_bound, no_bound, no_bound, no_bound, warnings=(f"No bound: {solution.status}",)
         )
     if not solution.pressure.any():
-        apart = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
-        return ErrorEstimate(apart, apart, apart, apart, warnings=(apart.reason,))
+        no_contact = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
+        return ErrorEstimate(
+            no_contact, no_contact, no_contact, no_contact, warnings=(no_contact.reason,)
+        )
     peak_images, l1_images = 0.0, 0.0
     if problem.source is None or not problem.source.ends_along:
         peak_images, l1_images = truncation(solution.pressure, problem.grid, problem.paddings)
@@ -214,10 +216,15 @@ def _cells(
     if reason := _cut_off(solution) or _unresolved_length(problem):
         return _Cells(inf, inf, inf, inf, (reason,))
     if solution.adhesion is not None or problem.resultant.approach is not None:
-        found = compare_grids(solution, coarse)
-        parts = found.peak_pressure, found.l1, found.contact_area, found.mean_gap
+        comparison = compare_grids(solution, coarse)
+        parts = (
+            comparison.peak_pressure,
+            comparison.l1,
+            comparison.contact_area,
+            comparison.mean_gap,
+        )
         is_sought = problem.resultant.approach is not None or _is_pull_off(solution)
-        return _Cells(*parts, found.warnings, found.load if is_sought else None)
+        return _Cells(*parts, comparison.warnings, comparison.load if is_sought else None)
     heights = heights or SubgridHeights.from_problem(problem, confidence)
     if heights is None:
         return _Cells(inf, inf, inf, inf, (UNKNOWN_HEIGHTS,))
@@ -287,8 +294,8 @@ def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> f
     residual = float(np.abs(solution.gap[touching]).sum()) / touching.size
     if not gap > 2 * residual:
         return inf
-    moved = GAP * l1 * max(float(solution.displacement.std()), gap)
-    return max(change, moved / gap) + hidden / gap
+    shift = GAP * l1 * max(float(solution.displacement.std()), gap)
+    return max(change, shift / gap) + hidden / gap
 
 
 def _with_reasons(cells: _Cells) -> _Cells:

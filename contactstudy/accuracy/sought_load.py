@@ -48,13 +48,13 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> GridComparison
         reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
         return GridComparison(inf, inf, inf, inf, inf, (reason,))
     changes = change(solution, coarse)
-    own, other = solution.load_per_length, coarse.load_per_length
+    fine_load, coarse_load = solution.load_per_length, coarse.load_per_length
     return GridComparison(
         MARGIN * changes.l1,
         MARGIN * abs(changes.peak_pressure),
         MARGIN * changes.contact_area,
         MARGIN * changes.mean_gap,
-        MARGIN * abs(own - other) / abs(own) if own else inf,
+        MARGIN * abs(fine_load - coarse_load) / abs(fine_load) if fine_load else inf,
         range_warning(solution),
     )
 
@@ -74,16 +74,16 @@ def range_warning(solution: Solution) -> tuple[str, ...]:
 
 def pull_off_error(solution: Solution, load: float) -> ErrorParts:
     """Return the error of the pull-off load of `solution`, whose relative discretisation error is `load`."""
-    adhesion, held = solution.adhesion, solution.load_per_length
+    adhesion, pull_off = solution.adhesion, solution.load_per_length
     assert adhesion is not None
     assert adhesion.first_unstable_load is not None
     trapped = next(fraction for cells, fraction in TRAPPED if adhesion.cells_in_zone >= cells)
     return ErrorParts(
         discretisation=load + trapped,
-        residual=abs(held - adhesion.first_unstable_load) / abs(held) if held else inf,
-        range=_range_error(solution, adhesion, held),
+        residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,
+        range=_range_error(solution, adhesion, pull_off),
         reason=""
-        if load < inf and held
+        if load < inf and pull_off
         else "No bound for the discretisation error: give more cells.",
     )
 
@@ -107,8 +107,8 @@ def _range_error(solution: Solution, adhesion: CohesiveTraction, held: float) ->
 
 def reduction_below_jkr(tabor: float) -> float:
     """Return by how much the pull-off load of a cylinder is below its JKR limit, relative to it."""
-    known = [parameter for parameter, _ in PULL_OFF]
-    index = min(max(bisect_left(known, tabor), 1), len(known) - 1)
+    parameters = [parameter for parameter, _ in PULL_OFF]
+    index = min(max(bisect_left(parameters, tabor), 1), len(parameters) - 1)
     (low, below), (high, above) = PULL_OFF[index - 1 : index + 1]
     # 1 - ratio between two values is a power of the parameter
     first, last = 1 - below, 1 - above

@@ -217,10 +217,10 @@ def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong
         mean_height(source, Grid(cells, grid.extent), axis_first(heights, axis))
         for cells, heights in ((inside, points), (lines, centres))
     )
-    found = _HiddenAlong(axis, inside_mean - mean, *on_lines)
-    if points_each < AT_CORNERS and found.corner.any():
+    hidden = _HiddenAlong(axis, inside_mean - mean, *on_lines)
+    if points_each < AT_CORNERS and hidden.corner.any():
         return _hidden_along(problem, axis, AT_CORNERS)
-    return found
+    return hidden
 
 
 def mean_height(source: Source, grid: Grid, gap: Array) -> float:

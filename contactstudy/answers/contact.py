@@ -166,4 +166,6 @@ class Contact(Answer, Solution):
 
 def contact_of(solution: Solution, **more: Any) -> Contact:
     """Return a solution as an answer, with `more` fields of :class:`Contact`."""
-    return Contact(**{one.name: getattr(solution, one.name) for one in fields(Solution)}, **more)
+    return Contact(
+        **{field.name: getattr(solution, field.name) for field in fields(Solution)}, **more
+    )

@@ -133,8 +133,8 @@ class Evolution(Answer):
 
             frames = self.trajectory.frames
             errors = [frame.quantities["approach"].bound for frame in self.frames]
-            lost = work_lost(frames, errors)
-            numbers = cycle_quantities(lost, separation(frames), jump_in(frames)) | numbers
+            loss = work_lost(frames, errors)
+            numbers = cycle_quantities(loss, separation(frames), jump_in(frames)) | numbers
         return numbers
 
     @property
@@ -144,8 +144,11 @@ class Evolution(Answer):
             passes = self.passes.passes
             return {
                 "passes": (len(passes), "passes"),
-                "steps": (sum(one.steps for one in passes), "steps"),
-                "iterations": (sum(one.iterations for one in passes), "iterations of all steps"),
+                "steps": (sum(trajectory.steps for trajectory in passes), "steps"),
+                "iterations": (
+                    sum(trajectory.iterations for trajectory in passes),
+                    "iterations of all steps",
+                ),
             }
         instants = len(self.frames), "instants recorded"
         residual = max(frame.residual for frame in self.frames), "largest residual"
@@ -157,15 +160,15 @@ class Evolution(Answer):
                 "linear_iterations": (self.films.linear_iterations, "iterations of linear systems"),
                 "residual": residual,
             }
-        one = self.trajectory
-        assert one is not None
+        trajectory = self.trajectory
+        assert trajectory is not None
         return {
             "instants": instants,
-            "steps": (one.steps, "solves"),
-            "iterations": (one.iterations, "solver iterations of all steps"),
-            "convolutions": (one.convolutions, "transform pairs of the full grid"),
-            "rejected": (one.rejected, "rejected double steps"),
-            "restarts": (one.restarts, "restarts with shorter steps"),
+            "steps": (trajectory.steps, "solves"),
+            "iterations": (trajectory.iterations, "solver iterations of all steps"),
+            "convolutions": (trajectory.convolutions, "transform pairs of the full grid"),
+            "rejected": (trajectory.rejected, "rejected double steps"),
+            "restarts": (trajectory.restarts, "restarts with shorter steps"),
             "residual": residual,
         }
 
@@ -240,8 +243,8 @@ def passes_of(rolled: "RepeatedRolling", requested: float | None = None) -> Evol
     unknown = ErrorParts(discretisation=inf, reason=OF_PASSES)
     estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(OF_PASSES,))
     frames = tuple(
-        contact_of(replace(one.solution, status=one.status), estimate=estimate)
-        for one in rolled.passes
+        contact_of(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
+        for each_pass in rolled.passes
     )
     numbers = np.arange(1.0, len(frames) + 1)
     return Evolution(frames, numbers, rolled.description, requested, passes=rolled)

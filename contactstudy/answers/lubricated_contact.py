@@ -100,5 +100,5 @@ class LubricatedContact(Answer, FilmSolution):
 
 def lubricated(contact: FilmSolution, **more: Any) -> LubricatedContact:
     """Return a film as an answer, with `more` fields of :class:`LubricatedContact`."""
-    values = {one.name: getattr(contact, one.name) for one in fields(FilmSolution)}
+    values = {field.name: getattr(contact, field.name) for field in fields(FilmSolution)}
     return LubricatedContact(**values, **more)

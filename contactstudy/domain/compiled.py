@@ -61,8 +61,8 @@ def measured(
     for i in range(height.shape[0]):
         load, moment, free_load = 0.0, 0.0, 0.0
         for j in range(columns):
-            loaded, moved = pressure[i, j], displacement[i, j]
-            gap = undeformed[i, j] + moved - approach
+            loaded, deflection = pressure[i, j], displacement[i, j]
+            gap = undeformed[i, j] + deflection - approach
             height[i, j] = gap
             empty, full = loaded == 0, loaded >= limit
             free = 0.0 if empty | full else loaded
@@ -73,7 +73,7 @@ def measured(
             highest = largest_violation[j]
             largest_violation[j] = violation if violation > highest else highest
             farthest = largest_displacement[j]
-            largest_displacement[j] = abs(moved) if abs(moved) > farthest else farthest
+            largest_displacement[j] = abs(deflection) if abs(deflection) > farthest else farthest
         results[i, 0], results[i, 1], results[i, 2] = load, moment, free_load
         results[i, 3], results[i, 4] = 0.0, 0.0
     results[0, 3], results[0, 4] = largest_violation.max(), largest_displacement.max()

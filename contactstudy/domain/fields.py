@@ -49,8 +49,8 @@ def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float,
 
 def equal(first: Array, second: Array) -> bool:
     """Return whether two fields (x, y) are the same; blocks after the first one that differs are not read."""
-    whole = not isinstance(device(), Cpu)
-    blocks = [slice(None)] if whole else _blocks(*first.shape)
+    in_one_block = not isinstance(device(), Cpu)
+    blocks = [slice(None)] if in_one_block else _blocks(*first.shape)
     return all(bool(arrays().all(first[block, :] == second[block, :])) for block in blocks)
 
 

@@ -118,11 +118,11 @@ def _content(value: object, memo: CanonicalMemo) -> Tree:
 
 def _attributes(value: object) -> dict[str, object] | None:
     """Return the attributes of an object beside its content; None where it may have hidden state."""
-    own = (cls for cls in type(value).__mro__ if cls not in (*TRANSPARENT, object))
+    classes = (cls for cls in type(value).__mro__ if cls not in (*TRANSPARENT, object))
     if isinstance(value, PurePath):
         return {} if type(value).__module__.partition(".")[0] == "pathlib" else None
     attributes: dict[str, object] = {}
-    for cls in own:
+    for cls in classes:
         # a class of compiled code may keep anything; abstract ones of the standard library nothing
         if not cls.__flags__ & HEAP_TYPE:
             return None
@@ -163,8 +163,10 @@ def _array(value: "np.ndarray | np.generic") -> Tree:
 
 def _said_besides(value: object) -> bool:
     """Return whether an array of a subclass has attributes that somebody has given it."""
-    own = getattr(value, "__dict__", {})
-    return bool(own.get("_optinfo")) or any(name not in OWN and name[0] != "_" for name in own)
+    attributes = getattr(value, "__dict__", {})
+    return bool(attributes.get("_optinfo")) or any(
+        name not in OWN and name[0] != "_" for name in attributes
+    )
 
 
 OWN = ("filename", "offset", "mode")  # attributes of a memory-mapped array
@@ -227,9 +229,9 @@ def key(tree: Tree) -> str:
 
 def keys(tree: Tree) -> tuple[str, str]:
     """Return the key of a computation, and a hash of its whole tree, fields at their defaults included."""
-    whole = text(tree)
-    exact = hashlib.sha256(whole.encode()).hexdigest()[:24]
-    if f'"{DEFAULTS}":' not in whole:
+    canonical = text(tree)
+    exact = hashlib.sha256(canonical.encode()).hexdigest()[:24]
+    if f'"{DEFAULTS}":' not in canonical:
         return exact, exact
     return hashlib.sha256(text(_bare(tree)).encode()).hexdigest()[:24], exact
 

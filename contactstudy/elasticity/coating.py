@@ -153,19 +153,19 @@ class CoatingShear:
         """Return the response to a strip of width `dx`, endless along y, at offsets `x`."""
         depth = 2 * self.thickness
         along, across, coupling = (terms[0] for terms in self._terms)
-        rest = self.thickness * self._waves(Part.REGULAR).strip(x, dx)
+        remainder = self.thickness * self._waves(Part.REGULAR).strip(x, dx)
         if self.name == "x":
             upper, lower = (
                 edge * np.arctan(edge / depth) - depth / 2 * np.log(edge**2 + depth**2)
                 for edge in (x + dx / 2, x - dx / 2)
             )
-            return np.asarray(rest + 2 * coupling * (upper - lower))
+            return np.asarray(remainder + 2 * coupling * (upper - lower))
         if self.name in ("xx", "yy"):
-            one, other = (along, across) if self.name == "xx" else (across, along)
+            parallel, perpendicular = (along, across) if self.name == "xx" else (across, along)
             # a point's field less that across, whose integral along y is 2
             line = 2 * log(self.datum) - 2 - log_mean(np.abs(x), dx / 2, depth)
-            return np.asarray(rest + dx * (one * line + 2 * other))
-        return rest
+            return np.asarray(remainder + dx * (parallel * line + 2 * perpendicular))
+        return remainder
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float

@@ -191,8 +191,8 @@ def normal_displacement(
 
     Bodies are alike where the weights of the first one's coefficients are those of the second one's.
     """
-    one, other = first.shear(datum), second.shear(datum)
-    weights = {axis: total(-1, one[axis], other[axis]) for axis in axes}
+    first_shear, second_shear = first.shear(datum), second.shear(datum)
+    weights = {axis: total(-1, first_shear[axis], second_shear[axis]) for axis in axes}
     if not any(weights.values()):
         return []
     return _convolutions(weights, grid, paddings)

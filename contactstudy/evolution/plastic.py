@@ -291,7 +291,7 @@ class PlasticState:
         """Return the stress (C, cells) [Pa] by the shear that a `pressure` (x, y) [Pa] has while it slides."""
         parts = zip(self.bodies, self.operators, strict=True)
         return bodies.concatenated(
-            [self._stress_of_shear(body, one, pressure) for body, one in parts]
+            [self._stress_of_shear(body, part, pressure) for body, part in parts]
         )
 
     def _stress_of_shear(

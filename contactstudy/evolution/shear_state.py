@@ -113,11 +113,11 @@ class ShearState:
             total = np.array([last * self.grid.period / self.grid.cell_area, 0.0])
         else:
             assert self.displacements is not None
-            moved = self.displacements.at(step.end)
-            moved -= self.displacements.at(step.start) if before.any() else 0.0
-            rigid = np.array([moved, 0.0])
+            rigid_displacement = self.displacements.at(step.end)
+            rigid_displacement -= self.displacements.at(step.start) if before.any() else 0.0
+            rigid = np.array([rigid_displacement, 0.0])
         reference = self._locked(shear, before, after, slope)
-        found = slip_step(
+        step_of_slip = slip_step(
             self.response,
             self.coefficient * after,
             reference,
@@ -126,29 +126,31 @@ class ShearState:
             total=total,
             rigid=rigid,
         )
-        slip = np.where(found.stick, 0.0, np.hypot(*found.slip))
+        slip = np.where(step_of_slip.stick, 0.0, np.hypot(*step_of_slip.slip))
         released = (before > 0) & (after == 0)
         if released.any() and after.any():
-            outside = self.response(found.shear - reference) - found.rigid[:, None, None]
+            outside = (
+                self.response(step_of_slip.shear - reference) - step_of_slip.rigid[:, None, None]
+            )
             slip = np.where(released, np.hypot(*outside), slip)
         cycles = self._cycles(step)
         distance = cycles * slip
         explicit = self._fraction_at_start(self.wear * distance)
         work = (explicit * before + (1 - explicit) * after) * distance
         state = dict(state) | {
-            "shear_x": found.shear[0],
-            "shear_y": found.shear[1],
-            "stick": found.stick.astype(np.float64),
+            "shear_x": step_of_slip.shear[0],
+            "shear_y": step_of_slip.shear[1],
+            "stick": step_of_slip.stick.astype(np.float64),
             "slip_distance": state["slip_distance"] + distance,
             "energy": state["energy"] + self.coefficient * work,
-            "residual": np.array([found.residual]),
+            "residual": np.array([step_of_slip.residual]),
         }
         if self.wear:
             guess = cycles * state["guessed_slip"]
-            wrong = self.wear * float((after * np.abs(distance - guess)).max())
+            error = self.wear * float((after * np.abs(distance - guess)).max())
             state["worn_depth"] = state["worn_depth"] + self.wear * work
             state["guessed_slip"] = distance / cycles
-            state["guess_error"] = np.array([wrong / self.gap_scale])
+            state["guess_error"] = np.array([error / self.gap_scale])
         return state
 
     def _locked(self, shear: Array, before: Array, after: Array, slope: float) -> Array:
@@ -158,18 +160,18 @@ class ShearState:
         by one distance, and only those that come to touch in it take a shear of `slope` times their pressure.
         """
         reference = locked_shear(shear, before, after, slope)
-        held = before > 0
-        if not self.coated or slope == 0 or not held.any():
+        in_contact = before > 0
+        if not self.coated or slope == 0 or not in_contact.any():
             return reference
         gained = slope * (after - before)
-        come = np.stack([np.where(held, 0.0, gained), np.zeros_like(gained)])
+        come = np.stack([np.where(in_contact, 0.0, gained), np.zeros_like(gained)])
         stuck = slip_step(
             self.response,
-            np.where(held, AMPLE * np.abs(gained).max(), 0.0),
+            np.where(in_contact, AMPLE * np.abs(gained).max(), 0.0),
             -come,
             self.tolerance,
             self.max_applications,
-            total=np.array([gained[held].sum(), 0.0]),
+            total=np.array([gained[in_contact].sum(), 0.0]),
         )
         return np.asarray(shear + come + stuck.shear)
 

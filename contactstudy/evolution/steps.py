@@ -173,12 +173,12 @@ def with_breaks(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
 ) -> tuple[Breakpoint, ...]:
     """Return `breakpoints` and more at `times` [s] between them, where something else than the `load` breaks."""
-    known = {point.time for point in breakpoints}
+    at_breakpoints = {point.time for point in breakpoints}
     start, end = breakpoints[0].time, breakpoints[-1].time
     added = (
         Breakpoint(time, load.before(time), load.at(time), records=0, breaks=True)
         for time in times
-        if start < time < end and time not in known
+        if start < time < end and time not in at_breakpoints
     )
     broken = (replace(point, breaks=point.breaks or point.time in times) for point in breakpoints)
     return tuple(sorted((*broken, *added), key=lambda point: point.time))

@@ -279,7 +279,7 @@ class TimeStepper:
                 self.all_state_variables, instant.states, found, strict=True
             )
         )
-        if all(one is other for one, other in zip(states, instant.states, strict=True)):
+        if all(new is previous for new, previous in zip(states, instant.states, strict=True)):
             return instant
         return replace(instant, states=states)
 

@@ -249,13 +249,13 @@ def _at_one_instant(
     highest = first.isel(time=int(first["pressure"].max(("x", "y")).argmax("time")))
     time = float(highest["time"])
     span = float(np.ptp(first["time"].values))
-    other = second.sel(time=time, method="nearest")
-    if abs(float(other["time"]) - time) > 1e-9 * span:
+    nearest = second.sel(time=time, method="nearest")
+    if abs(float(nearest["time"]) - time) > 1e-9 * span:
         raise InvalidInput(
             f"compare.b has no instant at {time:g} s, where the pressure of a is highest: record both at the same "
             "instants."
         )
-    return highest, other, time
+    return highest, nearest, time
 
 
 def _edges(dataset: xr.Dataset, axis: str) -> Array:

@@ -154,8 +154,8 @@ def _of_adhesion(
     if adhesion.tabor is not None:
         numbers["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor's parameter", 0.0, "")
     if adhesion.first_unstable_load is not None:
-        held = Quantity(-solution.load_per_length, "N m-1", "pull-off load")
-        numbers = {"pull_off": bounded(held, estimate.pull_off, estimate.warnings)} | numbers
+        pull_off = Quantity(-solution.load_per_length, "N m-1", "pull-off load")
+        numbers = {"pull_off": bounded(pull_off, estimate.pull_off, estimate.warnings)} | numbers
     return numbers
 
 
@@ -191,10 +191,10 @@ def _at_stick_slip_border(solution: Solution, traction: Traction) -> NDArray[np.
     beside = np.zeros_like(touching)
     for axis in (0, 1):
         for step in (1, -1):
-            other = np.roll(touching, step, axis) & (np.roll(stick, step, axis) != stick)
+            edge = np.roll(touching, step, axis) & (np.roll(stick, step, axis) != stick)
             if paddings is None or not paddings[axis].wraps:
-                other[(slice(None),) * axis + (0 if step == 1 else -1,)] = False
-            beside |= touching & other
+                edge[(slice(None),) * axis + (0 if step == 1 else -1,)] = False
+            beside |= touching & edge
     return beside
 
 
@@ -208,7 +208,7 @@ def _of_cycle(
     """
     grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
-    lost = per_length(energy, "J", "energy lost per cycle", length, grid.period)
+    dissipated = per_length(energy, "J", "energy lost per cycle", length, grid.period)
     slid = Quantity(float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle")
     slips = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
     border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slips))
@@ -216,12 +216,12 @@ def _of_cycle(
     for_energy = ENERGY / wide**2 if wide > 1 else inf
     for_slip = (1 + WIDER / wide) ** 1.5 - 1 if wide > 1 else inf
     reason = estimate.l1.reason or ("" if wide > 1 else ONE_CELL)
-    lost, slid = (
+    dissipated, slid = (
         bounded(number, replace(estimate.l1, discretisation=relative, reason=reason))
-        for number, relative in ((lost, for_energy), (slid, for_slip))
+        for number, relative in ((dissipated, for_energy), (slid, for_slip))
     )
     return {
-        "energy_per_cycle": lost,
+        "energy_per_cycle": dissipated,
         "largest_slip": slid,
         "largest_shear": Quantity(traction.largest_shear, "Pa", "largest shear of all steps"),
     }
@@ -237,9 +237,9 @@ def _of_creepage(
     shear = float(np.abs(traction.shear).sum())
     error = traction.force_error * load / shear if shear else 0.0
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
-    given = ErrorParts(discretisation=0.0) if traction.creepage_given else None
+    exact = ErrorParts(discretisation=0.0) if traction.creepage_given else None
     return {
-        "creepage": bounded(creepage, given),
+        "creepage": bounded(creepage, exact),
         "frictional_power": bounded(
             power, ErrorParts(discretisation=traction.power_outside_contact + error)
         ),

@@ -134,12 +134,12 @@ def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
     A name that the dataset has already, such as that of a coordinate, is left as it is.
     """
     numbers: dict[str, xr.Variable] = {}
-    for name, one in quantities.items():
+    for name, quantity in quantities.items():
         if name in dataset:
             continue
-        numbers[name] = labelled((), one.value, one.unit, one.label)
+        numbers[name] = labelled((), quantity.value, quantity.unit, quantity.label)
         numbers[f"{name}_bound"] = labelled(
-            (), one.bound, one.unit, f"bound of the error: {one.label}"
+            (), quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
         )
     return dataset.assign(numbers)
 
@@ -234,13 +234,13 @@ def _attracted(adhesion: CohesiveTraction | None) -> dict[str, xr.Variable]:
     """Return the attraction, and the history that the state belongs to as a CF flag; empty without adhesion."""
     if adhesion is None:
         return {}
-    known = [branch.value for branch in Branch]
-    branches = [branch.replace(" ", "_") for branch in known]
+    meanings = [branch.value for branch in Branch]
+    branches = [branch.replace(" ", "_") for branch in meanings]
     return {
         "attraction": labelled(
             ("x", "y"), adhesion.traction, "Pa", "attraction between the bodies"
         ),
-        "branch": flags((), known.index(adhesion.branch), branches, "history of the state"),
+        "branch": flags((), meanings.index(adhesion.branch), branches, "history of the state"),
     }
 
 
@@ -315,10 +315,12 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
 
 def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
     """Return shear and stick at every instant; empty without friction."""
-    each = [_sheared(evolution.traction(frame)) for frame in evolution.frames]
+    tractions = [_sheared(evolution.traction(frame)) for frame in evolution.frames]
     return {
-        name: xr.Variable.concat([one[name] for one in each], "time", combine_attrs="override")
-        for name in each[0]
+        name: xr.Variable.concat(
+            [traction[name] for traction in tractions], "time", combine_attrs="override"
+        )
+        for name in tractions[0]
     }
 
 

@@ -60,11 +60,11 @@ def evolution_quantities(
             number = values.index(extreme(values))
             place = {"time": float(times[number])}
             numbers[name] = replace(frames[number][name], label=words, place=place)
-    kept = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
+    reported = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
     peak = frames[-1].get("peak_pressure")
-    apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
-    for name in (*kept, "friction_coefficient"):
-        if name in frames[-1] and not (apart and name == "approach"):
+    is_apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
+    for name in (*reported, "friction_coefficient"):
+        if name in frames[-1] and not (is_apart and name == "approach"):
             final = frames[-1][name]
             numbers[f"final_{name}"] = replace(final, label=f"{final.label} at the end", place=None)
     fields = {} if last is None else last.fields
@@ -82,9 +82,9 @@ def evolution_quantities(
         numbers["largest_worn_depth"] = bounded(deepest, by_slip if slips else error)
     if "friction_energy" in fields:
         energy = float(fields["friction_energy"].values.sum() * cell[0])
-        lost = per_length(energy, "J", "energy lost to friction", length, cell[1])
+        dissipated = per_length(energy, "J", "energy lost to friction", length, cell[1])
         slid = float(fields["slip_distance"].values.max())
-        numbers["friction_energy"] = replace(lost, bound=inf, reason=OF_SLIP)
+        numbers["friction_energy"] = replace(dissipated, bound=inf, reason=OF_SLIP)
         numbers["largest_slip"] = Quantity(slid, "m", "largest distance slipped", inf, OF_SLIP)
     if "residual_displacement" in fields:
         dent = float(np.abs(fields["residual_displacement"].values).max())
@@ -133,16 +133,20 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     stress = rolled.residual_stress[-1, 0]
     lowest = int(stress.argmin())
     depth = {"z": float(rolled.depths[lowest])}
-    moved = float(rolled.forward_displacement[-1])
+    displacement = float(rolled.forward_displacement[-1])
     return {
         "lowest_residual_stress": Quantity(
             float(stress[lowest]), "Pa", "lowest residual stress along the travel", place=depth
         ),
         "equivalent_plastic_strain": Quantity(
-            float(rolled.equivalent_plastic_strain[-1].max()), "1", "largest equivalent plastic strain"
+            float(rolled.equivalent_plastic_strain[-1].max()),
+            "1",
+            "largest equivalent plastic strain",
         ),
         "last_yielding": Quantity(
             float(rolled.yielding[-1]), "1", "largest plastic strain that the last pass adds"
         ),
-        "forward_displacement": Quantity(moved, "m", "forward flow of the last pass, opposite to the rolling direction"),
-    }  # fmt: skip
+        "forward_displacement": Quantity(
+            displacement, "m", "forward flow of the last pass, opposite to the rolling direction"
+        ),
+    }

@@ -66,7 +66,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "friction_coefficient" in errors
     ):  # the loss by sliding is that of the friction, at a known speed
         errors["sliding_loss"] = errors["friction_coefficient"]
-    return {name: bounded(one, errors.get(name), why) for name, one in numbers.items()}
+    return {name: bounded(quantity, errors.get(name), why) for name, quantity in numbers.items()}
 
 
 def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:

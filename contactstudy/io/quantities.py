@@ -127,13 +127,13 @@ def as_text(quantities: Quantities) -> str:
     """Return quantities as a table: label, value with unit, error, place; those by formulas in one line."""
     rows = [
         (
-            one.label,
-            readable(one.value, one.unit),
-            _percent(one),
-            ", ".join(_place(axis, at) for axis, at in (one.place or {}).items()),
+            quantity.label,
+            readable(quantity.value, quantity.unit),
+            _percent(quantity),
+            ", ".join(_place(axis, at) for axis, at in (quantity.place or {}).items()),
         )
-        for one in quantities.values()
-        if one.reason != FORMULA
+        for quantity in quantities.values()
+        if quantity.reason != FORMULA
     ]
     widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
     lines = []
@@ -141,9 +141,9 @@ def as_text(quantities: Quantities) -> str:
         line = f"  {label:<{widths[0]}}  {value:>{widths[1]}}  {error:<{widths[2]}}"
         lines.append(f"{line}  at {place}" if place else line.rstrip())
     formulas = [
-        f"{one.label} {readable(one.value, one.unit)}"
-        for one in quantities.values()
-        if one.reason == FORMULA
+        f"{quantity.label} {readable(quantity.value, quantity.unit)}"
+        for quantity in quantities.values()
+        if quantity.reason == FORMULA
     ]
     lines += [f"  by formulas: {'; '.join(formulas)}"] * bool(formulas)
     return "\n".join(lines)
@@ -164,12 +164,12 @@ def as_json(quantities: Quantities) -> dict[str, dict[str, object]]:
     """Return quantities in SI units by their names; a bound that is not known is None, with its reason."""
     return {
         name: {
-            "value": one.value,
-            "unit": one.unit,
-            "bound": one.bound if isfinite(one.bound) else None,
-            **({"reason": one.reason} if one.reason else {}),
-            "label": one.label,
-            **({"at": dict(one.place)} if one.place else {}),
+            "value": quantity.value,
+            "unit": quantity.unit,
+            "bound": quantity.bound if isfinite(quantity.bound) else None,
+            **({"reason": quantity.reason} if quantity.reason else {}),
+            "label": quantity.label,
+            **({"at": dict(quantity.place)} if quantity.place else {}),
         }
-        for name, one in quantities.items()
+        for name, quantity in quantities.items()
     }

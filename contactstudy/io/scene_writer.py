@@ -27,8 +27,8 @@ def scene_text(
     Heights that no file holds are written `beside` a path; without one, their digest replaces them. Raises
     :class:`~contactstudy.InvalidInput` for a shape or a body that no file can hold.
     """
-    others = {"grid": grid, **_paddings(padding), **(settings or {})}
-    return _text(scene, others, beside)
+    tables = {"grid": grid, **_paddings(padding), **(settings or {})}
+    return _text(scene, tables, beside)
 
 
 def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions) -> str:

@@ -180,11 +180,11 @@ class _Structure:
             if not unknown:
                 return base(value, target)
             # a key is read as the one that was likely meant, which is then not missing
-            meant = {key: _closest(key, names - set(value)) for key in unknown}
-            known = {meant.get(key, key): entry for key, entry in value.items()}
+            intended = {key: _closest(key, names - set(value)) for key in unknown}
+            corrected = {intended.get(key, key): entry for key, entry in value.items()}
             errors: list[Exception] = [ForbiddenExtraKeysError(None, target, unknown)]
             try:
-                base({key: entry for key, entry in known.items() if key is not None}, target)
+                base({key: entry for key, entry in corrected.items() if key is not None}, target)
             except cattrs.ClassValidationError as error:
                 errors += error.exceptions
             raise cattrs.ClassValidationError(target.__name__, errors, target)

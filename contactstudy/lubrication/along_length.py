@@ -114,12 +114,14 @@ class KrylovStep:
         if touching.any():
             inverse = inverse or self.deflection.approximate_inverse()
             system = replace(system, extension=inverse.extension(touching.astype(float)))
-        known = equation.deflection(total)
+        deflection = equation.deflection(total)
         to_boundary = equation.boundary - film.film
         missing = load_residual - system.mean * total.sum()
-        change = linear.change_with(pressure, void, np.where(touching, to_boundary, known))
+        change = linear.change_with(pressure, void, np.where(touching, to_boundary, deflection))
         balance = -(linear.residual + change)
-        right = system.stacked(balance, (to_boundary - known) * touching, system.flow * missing)
+        right = system.stacked(
+            balance, (to_boundary - deflection) * touching, system.flow * missing
+        )
         norm = float(np.linalg.norm(right))
         if norm == 0:
             return FilmStep(pressure, void, 0.0, staged, contact=film.contact)

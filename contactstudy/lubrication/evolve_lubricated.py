@@ -174,12 +174,12 @@ def evolve_lubricated(
     )
     stepper = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
     every = None if times is None else instants
-    found = _through(stepper, instants, every, error, step, tolerance, progress)
+    history = _through(stepper, instants, every, error, step, tolerance, progress)
     long_step = None if step is None else 2 * step
     wide = _through(
-        stepper, list(found.times), list(found.times), 8 * error, long_step, tolerance, None
+        stepper, list(history.times), list(history.times), 8 * error, long_step, tolerance, None
     )
-    return replace(found, errors_by_steps=_errors_by_steps(found, wide))
+    return replace(history, errors_by_steps=_errors_by_steps(history, wide))
 
 
 def _errors_by_steps(found: FilmTrajectory, wide: FilmTrajectory) -> Mapping[str, Array]:
@@ -188,9 +188,11 @@ def _errors_by_steps(found: FilmTrajectory, wide: FilmTrajectory) -> Mapping[str
     errors = {}
     for name in ("central_film", "minimum_film", "friction", "peak_pressure"):
         errors[name] = np.full(len(found.times), inf)
-        for number, (one, other) in enumerate(zip(found.contacts, wide.contacts, strict=False)):
-            if failed not in (one.status, other.status):
-                value, coarse = float(getattr(one, name)), float(getattr(other, name))
+        for number, (contact, wide_contact) in enumerate(
+            zip(found.contacts, wide.contacts, strict=False)
+        ):
+            if failed not in (contact.status, wide_contact.status):
+                value, coarse = float(getattr(contact, name)), float(getattr(wide_contact, name))
                 errors[name][number] = abs(value - coarse) / (abs(value) or 1.0)
         # the largest, as a difference may vanish by chance where a wave passes
         errors[name][:] = TUNING.largest * errors[name].max()
@@ -202,7 +204,7 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
     if not isinstance(load := scene.load, ChangingLoad):
         return
     start, end = instants[0], instants[-1]
-    for time in (*instants, *(one for one in load.breaks(end) if one >= start)):
+    for time in (*instants, *(instant for instant in load.breaks(end) if instant >= start)):
         if load.at(time) <= 0:
             raise InvalidInput(
                 f"Scene.load is 0 at {time:g} s, when no film has a thickness of its own: give loads above 0, such as a "
@@ -276,13 +278,13 @@ def _instants(scene: Scene, times: ArrayLike | None) -> list[float]:
         return instants
     speed = lubricated_scales(scene).lubrication.mean_speed
     histories = [
-        one for one in (scene.load, speed) if isinstance(one, ChangingLoad | ChangingSpeed)
+        change for change in (scene.load, speed) if isinstance(change, ChangingLoad | ChangingSpeed)
     ]
     if not histories:
         raise InvalidInput(
             "evolve_lubricated.times is None, and neither the load nor the speed has an end: give times [s]."
         )
-    return [min(one.start for one in histories), max(one.end for one in histories)]
+    return [min(change.start for change in histories), max(change.end for change in histories)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -375,8 +377,8 @@ class _FilmStepper:
         gap = np.zeros(self.grid.cells)
         for shape in self.scene.shapes:
             if isinstance(shape, Carried):
-                moved = distance * (1 + slide * (1 - 2 * shape.body))
-                gap += shape.gap_after(self.grid, moved)
+                shift = distance * (1 + slide * (1 - 2 * shape.body))
+                gap += shape.gap_after(self.grid, shift)
             else:
                 gap += shape.gap(self.grid)
         posed = self.posed.with_gap(gap)
@@ -401,12 +403,12 @@ class _FilmStepper:
     def _extrapolated(self, time: float, field: str) -> Array:
         """Return a field of the film at a later time by the polynomial through the last instants."""
         total = np.zeros_like(self.past[0].film.film)
-        for number, one in enumerate(self.past):
+        for number, first in enumerate(self.past):
             weight = 1.0
             for other, two in enumerate(self.past):
                 if other != number:
-                    weight *= (time - two.time) / (one.time - two.time)
-            total = total + weight * getattr(one.film, field)
+                    weight *= (time - two.time) / (first.time - two.time)
+            total = total + weight * getattr(first.film, field)
         return total
 
     def _expected(self, now: PosedFilm, time: float) -> Film:

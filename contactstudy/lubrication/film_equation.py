@@ -297,8 +297,8 @@ class FilmEquation:
             held_bands = {(0, 0): after(held_faces), (-1, 0): -before(held_faces)}
             held_slopes = filled * density_slope * self.boundary, -density * self.boundary
             for offset, coefficient in held_bands.items():
-                for bands, held in zip((pressure, void), held_slopes, strict=True):
-                    bands[offset] = bands[offset] + coefficient * neighbour(held, offset)
+                for bands, held_slope in zip((pressure, void), held_slopes, strict=True):
+                    bands[offset] = bands[offset] + coefficient * neighbour(held_slope, offset)
         if not self.conserves:
             residual -= dx * film.void
             void[0, 0] = void[0, 0] - dx
@@ -386,11 +386,15 @@ def _couette_flow(content: Array) -> tuple[Array, Array, Array]:
 
     The first face has one cell upstream and is of first order.
     """
-    flux, own, upstream = content[:-1].copy(), np.ones_like(content[1:]), np.zeros_like(content[1:])
-    here, further = content[1:-1], content[:-2]
-    falls = further >= here
-    root = np.sqrt(here / further)
-    flux[1:] = np.where(falls, here * root, 1.5 * here - 0.5 * further)
-    own[1:] = np.where(falls, 1.5 * root, 1.5)
+    flux, at_cell, upstream = (
+        content[:-1].copy(),
+        np.ones_like(content[1:]),
+        np.zeros_like(content[1:]),
+    )
+    nearest, further = content[1:-1], content[:-2]
+    falls = further >= nearest
+    root = np.sqrt(nearest / further)
+    flux[1:] = np.where(falls, nearest * root, 1.5 * nearest - 0.5 * further)
+    at_cell[1:] = np.where(falls, 1.5 * root, 1.5)
     upstream[1:] = np.where(falls, -0.5 * root**3, -0.5)
-    return flux, own, upstream
+    return flux, at_cell, upstream

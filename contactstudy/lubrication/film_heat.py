@@ -62,8 +62,8 @@ def heated(
             None if contact is None else contact[:, column],
         )
         surfaces, of_film = _of_heat(influence, heat.conductivity / film[:, column])
-        mean[:, column], rest = _agreeing(of_film, sliding, line)
-        shear[:, column], missed = line.stress(mean[:, column]), max(missed, rest)
+        mean[:, column], residual = _agreeing(of_film, sliding, line)
+        shear[:, column], missed = line.stress(mean[:, column]), max(missed, residual)
         surface[:, :, column] = surfaces @ (sliding * np.abs(shear[:, column]))
     loading = thermal_loading(scales, heat)
     return shear, FilmTemperatures(surface, mean, reduction, loading, missed)
@@ -154,5 +154,5 @@ def _agreeing(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float
         largest = float(np.abs(rise).max())
         if float(np.abs(missing).max()) <= REACHED * largest:
             break
-    left = float(np.abs(of_film @ heat(rise) - rise).max())
-    return rise, left / largest if largest else 0.0
+    residual = float(np.abs(of_film @ heat(rise) - rise).max())
+    return rise, residual / largest if largest else 0.0

@@ -76,23 +76,23 @@ def solve_mixed(
         converged_only=smooth,
     )
     dry_controls = replace(controls, time_step=TUNING.from_dry, max_iterations=TUNING.dry_steps)
-    found: list[FilmIteration] = []
+    iterations: list[FilmIteration] = []
     if warm is not None:
         assert warm.contact is not None
         near_dry = not smooth and 2 * warm.contact.sum() > warm.total_pressure.sum()
         if near_dry:
-            found.append(_iterated(posed, warm, replace(controls, time_step=TUNING.from_dry)))
-        if not (found and found[-1].converged(controls.tolerance)):
-            found.append(_iterated(posed, warm, film_controls))
+            iterations.append(_iterated(posed, warm, replace(controls, time_step=TUNING.from_dry)))
+        if not (iterations and iterations[-1].converged(controls.tolerance)):
+            iterations.append(_iterated(posed, warm, film_controls))
     starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
     if posed.scales.expected_film < posed.equation.boundary:
         starts.reverse()
     for start, how in starts:
-        if found and found[-1].converged(controls.tolerance):
-            return found[-1]
-        found.append(_iterated(posed, start(posed), how))
-    if found[-1].converged(controls.tolerance) or not smooth:
-        return min(found, key=lambda one: one.residual)
+        if iterations and iterations[-1].converged(controls.tolerance):
+            return iterations[-1]
+        iterations.append(_iterated(posed, start(posed), how))
+    if iterations[-1].converged(controls.tolerance) or not smooth:
+        return min(iterations, key=lambda one: one.residual)
     slowed = from_higher_speeds(
         posed,
         TUNING.speeds,
@@ -100,7 +100,7 @@ def solve_mixed(
         lambda faster: _iterated(faster, _film_start(posed), film_controls),
         lambda slower, last: _iterated(slower, last.film, film_controls),
     )
-    return min((*found, *([slowed] if slowed else [])), key=lambda one: one.residual)
+    return min((*iterations, *([slowed] if slowed else [])), key=lambda one: one.residual)
 
 
 def _film_start(posed: PosedFilm) -> Film:

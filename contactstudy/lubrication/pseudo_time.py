@@ -101,9 +101,9 @@ class ActiveSets(NamedTuple):
     def changes(self, other: "ActiveSets") -> int:
         """Return how many cells are in other sets."""
         return sum(
-            int(np.count_nonzero(one != two))
-            for one, two in zip(self, other, strict=True)
-            if one is not None
+            int(np.count_nonzero(mask != other_mask))
+            for mask, other_mask in zip(self, other, strict=True)
+            if mask is not None
         )
 
 
@@ -257,8 +257,8 @@ def _sets_of(equation: FilmEquation, start: Film, cavitated: Mask | None) -> Act
     if start.contact is None:
         return ActiveSets(np.zeros_like(equation.fixed) if cavitated is None else cavitated)
     if cavitated is None:
-        known = (start.contact > 0).any() or start.void.any()
-        cavitated = (start.pressure == 0) & ~equation.fixed & known
+        has_state = (start.contact > 0).any() or start.void.any()
+        cavitated = (start.pressure == 0) & ~equation.fixed & has_state
     return ActiveSets(cavitated, start.contact > 0)
 
 

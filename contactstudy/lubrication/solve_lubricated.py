@@ -136,18 +136,20 @@ def solve_lubricated(
         )
         contact = start = _with_error(scene, fitting, padding, controls, start)
         assert contact.estimate is not None
-        found = contact.estimate
-        films = found.central_film, found.minimum_film
+        estimate = contact.estimate
+        films = estimate.central_film, estimate.minimum_film
         inlet = max(parts.by_cause["inlet"] for parts in films if parts)
         cells = max(parts.by_cause["discretisation"] for parts in films if parts)
         if inlet + cells <= error:
             return contact
         # a width that is given leaves the error of its inlet
-        rest = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
-        if fitting.cells[0] >= MOST_CELLS or (grid and (cells <= rest / 2 or grid.cells[1] > 1)):
+        remaining = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
+        if fitting.cells[0] >= MOST_CELLS or (
+            grid and (cells <= remaining / 2 or grid.cells[1] > 1)
+        ):
             break
         longer *= min(max(1.0, sqrt(2 * inlet / error)), 2.0)
-        finer *= min(max(1.0, sqrt(2.5 * cells / rest)), 2.0)
+        finer *= min(max(1.0, sqrt(2.5 * cells / remaining)), 2.0)
     if grid is None:
         return contact
     cause = (
@@ -156,7 +158,7 @@ def solve_lubricated(
         else f"{contact.grid.cells[0]} x {contact.grid.cells[1]} cells leave an error of {cells:.2g}, give more"
     )
     reason = f"The error of {error:g} is not reached on the grid that is given: {cause}."
-    return replace(contact, estimate=replace(found, warnings=(*found.warnings, reason)))
+    return replace(contact, estimate=replace(estimate, warnings=(*estimate.warnings, reason)))
 
 
 def _on_extent(grid: Grid, finer: float) -> Grid:
@@ -280,7 +282,7 @@ def _compared(
 ) -> ErrorEstimate:
     """Return the errors of a contact from those on the grids of the estimate."""
     unresolved = Status.FILM_NOT_CONVERGED, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS
-    failed = [one for one in (contact, coarse, longer) if one.status in unresolved]
+    failed = [film for film in (contact, coarse, longer) if film.status in unresolved]
     residual = inf if failed else contact.residual
     reason = ""
     if failed:
@@ -290,11 +292,11 @@ def _compared(
         )
 
     def parts(name: str) -> ErrorParts:
-        here, wide, widest, long = (
-            float(getattr(one, name)) for one in (contact, coarse, coarsest, longer)
+        fine, wide, widest, long = (
+            float(getattr(film, name)) for film in (contact, coarse, coarsest, longer)
         )
-        scale = abs(here) or 1.0
-        change = abs(here - wide)
+        scale = abs(fine) or 1.0
+        change = abs(fine - wide)
         if coarsest.status not in unresolved:
             change = max(change, NEXT * abs(wide - widest))
         return ErrorParts(
@@ -304,7 +306,7 @@ def _compared(
             reason=reason,
         )
 
-    on_coarse, on_longer = (_pressure_at(contact.grid, one) for one in (coarse, longer))
+    on_coarse, on_longer = (_pressure_at(contact.grid, film) for film in (coarse, longer))
     pressure = ErrorParts(
         discretisation=_l1(contact.pressure, on_coarse),
         inlet=SHORTER_INLET * _l1(on_coarse, on_longer),

@@ -98,8 +98,10 @@ def solve_on(
     last = cold = None
     if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
         film, cavitated = restart(posed, start)
-        same = start.grid == grid
-        last = _iterated(posed, film, controls if same else _refining(posed, controls), cavitated)
+        on_same_grid = start.grid == grid
+        last = _iterated(
+            posed, film, controls if on_same_grid else _refining(posed, controls), cavitated
+        )
     if last is None or not last.converged(controls.tolerance):
         last = cold = continued(posed, controls)
     contact = contact_of(scene, grid, padding, posed, last, controls.tolerance)
@@ -109,7 +111,8 @@ def solve_on(
     if cold is None:
         others.append(_nested(posed, controls))
     several = any(
-        one.converged(controls.tolerance) and _differs(posed, last, one) for one in others
+        alternative.converged(controls.tolerance) and _differs(posed, last, alternative)
+        for alternative in others
     )
     return replace(contact, status=Status.SEVERAL_FILMS) if several else contact
 

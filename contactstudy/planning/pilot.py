@@ -80,24 +80,26 @@ def pilot(
     refines
         Whether the grid is refined until its bound meets the error.
     """
-    found = transient_requirements(scene, steps.last)
+    requirements = transient_requirements(scene, steps.last)
     nx, ny = grid.cells
-    across = PILOT_CELLS[0] if found.plastic is None else YIELDING_CELLS
+    across = PILOT_CELLS[0] if requirements.plastic is None else YIELDING_CELLS
     coarse = Grid((min(nx, across), min(ny, PILOT_CELLS[1])), grid.extent)
     try:
         seconds, solves = _work(scene, coarse, padding, (1 - CELL_FRACTION) * error, steps)
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")
-    if found.plastic is not None:
-        slower = (found.plastic.bytes(grid) / found.plastic.bytes(coarse)) ** PLASTIC_POWER
+    if requirements.plastic is not None:
+        slower = (
+            requirements.plastic.bytes(grid) / requirements.plastic.bytes(coarse)
+        ) ** PLASTIC_POWER
     else:
-        one, other = (
-            timed(lambda each: found.narrow.problem(each, padding), each_grid, TOLERANCE)[1]
+        fine, on_pilot = (
+            timed(lambda each: requirements.narrow.problem(each, padding), each_grid, TOLERANCE)[1]
             for each_grid in (grid, coarse)
         )
-        slower = (one.setup + one.solve) / (other.setup + other.solve)
+        slower = (fine.setup + fine.solve) / (on_pilot.setup + on_pilot.solve)
     rounds = REFINEMENT_COST if refines and ny == 1 else 1.0
-    if refines and found.plastic is not None:
+    if refines and requirements.plastic is not None:
         rounds = YIELDING_REFINEMENT_COST
     elif scene.rolling is not None and ny > 1:
         rounds = ROLLING_COST_ALONG
@@ -143,6 +145,6 @@ def _work(
             if reached < MIN_PROGRESS and allowed < MAX_ERROR:
                 larger *= ERROR_STEP
                 continue
-            more = larger / max(reached, 1e-3)
-            return more * (process_time() - begin), round(more * SOLVES_PER_DOUBLE_STEP * pairs)
+            factor = larger / max(reached, 1e-3)
+            return factor * (process_time() - begin), round(factor * SOLVES_PER_DOUBLE_STEP * pairs)
         return larger * (process_time() - begin), round(larger * trajectory.steps)

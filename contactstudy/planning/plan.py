@@ -129,30 +129,30 @@ def plan(
         If the scene leaves open what a plan needs: without a curved shape there is no width of contact, without a
         roller's length no grid.
     """
-    found = plan_grid(scene, error=error, period=period, grid=grid, end=end, times=times, on=on)
+    planned = plan_grid(scene, error=error, period=period, grid=grid, end=end, times=times, on=on)
     rolls = scene.rolling is not None
     if (
         scene.lubrication is not None
         or not (rolls or scene.changing is not None)
         or scene.adhesion is not None
     ):
-        return found
+        return planned
     # imported only for scenes in time
     from contactstudy.planning.pilot import pilot
 
     work = pilot(
         scene,
-        found.grid,
-        found.padding,
+        planned.grid,
+        planned.padding,
         error or DEFAULT_ERROR,
         _time_steps(end, times),
         refines=grid is None and (rolls or error is not None),
     )
     return replace(
-        found,
-        seconds=found.seconds + work.seconds,
+        planned,
+        seconds=planned.seconds + work.seconds,
         steps=work.solves,
-        reasons=(*found.reasons, work.reason),
+        reasons=(*planned.reasons, work.reason),
     )
 
 
@@ -287,25 +287,25 @@ def _plan_time_dependent(
     # imported only for scenes that change in time
     from contactstudy.planning.transient_requirements import transient_requirements
 
-    found = transient_requirements(scene, times.last)
-    plastic = found.plastic
+    transient = transient_requirements(scene, times.last)
+    plastic = transient.plastic
     error_factor = plastic.error_factor if plastic else 1.0
     fraction = CELL_FRACTION if scene.rolling is None else 1.0
     discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor
     narrow_plan = _plan_static(
-        found.narrow, discretisation_error, period, grid, ONE_THREAD, width=found.width
+        transient.narrow, discretisation_error, period, grid, ONE_THREAD, width=transient.width
     )
-    held = 8 * found.fields * prod(narrow_plan.grid.cells)
-    reasons = found.reasons
+    memory = 8 * transient.fields * prod(narrow_plan.grid.cells)
+    reasons = transient.reasons
     if plastic is not None:
-        held += plastic.bytes(narrow_plan.grid)
+        memory += plastic.bytes(narrow_plan.grid)
         reasons = (*reasons, plastic.reason(narrow_plan.grid))
     return replace(
         narrow_plan,
         error=narrow_plan.error * error_factor,
-        bytes=narrow_plan.bytes + held,
+        bytes=narrow_plan.bytes + memory,
         reasons=(*narrow_plan.reasons, *reasons),
-        warnings=(*narrow_plan.warnings, *found.warnings),
+        warnings=(*narrow_plan.warnings, *transient.warnings),
     )
 
 
@@ -393,18 +393,18 @@ def _plan_of_adhesion(
     # imported only for such scenes
     from contactstudy.planning.adhesive_requirements import adhesive_requirements
 
-    found = adhesive_requirements(scene, requirements, error, period, grid)
-    grid, padding = found.grid, requirements.padding()
+    adhesive = adhesive_requirements(scene, requirements, error, period, grid)
+    grid, padding = adhesive.grid, requirements.padding()
     expected_error = requirements.error(grid.cell)
     return Plan(
         grid=grid,
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=expected_error,
-        seconds=found.seconds,
+        seconds=adhesive.seconds,
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.period),
-        reasons=(*requirements.reasons(grid, expected_error), *found.reasons),
-        warnings=(*requirements.warnings(grid), *found.warnings),
-        steps=found.solves,
+        reasons=(*requirements.reasons(grid, expected_error), *adhesive.reasons),
+        warnings=(*requirements.warnings(grid), *adhesive.warnings),
+        steps=adhesive.solves,
     )

@@ -184,7 +184,7 @@ def forecast_of_refinement(
         )
         finer = prod(grid.cells) / prod(last.grid.cells)
         seconds += TIME_FACTOR * (stamps[-1] - stamps[-2]) * finer**TIME_POWER
-    found = GridForecast(
+    forecast = GridForecast(
         last.grid,
         (
             last.discretisation_error * last.fractions[0],
@@ -198,7 +198,7 @@ def forecast_of_refinement(
         next((text for text in last.estimate.warnings if SHARP_EDGE in text), ""),
         seconds,
     )
-    return replace(found, grid=grid, errors=found.errors_of(grid.cell))
+    return replace(forecast, grid=grid, errors=forecast.errors_of(grid.cell))
 
 
 @dataclass(frozen=True, eq=False)
@@ -342,8 +342,8 @@ class GridRefinement:
 
     def _allowed(self, level: BoundedSolution) -> float:
         """Return the error that the cells may have: what the other parts leave, but no less than half of these."""
-        others = level.bound - level.discretisation_error if level.bound < inf else 0.0
-        return max(self.error - others, 0.5 * others)
+        other_causes = level.bound - level.discretisation_error if level.bound < inf else 0.0
+        return max(self.error - other_causes, 0.5 * other_causes)
 
     def required_cells(self, levels: list[BoundedSolution]) -> tuple[float, float]:
         """Return the fewest cells (across, along) whose bound is expected to meet the error."""
@@ -368,8 +368,8 @@ class GridRefinement:
             1 / factor * rate_x / (rate_x + rate_y),
         ]
         counts = [
-            count * max(fraction / left, 1e-3) ** (1 / rate)
-            for count, fraction, left, rate in zip(
+            count * max(fraction / allowed, 1e-3) ** (1 / rate)
+            for count, fraction, allowed, rate in zip(
                 (nx, ny), (across, along), remaining, (rate_x, rate_y), strict=True
             )
         ]

@@ -104,8 +104,8 @@ class BareProblem:
         height = arrays().empty_like(pressure) if into is None else into.height
         fields = self.undeformed_gap, displacement, pressure, height
         # heights are counted from an approach that is given
-        given = None if self.resultant.approach is None else 0.0
-        return self.passes.gap(*fields, given)
+        approach = None if self.resultant.approach is None else 0.0
+        return self.passes.gap(*fields, approach)
 
     def rounding(self, displacement: Array, farthest: float | None = None) -> float:
         """Return the uncertainty of a gap under `displacement` by rounding; a residual below it means nothing.

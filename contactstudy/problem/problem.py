@@ -166,8 +166,8 @@ class Problem:
 
         Large heights have large rounding errors, which should be far from where the bodies touch.
         """
-        given = self.resultant.approach
-        return float(self.undeformed_gap.min()) if given is None else given
+        approach = self.resultant.approach
+        return float(self.undeformed_gap.min()) if approach is None else approach
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
         """Return this problem in its own scales, with heights counted from its datum, on the device in use."""

@@ -100,11 +100,11 @@ class Adhesion:
         if self.range is not None:
             remedy = "give a range above 0 m, or None for the limit of short ranges"
             set_fields(self, range=in_range("Adhesion.range", self.range, remedy))
-        for name, known in (("law", LAWS), ("branch", BRANCHES)):
+        for name, choices in (("law", LAWS), ("branch", BRANCHES)):
             value = getattr(self, name)
-            if not isinstance(value, str) or value not in known:
+            if not isinstance(value, str) or value not in choices:
                 raise InvalidInput(
-                    f"Adhesion.{name} is {value!r}: {suggestion(str(value), known)}."
+                    f"Adhesion.{name} is {value!r}: {suggestion(str(value), choices)}."
                 )
 
     def check(self, scene: AdhesionContact) -> None:

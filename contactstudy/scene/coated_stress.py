@@ -52,15 +52,15 @@ class CoatedStress:
 
         if not stress.in_layer:
             return (1.0, half_space(name, depth, nu2)), (1.0, remainder)
-        own = (1.0, half_space(name, depth, nu1)), (1.0, remainder)
+        direct = (1.0, half_space(name, depth, nu1)), (1.0, remainder)
         weights = self._strained(name)
         if not weights:  # what does not depend on the material
-            return own
+            return direct
         image = self.thickness * stress.reach
         return (
-            *own,
+            *direct,
             (-1.0, half_space(name, image, nu1)),
-            *((weight, half_space(other, image, nu2)) for other, weight in weights.items()),
+            *((weight, half_space(field, image, nu2)) for field, weight in weights.items()),
         )
 
     def _strained(self, name: str) -> dict[str, float]:
@@ -74,5 +74,9 @@ class CoatedStress:
             return {}
         a, b = nu2 / (1 + nu2), nu1 / (1 - nu1)
         both = b * (1 - 2 * a) - a
-        other = "yy" if name == "xx" else "xx"
-        return {name: ratio * (1 + both), other: ratio * both, "zz": b - ratio * a * (1 + 2 * b)}
+        transverse = "yy" if name == "xx" else "xx"
+        return {
+            name: ratio * (1 + both),
+            transverse: ratio * both,
+            "zz": b - ratio * a * (1 + 2 * b),
+        }

@@ -258,7 +258,7 @@ def dundurs(solids: tuple[Body, ...]) -> float:
     if first == second:
         return 0.0
     pairs = product(_materials(first), _materials(second))
-    return max((_dundurs(one, other) for one, other in pairs), key=abs)
+    return max((_dundurs(upper, lower) for upper, lower in pairs), key=abs)
 
 
 def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
@@ -288,7 +288,7 @@ def are_alike(solids: tuple[Body, ...]) -> bool:
     first, second = solids
     if first == second:
         return True
-    of_one_material = all(one[0] == one[-1] for one in map(_materials, solids))
+    of_one_material = all(materials[0] == materials[-1] for materials in map(_materials, solids))
     return of_one_material and abs(dundurs(solids)) <= ALIKE
 
 

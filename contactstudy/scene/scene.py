@@ -256,14 +256,14 @@ class Scene:
         """Check an approach in place of a load, once every effect is checked."""
         if not isinstance(self.load, Approach):
             return
-        other = "Scene.lubrication" if self.lubrication is not None else self.changing
+        conflicting = "Scene.lubrication" if self.lubrication is not None else self.changing
         if self.rolling is not None:
-            other = "Scene.rolling"
+            conflicting = "Scene.rolling"
         if self.hardness != inf:
-            other = "Scene.hardness"
-        if other is not None:
+            conflicting = "Scene.hardness"
+        if conflicting is not None:
             raise InvalidInput(
-                f"Scene.load is an Approach together with {other}, which needs a given load: give a LineLoad."
+                f"Scene.load is an Approach together with {conflicting}, which needs a given load: give a LineLoad."
             )
 
     def _check_outputs(self) -> None:
@@ -470,8 +470,8 @@ class Scene:
     @property
     def keeps_frames(self) -> bool:
         """True if a folder can keep the frames, as of a dry scene that changes in time without adhesion."""
-        others = self.lubrication, self.rolling, self.adhesion
-        return self.changing is not None and all(effect is None for effect in others)
+        effects = self.lubrication, self.rolling, self.adhesion
+        return self.changing is not None and all(effect is None for effect in effects)
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows of a free length if the surface varies along it and no roller ends there; else empty."""

@@ -69,8 +69,10 @@ class SubsurfaceStress:
         remedy = 'give a tuple of depths [m], such as (1e-4, 2e-4), or "auto"'
         if self.depths != AUTO and (not isinstance(self.depths, tuple | list) or not self.depths):
             raise InvalidInput(f"SubsurfaceStress.depths is {self.depths!r}: {remedy}.")
-        given = self.depths if self.depths != AUTO else ()
-        depths = each("SubsurfaceStress.depths", given, non_negative, "give a depth from 0 m on")
+        given_depths = self.depths if self.depths != AUTO else ()
+        depths = each(
+            "SubsurfaceStress.depths", given_depths, non_negative, "give a depth from 0 m on"
+        )
         solid = body_index("SubsurfaceStress.solid", self.solid)
         set_fields(self, depths=depths or AUTO, solid=solid)
 
@@ -210,8 +212,9 @@ class StressBelow:
                 terms = self.medium.coefficients(load, name, depth)
                 around = sum(
                     (
-                        weight * spread(kernel(self.grid, self.paddings, one), padded, one.parity)
-                        for weight, one in terms
+                        weight
+                        * spread(kernel(self.grid, self.paddings, field), padded, field.parity)
+                        for weight, field in terms
                     ),
                     start=np.zeros(()),
                 )

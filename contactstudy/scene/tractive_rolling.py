@@ -146,10 +146,13 @@ class TractiveRolling:
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         work = "130" if varies else "75"
-        said = f"friction: tractive rolling by Newton's method, up to about {work} applications of the shear operator"
+        sentence = (
+            f"friction: tractive rolling by Newton's method, up to about {work} applications of the "
+            "shear operator"
+        )
         if not are_alike(scene.solids):
-            said += ", and again with the pressure under this shear until neither changes"
-        return f"{said}." + (f" {TRAVELS}" if self._travels(scene) else "")
+            sentence += ", and again with the pressure under this shear until neither changes"
+        return f"{sentence}." + (f" {TRAVELS}" if self._travels(scene) else "")
 
 
 def _response(

@@ -278,11 +278,11 @@ class _Passes:
     def _negligible(self, traction: Array, traction_displacement: Array, last: _State) -> bool:
         """Return whether a `traction` leaves the contact of the `last` state as it is, by far within the tolerance."""
         problem, allowed = self.problem, NEGLIGIBLE * self.options.tolerance
-        moved = float(np.abs(traction_displacement - last.traction_displacement).max())
+        change = float(np.abs(traction_displacement - last.traction_displacement).max())
         added = float(np.abs(traction - last.traction).sum())
         exact = last.contact.residual <= self.options.tolerance
         carried = float(last.contact.pressure.sum())
-        return exact and moved <= allowed * problem.scales.gap and added <= allowed * carried
+        return exact and change <= allowed * problem.scales.gap and added <= allowed * carried
 
     def _solve_frozen(
         self,
@@ -311,8 +311,11 @@ class _Passes:
         change = float(np.abs(following - traction).sum())
         area = problem.grid.cell_area
         cohesion = area * float(law.remaining_work(contact.gap).sum())
-        net, moved = contact.pressure - traction, contact.displacement - traction_displacement
-        energy = area * dot(net, moved) / 2 - cohesion
+        net, displacement = (
+            contact.pressure - traction,
+            contact.displacement - traction_displacement,
+        )
+        energy = area * dot(net, displacement) / 2 - cohesion
         if load != inf:
             energy -= area * (load - float(traction.sum())) * contact.approach
         relative = change / total if total else change

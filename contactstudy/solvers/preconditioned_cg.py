@@ -245,7 +245,7 @@ def _conjugate(
         return summed / count, 0.0
     fields = last.before, last.after, last.displacement_before, last.displacement_after
     sums = passes.products(height, residual, active, *fields)
-    count, summed, descent, along, across, ascent, moved = sums
+    count, summed, descent, along, across, ascent, change = sums
     if rigid is not None:
         conjugate = (along + rigid * across) / last.curvature
         descent += rigid * inner(active, height)
@@ -253,7 +253,7 @@ def _conjugate(
     mean = summed / count
     conjugate = (along - mean * across) / last.curvature
     if conjugate * ascent < descent:
-        return mean - conjugate * moved / count, conjugate
+        return mean - conjugate * change / count, conjugate
     return mean, 0.0
 
 

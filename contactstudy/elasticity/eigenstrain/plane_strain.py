@@ -139,7 +139,7 @@ def _means(edges: Array, *integrals: Array) -> tuple[Array, Array, Array]:
     """Return the means (layers, x) over cells of three stresses, integrated twice over x and once over z."""
     thickness = np.diff(edges)[:, None]
     changes = [np.diff(integral, axis=1) for integral in integrals]
-    xx, zz, xz = ((one[2] - 2 * one[1] + one[0]) / thickness for one in changes)
+    xx, zz, xz = ((change[2] - 2 * change[1] + change[0]) / thickness for change in changes)
     return xx, zz, xz
 
 

@@ -104,9 +104,9 @@ class LayerResponse:
         )
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
         antiplane = -2 * ratio**2 * t * u / ((1 - ratio) * (1 - ratio + ratio * u))
-        h0, rest = self.coupling_contrast, u * cross + kap * self._higher_order(k)
-        above = 8 * kap * k * k * (1 - self.coating_poisson_ratio) - h0 * rest
-        coupling = t * above / (one_lam * one_kap + rest)
+        h0, remainder = self.coupling_contrast, u * cross + kap * self._higher_order(k)
+        above = 8 * kap * k * k * (1 - self.coating_poisson_ratio) - h0 * remainder
+        coupling = t * above / (one_lam * one_kap + remainder)
         return self._remainder(k, -1), antiplane, np.asarray(coupling)
 
     def _remainder(self, k: Numbers, side: int) -> Numbers:

@@ -108,7 +108,7 @@ class ShearWaves:
 
     def _responses(self, k: Numbers) -> list[Numbers]:
         """Return what is added by shear along the wave, by shear across it, and to their coupling."""
-        decay, found = np.exp(-2 * k), []
+        decay, responses = np.exp(-2 * k), []
         remainders = _remainders(self.materials, k)
         for remainder, (constant, slope, curvature) in zip(remainders, self.terms, strict=True):
             missing = {
@@ -116,8 +116,8 @@ class ShearWaves:
                 Part.REGULAR: 0.0,
                 Part.SHORT: -(slope + curvature * k) * k,
             }[self.part]
-            found.append(np.asarray(remainder + missing * decay))
-        return found
+            responses.append(np.asarray(remainder + missing * decay))
+        return responses
 
 
 def _remainders(materials: LayerResponse, k: Numbers) -> tuple[Numbers, Numbers, Numbers]:

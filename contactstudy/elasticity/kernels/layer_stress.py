@@ -80,11 +80,11 @@ class LayerStress:
         the bond the difference between the substrate's strain in the layer's material and that. Below, it is the stress
         in a half-space of the substrate.
         """
-        rest: Numbers = self.plane(k) - np.array(half_space(k * self.depth))
+        remainder: Numbers = self.plane(k) - np.array(half_space(k * self.depth))
         if self.in_layer:
             at_image = np.array(half_space(k * self.reach))
-            rest[:, 2] -= self.strained(at_image[:, 0], at_image[:, 2]) - at_image[:, 2]
-        return rest
+            remainder[:, 2] -= self.strained(at_image[:, 0], at_image[:, 2]) - at_image[:, 2]
+        return remainder
 
     def strained(self, normal: Numbers, across: Numbers) -> Numbers:
         """Return s_xx of the layer under the strain of the substrate, whose s_zz and s_xx are `normal` and `across`."""
@@ -97,13 +97,13 @@ class LayerStress:
         ratio = self._ratios[0]
         mismatch = (ratio - 1) / (ratio + 1)
         reflected = 1 / (1 - mismatch * np.exp(-2 * k))
-        here = np.exp(-k * self.depth)
+        decay = np.exp(-k * self.depth)
         if not self.in_layer:
             through = (1 - mismatch) * reflected
-            return (1 - through) * here, (through - 1) * here
+            return (1 - through) * decay, (through - 1) * decay
         image = np.exp(-k * self.reach)
-        down, up = reflected * here, mismatch * reflected * image
-        return here - down + up, down + up - here - (ratio - 1) * image
+        down, up = reflected * decay, mismatch * reflected * image
+        return decay - down + up, down + up - decay - (ratio - 1) * image
 
     def interpolated(self, k: Array) -> Array:
         """Return :meth:`remainder` at real `k` of any shape up to `LAST`, from values that are computed once."""
@@ -119,7 +119,7 @@ class LayerStress:
     def _by_exponentials(self, k: Numbers) -> Numbers:
         """Return the stress of short waves, from ``exp(-t), t exp(-t)`` and the same from the bond."""
         ratio, nu1, nu2 = self._ratios
-        one, none = np.ones_like(k), np.zeros_like(k)
+        unity, none = np.ones_like(k), np.zeros_like(k)
         top = _decaying(none), _reversed(_decaying(k))
         bond = _decaying(k), _reversed(_decaying(none))
         surface, faces = np.concatenate(top), np.concatenate(bond)
@@ -134,32 +134,32 @@ class LayerStress:
         # rows of very unlike materials
         rows[:, 4:] /= 1 + ratio
         loads = np.zeros((k.size, 6, 2), dtype=k.dtype)
-        loads[:, 0, 0], loads[:, 1, 1] = one, -one
+        loads[:, 0, 0], loads[:, 1, 1] = unity, -unity
         weights = np.linalg.solve(rows, loads)
         if self.in_layer:
-            here = np.concatenate(
+            stresses = np.concatenate(
                 [_decaying(k * self.depth), _reversed(_decaying(k * (1 - self.depth)))]
             )
-            return _stress(here, weights[:, :4])
+            return _stress(stresses, weights[:, :4])
         return _stress(_decaying(k * (self.depth - 1)), weights[:, 4:])
 
     def _by_state(self, k: Numbers) -> Numbers:
         """Return the stress of long waves, from the state at the surface carried through the layer."""
         ratio, nu1, nu2 = self._ratios
         below = _decaying(np.zeros_like(k))
-        moved = ratio * _displacements(below, nu2)
+        displaced = ratio * _displacements(below, nu2)
         through = self._transfer(k)
         rows = np.zeros((k.size, 4, 4), dtype=k.dtype)
         rows[:, :, :2] = through[:, :, :2]
-        rows[:, 0, 2:], rows[:, 1, 2:] = -moved[:, 0].T, -moved[:, 1].T
+        rows[:, 0, 2:], rows[:, 1, 2:] = -displaced[:, 0].T, -displaced[:, 1].T
         rows[:, 2, 2:], rows[:, 3, 2:] = below[:, 0].T, -below[:, 1].T
         # the stress at the surface is known: -P and -Q
-        known = -np.eye(2)
-        unknown = np.linalg.solve(rows, -through[:, :, 2:] @ known)
+        right_side = -np.eye(2)
+        unknown = np.linalg.solve(rows, -through[:, :, 2:] @ right_side)
         if not self.in_layer:
             return _stress(_decaying(k * (self.depth - 1)), unknown[:, 2:])
         surface = np.concatenate(
-            [unknown[:, :2], np.broadcast_to(known, (k.size, 2, 2)).astype(k.dtype)], axis=1
+            [unknown[:, :2], np.broadcast_to(right_side, (k.size, 2, 2)).astype(k.dtype)], axis=1
         )
         along, _, normal, shear = np.moveaxis(self._transfer(k * self.depth) @ surface, 1, 0)
         across = (along + nu1 * normal) / (1 - nu1)

@@ -69,8 +69,8 @@ class StressWaves:
 
     def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
         """Return the stress over the load under waves across with wave numbers `k`, real or imaginary."""
-        rest = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
-        normal, shear, across = rest
+        remainder = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
+        normal, shear, across = remainder
         if self.load == "along":
             s_tz, s_lt = self.stress.antiplane(k)
             parts: dict[str, Numbers] = {"yz": s_tz, "xy": 1j * s_lt}
@@ -93,14 +93,14 @@ class StressWaves:
             normal, shear, s_ll = pressed[0], -1j * pressed[1], pressed[2]
             s_tz = s_lt = np.zeros_like(size)
         else:
-            part, other = (c, -s) if self.load == "across" else (s, c)
+            part, transverse = (c, -s) if self.load == "across" else (s, c)
             normal, shear, s_ll = (
                 1j * part * sheared[0],
                 part * sheared[1],
                 1j * part * sheared[2],
             )
             down, around = self.stress.antiplane(size)
-            s_tz, s_lt = other * down, 1j * other * around
+            s_tz, s_lt = transverse * down, 1j * transverse * around
         s_tt = self.stress.poisson_ratio * (s_ll + normal)
         return {
             "xx": c * c * s_ll + s * s * s_tt - 2 * c * s * s_lt,

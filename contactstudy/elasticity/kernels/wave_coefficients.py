@@ -238,8 +238,8 @@ def _lattice(
             if np.hypot(np.abs(kx).min(), np.abs(ky).min()) > last:
                 continue
             mean = np.sinc(kx * dx / (2 * np.pi))[:, None] * np.sinc(ky * dy / (2 * np.pi))
-            found = waves.amplitudes(kx[:, None] * thickness, ky * thickness)
-            for name, amplitude in found.items():
+            amplitudes = waves.amplitudes(kx[:, None] * thickness, ky * thickness)
+            for name, amplitude in amplitudes.items():
                 waves_of_field = summed.setdefault(name, np.zeros(shape, np.complex128))
                 waves_of_field[np.ix_(rows, columns)] += amplitude * mean
     return {name: fft.irfft2(sums, (across, along)) for name, sums in summed.items()}
@@ -248,13 +248,13 @@ def _lattice(
 def _aliased(first: Array, step: float, last: float, most: float) -> list[tuple[Array, Places]]:
     """Return wave numbers up to `last`, with their places among the `first` ones whose aliases they are."""
     turns = int(min(np.ceil(last * step / (2 * np.pi) + 0.5), most))
-    found = []
+    aliases = []
     for turn in range(-turns, turns + 1):
         waves = first + 2 * np.pi * turn / step
         places = np.flatnonzero(np.abs(waves) <= last)
         if places.size:
-            found.append((waves[places], places))
-    return found
+            aliases.append((waves[places], places))
+    return aliases
 
 
 def _places(offsets: Array, step: float, cells: int) -> Places:

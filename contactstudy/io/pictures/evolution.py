@@ -122,18 +122,18 @@ def _instants(evolved: xr.Dataset, values: Any) -> list[int]:
     if not len(drawn):
         return [len(values) - 1]
     even = set(drawn[np.linspace(0, len(drawn) - 1, PROFILES).round().astype(int)].tolist())
-    wanted = {int(drawn[-1])}
+    required = {int(drawn[-1])}
     if "load" in evolved:
         load = evolved["load"].values
         rises, falls = np.diff(load, prepend=-np.inf) > 0, np.diff(load, append=-np.inf) < 0
-        wanted |= set(np.flatnonzero(rises & falls).tolist()) & set(drawn.tolist())
-    if len(wanted) > PROFILES:  # the first peaks and the last
-        places = np.linspace(0, len(wanted) - 1, PROFILES).round().astype(int)
-        wanted = {sorted(wanted)[place] for place in places}
-    for number in sorted(wanted - even):
-        others = sorted(even - wanted)
-        if len(even) >= PROFILES and others:  # in the place of the nearest one
-            even.remove(others[int(np.abs(np.subtract(others, number)).argmin())])
+        required |= set(np.flatnonzero(rises & falls).tolist()) & set(drawn.tolist())
+    if len(required) > PROFILES:  # the first peaks and the last
+        places = np.linspace(0, len(required) - 1, PROFILES).round().astype(int)
+        required = {sorted(required)[place] for place in places}
+    for number in sorted(required - even):
+        filling = sorted(even - required)
+        if len(even) >= PROFILES and filling:  # in the place of the nearest one
+            even.remove(filling[int(np.abs(np.subtract(filling, number)).argmin())])
         even.add(number)
     return sorted(even)
 

@@ -47,7 +47,10 @@ def interference_colours(
     remedy = "give an index above 0, such as 1.5"
     index = in_range("plot.refractive_index", refractive_index, remedy)
     lines = WHITE if wavelengths is None else np.array(
-        [1e9 * in_range("plot.wavelengths", one, "give wavelengths [m] such as 550e-9") for one in wavelengths]
+        [
+            1e9 * in_range("plot.wavelengths", wavelength, "give wavelengths [m] such as 550e-9")
+            for wavelength in wavelengths
+        ]
     )  # fmt: skip
     weights = matching(lines) @ TO_RGB.T
     source = weights.sum(axis=0)

@@ -85,6 +85,6 @@ def gap_of(shape: Shape, grid: Grid) -> Array:
         raise InvalidInput(f"{name} has values of the type {gap.dtype}: {remedy}.")
     with np.errstate(over="ignore", invalid="ignore"):
         total = gap.sum()  # much faster than each height
-    if not np.isfinite(total) and (lost := np.count_nonzero(~np.isfinite(gap))):
-        raise InvalidInput(f"{name} is not finite at {lost} points: {remedy}, all finite.")
+    if not np.isfinite(total) and (undefined := np.count_nonzero(~np.isfinite(gap))):
+        raise InvalidInput(f"{name} is not finite at {undefined} points: {remedy}, all finite.")
     return gap

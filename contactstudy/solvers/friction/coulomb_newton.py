@@ -99,9 +99,9 @@ class CoulombNewton:
 
     def field(self, values: Array) -> Array:
         """Return `values` (2, cells) as a field (component, x, y), zero outside the contact."""
-        whole = np.zeros((2, *self._shape))
-        whole.reshape(2, -1)[:, self._cells] = values
-        return whole
+        full = np.zeros((2, *self._shape))
+        full.reshape(2, -1)[:, self._cells] = values
+        return full
 
     def gathered(self, whole: Array) -> Array:
         """Return a field (component, x, y) in the cells in contact (2, cells)."""
@@ -176,8 +176,8 @@ class CoulombNewton:
         vectors = min(CONSTANTS.max_vectors, most - self.applications)
         weights = gmres(derivative, -error, forcing, vectors)
         change, slip_change = np.zeros_like(shear), np.zeros_like(slip)
-        for weight, (one, its_slip) in zip(weights, steps, strict=True):
-            change += weight * one
+        for weight, (shear_step, its_slip) in zip(weights, steps, strict=True):
+            change += weight * shear_step
             slip_change += weight * its_slip
         return change, slip_change
 
@@ -194,8 +194,8 @@ class CoulombNewton:
         while True:
             half = project(shear - length * slip)
             half_slip = free + self.slip(half)
-            moved, felt = np.linalg.norm(half - shear), np.linalg.norm(half_slip - slip)
-            if length * felt <= 0.9 * moved:
+            change, felt = np.linalg.norm(half - shear), np.linalg.norm(half_slip - slip)
+            if length * felt <= 0.9 * change:
                 break
             length *= 0.7
         shear = project(shear - length * half_slip)
@@ -225,9 +225,9 @@ def gmres(
     while len(columns) < max(most, 1) and abs(reduced[-1]) > tolerance * size:
         vector = apply(basis[-1])
         entries = np.empty(len(basis) + 1)
-        for row, other in enumerate(basis):
-            entries[row] = np.einsum("cn,cn->", other, vector)
-            vector = vector - entries[row] * other
+        for row, basis_vector in enumerate(basis):
+            entries[row] = np.einsum("cn,cn->", basis_vector, vector)
+            vector = vector - entries[row] * basis_vector
         entries[-1] = np.linalg.norm(vector)
         basis.append(vector / (entries[-1] or 1.0))
         for row, (cosine, sine) in enumerate(rotations):
@@ -241,6 +241,6 @@ def gmres(
         reduced[-1:] = [cosine * reduced[-1], -sine * reduced[-1]]
     weights = [0.0] * len(columns)
     for row in range(len(columns) - 1, -1, -1):
-        rest = sum(columns[n][row] * weights[n] for n in range(row + 1, len(columns)))
-        weights[row] = float((reduced[row] - rest) / columns[row][row])
+        known_part = sum(columns[n][row] * weights[n] for n in range(row + 1, len(columns)))
+        weights[row] = float((reduced[row] - known_part) / columns[row][row])
     return weights

@@ -58,16 +58,16 @@ class Disks:
 
         if self.total is None:
             return of_cells, stick
-        given = ~np.isnan(self.total)
+        prescribed = ~np.isnan(self.total)
         rigid = np.stack(
-            [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[given]]
+            [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[prescribed]]
         )
-        inverse = np.linalg.pinv(rigid.sum(axis=2)[:, given], rcond=1e-12)
+        inverse = np.linalg.pinv(rigid.sum(axis=2)[:, prescribed], rcond=1e-12)
 
         def balanced(change: Array) -> Array:
-            moved = of_cells(change)
-            shift = inverse @ moved.sum(axis=1)[given]
-            return np.asarray(moved - np.einsum("g,gcn->cn", shift, rigid))
+            shear_change = of_cells(change)
+            shift = inverse @ shear_change.sum(axis=1)[prescribed]
+            return np.asarray(shear_change - np.einsum("g,gcn->cn", shift, rigid))
 
         return balanced, stick
 
@@ -77,10 +77,10 @@ class Disks:
         Newton's method on two unknowns, damped, whose residual is the gradient of a convex function. It begins with the
         shift found before.
         """
-        r, (x, y), given = self.radius, trial, ~np.isnan(total)
+        r, (x, y), prescribed = self.radius, trial, ~np.isnan(total)
         shift, guessed = self._shift, self._shift is not None
         if shift is None:
-            shift = np.where(given, total - np.array([x.sum(), y.sum()]), 0) / r.size
+            shift = np.where(prescribed, total - np.array([x.sum(), y.sum()]), 0) / r.size
         size, ridge = float(r.sum()), 1e-12 * r.size
         reach = 4 * float(max(r.max(), np.abs(x).max(initial=0.0), np.abs(y).max(initial=0.0)))
         origin, step, slope = shift, np.zeros(2), 0.0
@@ -91,7 +91,7 @@ class Disks:
             farther = np.maximum(distance, r)
             cut = r / farther
             carried = np.array([np.einsum("i,i->", cut, u), np.einsum("i,i->", cut, v)])
-            missing = np.where(given, total - carried, 0)
+            missing = np.where(prescribed, total - carried, 0)
             worst = float(np.abs(missing).max())
             if float(missing @ step) < -0.5 * slope:
                 # past the lowest point of the convex function: where all cells are on their rims it has no curvature
@@ -110,7 +110,7 @@ class Disks:
                 -float(np.einsum("i,i->", across, v)),
             )
             yy = diagonal - float(np.einsum("i,i->", rim * v, v))
-            matrix = np.where(np.outer(given, given), [[xx, xy], [xy, yy]], np.eye(2))
+            matrix = np.where(np.outer(prescribed, prescribed), [[xx, xy], [xy, yy]], np.eye(2))
             direction = np.linalg.solve(matrix, missing)
             longest = float(np.abs(direction).max())
             step = (min(1.0, reach / longest) if longest else 1.0) * direction

@@ -47,7 +47,7 @@ class FrettingShear:
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
         applications, residual, statuses = 0, 0.0, [Status.CONVERGED]
         sliding: list[Array] = []
-        moved = [0.0]
+        displacements = [0.0]
         shears = []
         # forces cannot act where nothing presses
         fractions = self.fractions if limit.any() else ()
@@ -57,7 +57,7 @@ class FrettingShear:
                 self.response, limit, shear, options.tolerance, options.max_iterations, total=total
             )
             sliding.append(np.hypot(*step.slip))
-            moved.append(moved[-1] + float(step.rigid[0]))
+            displacements.append(displacements[-1] + float(step.rigid[0]))
             shear, stick = step.shear, step.stick
             shears.append(shear)
             applications += step.applications
@@ -75,7 +75,7 @@ class FrettingShear:
             method="fretting, Newton",
             passes=applications,
             forces=np.array([0.0, *fractions]) * limit.sum() * problem.grid.cell_area,
-            rigid_displacement=np.array(moved),
+            rigid_displacement=np.array(displacements),
             shears=np.array(shears),
             slip_distance=slid,
             energy=limit * slid,

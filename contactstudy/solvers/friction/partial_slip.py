@@ -88,8 +88,8 @@ def slip_step(
         Shear (component, x, y) [Pa] to begin with; None begins with the reference.
     """
     if not limit.any():
-        nothing, moved = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
-        return SlipStep(nothing, nothing, moved, np.zeros(limit.shape, dtype=bool), 0.0, 0)
+        nothing, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
+        return SlipStep(nothing, nothing, displacement, np.zeros(limit.shape, dtype=bool), 0.0, 0)
     newton = CoulombNewton(SlipAtRest(response), limit, total)
     free_slip = -response(reference)
     if rigid is not None:

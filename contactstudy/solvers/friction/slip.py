@@ -31,8 +31,8 @@ class SlipAtRest:
 
     def __init__(self, response: ShearResponse) -> None:
         self._response = response
-        own = _coefficients(response.xx)
-        self.self_compliance = float(own[0, 0] - own.mean())
+        direct = _coefficients(response.xx)
+        self.self_compliance = float(direct[0, 0] - direct.mean())
         self._inverse = _inverses(response)
 
     def __call__(self, shear: Array) -> Array:

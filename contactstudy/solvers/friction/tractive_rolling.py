@@ -59,8 +59,8 @@ class Coupling:
 
         `step` [m] is the width of a cell, negative where the contact moves to smaller x.
         """
-        moved = -np.stack([self.across(pressure), self.along(pressure)])
-        return (moved - ahead(moved, step)) / abs(step)
+        displacement = -np.stack([self.across(pressure), self.along(pressure)])
+        return (displacement - ahead(displacement, step)) / abs(step)
 
 
 def ahead(field: Array, step: float) -> Array:
@@ -179,33 +179,33 @@ class TractiveShear:
             pressure_slip = self.coupling.pressure_slip(
                 pressure, np.copysign(grid.cell[0], self.speed)
             )
-        found = None
-        for one in [grid] if last is not None else coarser_grids(grid):
-            fine = one is grid
-            limit = on_cells(self.coefficient * pressure, one.cells)
+        steady = None
+        for level in [grid] if last is not None else coarser_grids(grid):
+            fine = level is grid
+            limit = on_cells(self.coefficient * pressure, level.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
-            slip = RollingSlip(self.shear_response(one), np.copysign(one.cell[0], self.speed))
+            slip = RollingSlip(self.shear_response(level), np.copysign(level.cell[0], self.speed))
             total = None
             if self.fraction is not None:
                 total = np.array([self.fraction * limit.sum(), np.nan])
             newton = CoulombNewton(slip, limit, total)
-            found = _steady(
+            steady = _steady(
                 newton,
                 creepage,
-                on_grid(pressure_slip, one) - creepage.on(one),
-                on_grid(shear, one),
+                on_grid(pressure_slip, level) - creepage.on(level),
+                on_grid(shear, level),
                 options.tolerance if fine else max(COARSE_TOLERANCE, options.tolerance),
                 options.max_iterations,
             )
-            shear = found.shear
+            shear = steady.shear
             work += 2 * newton.applications * limit.size / pressure.size
             fractions.append(float(shear[0].sum() / limit.sum()))
-        assert found is not None
+        assert steady is not None
         if last is not None:
-            return replace(found, convolutions=work, force_error=last.force_error)
+            return replace(steady, convolutions=work, force_error=last.force_error)
         touching = np.pad(limit > 0, ((1, 0), (0, 0)))
         chord = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
-        return replace(found, convolutions=work, force_error=_force_error(fractions, chord))
+        return replace(steady, convolutions=work, force_error=_force_error(fractions, chord))
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,10 +235,10 @@ def _steady(
     resultant, whose multiplier is the creepage.
     """
     values, _, residual = newton.solve(rigid, newton.gathered(shear), tolerance, max_applications)
-    found = newton.rigid
+    rigid_slip = newton.rigid
     field = newton.field(newton.project(values))
-    slip = rigid - found[:, None, None] + newton.slip_field(newton.gathered(field))
-    creepage = replace(creepage, longitudinal=creepage.longitudinal + float(found[0]))
+    slip = rigid - rigid_slip[:, None, None] + newton.slip_field(newton.gathered(field))
+    creepage = replace(creepage, longitudinal=creepage.longitudinal + float(rigid_slip[0]))
     return SteadyShear(field, slip, creepage, residual, newton.applications)
 
 

@@ -106,7 +106,7 @@ def test_shapes_that_repeat_share_a_period(line_contact: LineContact) -> None:
         1.5 * a
     )
     stranger = cs.Waviness(1e-8, along=0.5 * np.pi * a)
-    with pytest.raises(cs.InvalidInput, match="fraction no period"):
+    with pytest.raises(cs.InvalidInput, match="share no period"):
         cs.plan(with_shapes(line_contact, *waves, stranger))
 
 

@@ -104,7 +104,7 @@ class Subject:
         return cs.Grid(cells, self.extent)
 
     def solve(self, setting: Setting) -> Answer:
-        """Return the answer at a setting, posed and solved anew."""
+        """Return the answer at a setting, posed and solved again."""
         with caching(None):
             return cs.solve(
                 self.scene,

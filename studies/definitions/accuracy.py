@@ -1,7 +1,7 @@
 """Error estimates on every kind of surface, beside the true errors.
 
-The margins of the estimates may be set on one half of the matrix. They are judged on the other half, and on random
-contacts that ``--seed`` chooses anew.
+The margins of the estimates may be set on one half of the matrix. They are judged on the other half, and on
+random contacts of each ``--seed``.
 """
 
 from collections.abc import Mapping

@@ -69,11 +69,11 @@ class Inventory:
             if record is not None and self._serves(record, log):
                 continue
             if record is None and (contents.records or contents.other_records):
-                changes[contents.why_anew(identity)] += 1
+                changes[contents.reason_to_recompute(identity)] += 1
             missing.append(name)
         changes.pop("", None)  # new cases
         for change, count in changes.items():
-            log(f"{count} stored cases are computed anew, since {change}")
+            log(f"{count} stored cases are recomputed, since {change}")
         return missing
 
     def adopt(self, missing: Sequence[str]) -> int:
@@ -105,14 +105,14 @@ class Inventory:
 
     def times_missing(self) -> dict[str, int]:
         """Return the number of missing timed runs of each good case, without cases that cannot be timed."""
-        contents, anew = self.journal.contents, self.options.old_times == "dropped"
+        contents, retimed = self.journal.contents, self.options.old_times == "dropped"
         counts = {}
         for name in self.request.cases:
             record = self.record(name)
             if record is None or record.case_status is not CaseStatus.OK:
                 continue
-            stored = 0 if anew else len(contents.samples_of(name))
-            if stored < self.repeats and (anew or not contents.reason_without_times(name)):
+            stored = 0 if retimed else len(contents.samples_of(name))
+            if stored < self.repeats and (retimed or not contents.reason_without_times(name)):
                 counts[name] = self.repeats - stored
         return counts
 

@@ -30,9 +30,9 @@ class RunOptions:
     repeats
         Timed runs of each case.
     old_times
-        "kept", or "dropped" to time every case anew.
+        "kept", or "dropped" to time every case again.
     retry
-        Statuses whose cases are computed again although they are stored.
+        Statuses whose cases are recomputed although they are stored.
     after_failure
         "go on", or "stop".
     fields

@@ -315,7 +315,7 @@ class _Run:
             )
         if changes and not self._said:
             self.log(
-                f"{shown(changes)} changed since this program loaded it: the next run computes anew what depends on it"
+                f"{shown(changes)} changed since this program loaded it: the next run recomputes what depends on it"
             )
             self._said = True
 

@@ -47,7 +47,7 @@ class Study:
     attributes
         Attributes of the stored Dataset.
     depends
-        Files that it reads, beside ``folder``: where one changes, what is stored is computed anew.
+        Files that it reads, beside ``folder``: where one changes, what is stored is recomputed.
     folder
         Folder of the study file.
     """

@@ -277,5 +277,5 @@ class Journal:
             file.close()  # Windows replaces no open file
         self._read()
         self.notes.append(
-            f"{lines} damaged lines of the journal are set aside in {damaged}; what they held is computed anew"
+            f"{lines} damaged lines of the journal are set aside in {damaged}; what they held is recomputed"
         )

@@ -250,7 +250,7 @@ class Contents:
         record = self.records.get(key)
         return "" if record is None else self.untimed.get((key, record.stamp), "")
 
-    def why_anew(self, identity: CaseIdentity) -> str:
+    def reason_to_recompute(self, identity: CaseIdentity) -> str:
         """Return in one line why what is stored of a case, or at its point, cannot be used; empty if nothing is."""
         before = self.records.get(identity.key) or self.other_records.get(identity.key)
         tree = before.identity.tree if before else self._trees.get(_place(identity.point))

@@ -52,7 +52,7 @@ def load_fields(
     content = read_verified(path)
     if content is None:
         log(
-            f"{path} is damaged: it is set aside as {set_aside(path).name}, and its case is computed anew"
+            f"{path} is damaged: it is set aside as {set_aside(path).name}, and its case is recomputed"
         )
         return None
     stored = json.loads(content)

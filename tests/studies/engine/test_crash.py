@@ -165,7 +165,7 @@ def test_a_changed_measure_scene_or_version_is_said_and_not_mixed_in(
     dataset = run(changed, tmp_path, options=ALONE, log=said.append)
     assert dataset["square"].values.tolist() == [2.0, 8.0]
     assert any(
-        "2 stored cases are computed anew" in line and "measures changed" in line for line in said
+        "2 stored cases are recomputed" in line and "measures changed" in line for line in said
     )
 
     said.clear()

@@ -70,9 +70,9 @@ def test_changed_cases_are_counted_by_what_changed(tmp_path: Path) -> None:
     lines: list[str] = []
     other = replace(trouble.study([1, 2, 4]), measures=measures)
     run(other, tmp_path, options=ONE, log=lines.append)
-    anew = [line for line in lines if "computed anew" in line]
-    assert len(anew) == 1
-    assert anew[0].startswith("trouble: 3 stored cases are computed anew, since ")
+    recomputed = [line for line in lines if "recomputed" in line]
+    assert len(recomputed) == 1
+    assert recomputed[0].startswith("trouble: 3 stored cases are recomputed, since ")
 
 
 def test_a_dry_run_of_many_points_judges_by_some_of_them(

@@ -133,7 +133,7 @@ def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str)
 
 
 @pytest.mark.whole
-def test_an_executor_that_was_stopped_starts_anew(address: str | None) -> None:
+def test_an_executor_that_was_stopped_starts_again(address: str | None) -> None:
     def stop(name: str, outcome: Outcome) -> None:
         raise KeyboardInterrupt
 

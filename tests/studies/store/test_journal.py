@@ -62,16 +62,19 @@ def test_what_changed_in_a_case_or_at_its_point_is_said(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
         journal.start("now", {})
         journal.add(identity("a"), outcome())
-        assert journal.contents.why_anew(identity("a")) == ""
+        assert journal.contents.reason_to_recompute(identity("a")) == ""
         changed = replace(identity("a"), tree={"": "Case", "number": "z"})
-        assert journal.contents.why_anew(changed) == "case.number was a and is z"
+        assert journal.contents.reason_to_recompute(changed) == "case.number was a and is z"
         moved = replace(identity("z"), key="other", point={"number": "a"})
-        assert "number was" in journal.contents.why_anew(moved)
-        assert journal.contents.why_anew(identity("new")) == ""
+        assert "number was" in journal.contents.reason_to_recompute(moved)
+        assert journal.contents.reason_to_recompute(identity("new")) == ""
     other = opened(tmp_path, {"code": "2"}).contents
-    assert other.why_anew(identity("a")) == "code changed"
+    assert other.reason_to_recompute(identity("a")) == "code changed"
     classes = replace(identity("a"), state="of other classes")
-    assert opened(tmp_path).contents.why_anew(classes) == "the state of the case's classes changed"
+    assert (
+        opened(tmp_path).contents.reason_to_recompute(classes)
+        == "the state of the case's classes changed"
+    )
 
 
 def test_a_case_of_which_anything_loaded_has_changed_is_of_another_program(tmp_path: Path) -> None:
@@ -88,7 +91,7 @@ def test_a_case_of_which_anything_loaded_has_changed_is_of_another_program(tmp_p
             journal.add(identity("b"), replace(outcome(), loaded={**right, name: value}))
         found = opened(tmp_path / name).contents
         assert (set(found.records), set(found.other_records)) == ({"a"}, {"b"})
-        assert found.why_anew(identity("b")) == f"{name.removeprefix('module ')} changed"
+        assert found.reason_to_recompute(identity("b")) == f"{name.removeprefix('module ')} changed"
 
 
 def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:

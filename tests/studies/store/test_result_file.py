@@ -51,7 +51,7 @@ def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> 
     xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
 
 
-def test_a_damaged_file_of_fields_is_set_aside_and_its_case_computed_anew(tmp_path: Path) -> None:
+def test_a_damaged_file_of_fields_is_set_aside_and_its_case_recomputed(tmp_path: Path) -> None:
     study = load("grid").override({"padding": "exact", "grid": "16,24"})
     run(study, tmp_path, options=KEPT, log=quiet)
     (one, _) = sorted((tmp_path / "grid.fields").iterdir())

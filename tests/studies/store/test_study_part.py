@@ -208,7 +208,7 @@ def test_what_was_read_counts_and_not_what_the_file_has_become(tmp_path: Path) -
     assert Request.of(load(str(path))).context.part != before
 
 
-def test_another_class_at_a_new_value_computes_nothing_anew(tmp_path: Path) -> None:
+def test_another_class_at_a_new_value_recomputes_nothing(tmp_path: Path) -> None:
     text = f"{HEAD}class Other(Thing): pass\ndef f(r): return r\n{MEASURES}"
     path = tmp_path / "one_of_study.py"
     path.write_text(text)

@@ -114,7 +114,7 @@ def solve_lubricated(
         For a scene without lubrication, or with an effect that is not supported with a film.
     """
     positive("solve_lubricated.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
-    whole("solve_lubricated.max_iterations", max_iterations, 0, "give a whole number from 0 on")
+    whole("solve_lubricated.max_iterations", max_iterations, 0, "give a whole number of at least 0")
     if isinstance(scene, Scene) and (changing := scene.changing) is not None:
         raise InvalidInput(
             f"{changing} changes in time, and this film is a steady one: call contactstudy.evolve."
@@ -385,5 +385,5 @@ def _pressure_at(grid: Grid, contact: FilmSolution) -> Array:
     return between_cells(contact.pressure, contact.grid, grid.x, grid.y)
 
 
-def _l1(pressure: Array, other: Array) -> float:
-    return float(np.abs(pressure - other).sum() / np.abs(pressure).sum())
+def _l1(pressure: Array, reference: Array) -> float:
+    return float(np.abs(pressure - reference).sum() / np.abs(pressure).sum())

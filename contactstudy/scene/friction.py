@@ -101,7 +101,7 @@ class Sliding:
     Parameters
     ----------
     coefficient
-        Coefficient of friction, from 0 on and below 1.
+        Coefficient of friction, at least 0 and below 1.
 
     Raises
     ------

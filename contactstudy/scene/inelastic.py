@@ -35,7 +35,7 @@ class ViscoelasticHalfSpace:
     Parameters
     ----------
     equilibrium_modulus
-        E_inf [Pa], from zero on; zero is a Maxwell fluid.
+        E_inf [Pa], at least zero; zero is a Maxwell fluid.
     poisson_ratio
         Poisson's ratio, constant in time, above -1 and up to 0.5.
     relaxation
@@ -119,7 +119,7 @@ class ElasticPlasticHalfSpace:
     yield_stress
         Yield stress in tension [Pa], above zero; infinite for an elastic half-space.
     hardening_modulus
-        Stress over plastic strain in tension [Pa], from zero on, by which the yield surface grows
+        Stress over plastic strain in tension [Pa], at least zero, by which the yield surface grows
         (isotropic hardening).
     kinematic_modulus
         The same [Pa] for a yield surface that moves (Prager's rule). With both moduli at zero the body is
@@ -146,7 +146,7 @@ class ElasticPlasticHalfSpace:
         stress = in_range_or_infinite(f"{name}.yield_stress", self.yield_stress, remedy)
         set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio, yield_stress=stress)
         for field in ("hardening_modulus", "kinematic_modulus"):
-            remedy = "give a modulus from 0 Pa on"
+            remedy = "give a modulus of at least 0 Pa"
             value = in_range_from_zero(f"{name}.{field}", getattr(self, field), remedy)
             set_fields(self, **{field: value})
 

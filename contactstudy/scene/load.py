@@ -18,7 +18,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, Radians, Seconds
 
-PRESSES, FROM_ZERO = "give a load above 0 N/m", "give a load from 0 N/m on"
+PRESSES, FROM_ZERO = "give a load above 0 N/m", "give a load of at least 0 N/m"
 
 
 @suggest_fields
@@ -170,7 +170,7 @@ class LoadHistory:
     times
         Instants [s] that do not decrease; an instant given twice is a jump.
     per_length
-        Load [N/m] at each instant, from zero on, at least one of them above zero. A first load above zero is
+        Load [N/m] at each instant, at least zero, at least one of them above zero. A first load above zero is
         applied suddenly. Together with :class:`~contactstudy.Adhesion` loads may pull.
 
     Raises
@@ -264,7 +264,7 @@ class SineLoad:
     Parameters
     ----------
     mean_load, amplitude
-        Loads [N/m] from zero on, not both zero. A load above zero at t = 0 is applied suddenly.
+        Loads [N/m], at least zero, not both zero. A load above zero at t = 0 is applied suddenly.
     frequency
         Cycles per second [Hz], above zero.
     phase
@@ -282,7 +282,7 @@ class SineLoad:
     phase: Radians = 0.0
 
     def __post_init__(self) -> None:
-        remedy = "give a load from 0 N/m on"
+        remedy = "give a load of at least 0 N/m"
         mean = in_range_from_zero("SineLoad.mean_load", self.mean_load, remedy)
         amplitude = in_range_from_zero("SineLoad.amplitude", self.amplitude, remedy)
         if mean == amplitude == 0:

@@ -49,7 +49,7 @@ class ViscosityLaw(Protocol):
     """The growth of viscosity with pressure."""
 
     def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
-        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa], from 0 Pa on.
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa.
 
         ``coefficient`` [1/Pa] is the derivative at zero pressure.
         """
@@ -112,7 +112,7 @@ class DensityLaw(Protocol):
     """The growth of density with pressure."""
 
     def ratio(self, pressure: Array) -> tuple[Array, Array]:
-        """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], from 0 Pa on."""
+        """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa."""
         ...
 
 
@@ -134,7 +134,7 @@ class DowsonHigginson:
     Parameters
     ----------
     compressibility
-        c [1/Pa], at zero pressure, from 0 on.
+        c [1/Pa], at zero pressure, at least 0.
     saturation
         d [1/Pa], above 0.
 
@@ -151,7 +151,9 @@ class DowsonHigginson:
         set_fields(
             self,
             compressibility=in_range_from_zero(
-                "DowsonHigginson.compressibility", self.compressibility, "give 1/Pa from 0 on"
+                "DowsonHigginson.compressibility",
+                self.compressibility,
+                "give a compressibility of at least 0 1/Pa",
             ),
             saturation=in_range("DowsonHigginson.saturation", self.saturation, "give 1/Pa above 0"),
         )
@@ -344,7 +346,7 @@ class SpeedHistory:
     times
         Instants [s], ascending.
     mean_speed
-        Speed [m/s] at each instant, from zero on; above zero at the first, where the film is steady.
+        Speed [m/s] at each instant, at least zero; above zero at the first, where the film is steady.
 
     Raises
     ------
@@ -363,7 +365,7 @@ class SpeedHistory:
                     f"SpeedHistory.{name} is {values!r}: give a tuple of two or more numbers, one for each instant."
                 )
         times = each("SpeedHistory.times", self.times, finite, "give a time [s]")
-        remedy = "give a speed from 0 m/s on"
+        remedy = "give a speed of at least 0 m/s"
         speeds = each("SpeedHistory.mean_speed", self.mean_speed, in_range_from_zero, remedy)
         if len(times) != len(speeds):
             raise InvalidInput(
@@ -407,7 +409,7 @@ class Lubricant:
     viscosity
         eta0 [Pa s] at zero pressure, above 0.
     pressure_viscosity
-        alpha [1/Pa], the relative growth of viscosity with pressure at zero pressure, from 0 on (0: isoviscous).
+        alpha [1/Pa], the relative growth of viscosity with pressure at zero pressure, at least 0 (0: isoviscous).
     viscosity_law
         :class:`Roelands` or :class:`Barus`.
     density
@@ -430,7 +432,7 @@ class Lubricant:
 
     def __post_init__(self) -> None:
         viscosity = in_range("Lubricant.viscosity", self.viscosity, "give a viscosity above 0 Pa s")
-        remedy = "give a coefficient from 0 1/Pa on, such as 2e-8"
+        remedy = "give a coefficient of at least 0 1/Pa, such as 2e-8"
         coefficient = in_range_from_zero(
             "Lubricant.pressure_viscosity", self.pressure_viscosity, remedy
         )

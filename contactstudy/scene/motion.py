@@ -35,10 +35,10 @@ class Rolling:
     Parameters
     ----------
     speed
-        Speed of the contact [m/s] from zero on, all transients decayed. At infinite speed the bodies respond as to a
+        Speed of the contact [m/s], at least zero, all transients decayed. At infinite speed the bodies respond as to a
         sudden load. Passes over a body that yields do not depend on it.
     passes
-        Number of passes over a body that yields, from 1 on; None rolls steadily.
+        Number of passes over a body that yields, at least 1; None rolls steadily.
     pressure
         Pressure of the passes.
     distance
@@ -62,12 +62,14 @@ class Rolling:
 
     def __post_init__(self) -> None:
         if self.speed is None and self.passes is None:
-            raise InvalidInput("Rolling.speed is None: give a speed from 0 m/s on, or passes.")
+            raise InvalidInput("Rolling.speed is None: give a speed of at least 0 m/s, or passes.")
         if self.speed not in (None, inf):
-            speed = in_range_from_zero("Rolling.speed", self.speed, "give a speed from 0 m/s on")
+            speed = in_range_from_zero(
+                "Rolling.speed", self.speed, "give a speed of at least 0 m/s"
+            )
             set_fields(self, speed=speed)
         if self.passes is not None:
-            whole("Rolling.passes", self.passes, 1, "give a whole number of passes from 1 on")
+            whole("Rolling.passes", self.passes, 1, "give a whole number of passes of at least 1")
         if self.distance is not None:
             positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")
         positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")
@@ -86,9 +88,9 @@ class Wear:
     Parameters
     ----------
     coefficient
-        Wear coefficient k [1/Pa], from zero on.
+        Wear coefficient k [1/Pa], at least zero.
     speed
-        Sliding speed [m/s], from zero on, so that ``ds = speed dt``.
+        Sliding speed [m/s], at least zero, so that ``ds = speed dt``.
     body
         Index (0 or 1) of the wearing body in ``Scene.solids``; the contact is the same for either.
 
@@ -104,9 +106,9 @@ class Wear:
 
     def __post_init__(self) -> None:
         coefficient = in_range_from_zero(
-            "Wear.coefficient", self.coefficient, "give a coefficient from 0 1/Pa on"
+            "Wear.coefficient", self.coefficient, "give a coefficient of at least 0 1/Pa"
         )
-        speed = in_range_from_zero("Wear.speed", self.speed, "give a speed from 0 m/s on")
+        speed = in_range_from_zero("Wear.speed", self.speed, "give a speed of at least 0 m/s")
         body = body_index("Wear.body", self.body)
         set_fields(self, coefficient=coefficient, speed=speed, body=body)
 

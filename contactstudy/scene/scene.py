@@ -66,7 +66,7 @@ class Output(Protocol):
 
 @dataclass(frozen=True)
 class ShapesSource:
-    """Heights of `shapes`, sampled anew on any grid, and the problem made there.
+    """Heights of `shapes`, sampled on any grid, and the problem made there.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class ShapesSource:
     make
         Function that makes the problem on a grid.
     sampled
-        A grid with the gap on it, which a problem holds anyway; None to sample every grid anew.
+        A grid with the gap on it, which a problem holds anyway; None to sample every grid.
     """
 
     shapes: tuple[Shape, ...]
@@ -493,7 +493,7 @@ class Scene:
         scene = self if unchanged else replace(self, shapes=shapes)
         ended = ends_along(self.shapes, grid)
         return ShapesSource(
-            scene.shapes, ended, lambda other: scene._posed(other, padding, adhesive)
+            scene.shapes, ended, lambda new_grid: scene._posed(new_grid, padding, adhesive)
         )
 
     def _constraint(self) -> Constraint:

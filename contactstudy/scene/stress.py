@@ -51,7 +51,7 @@ class SubsurfaceStress:
     Parameters
     ----------
     depths
-        One or more depths [m] below the surface of the body, from zero on; ``"auto"`` chooses those that show the
+        One or more depths [m] below the surface of the body, at least zero; ``"auto"`` chooses those that show the
         largest von Mises stress to 1 %, which takes some twenty of them.
     solid
         Index (0 or 1) of the body in ``Scene.solids``.
@@ -71,7 +71,7 @@ class SubsurfaceStress:
             raise InvalidInput(f"SubsurfaceStress.depths is {self.depths!r}: {remedy}.")
         given_depths = self.depths if self.depths != AUTO else ()
         depths = each(
-            "SubsurfaceStress.depths", given_depths, non_negative, "give a depth from 0 m on"
+            "SubsurfaceStress.depths", given_depths, non_negative, "give a depth of at least 0 m"
         )
         solid = body_index("SubsurfaceStress.solid", self.solid)
         set_fields(self, depths=depths or AUTO, solid=solid)

@@ -135,7 +135,7 @@ class Crown:
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
-        """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], from zero on, at both ends."""
+        """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], at least zero, at both ends."""
         drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT)
         length = in_range("Crown length", length, "give the roller's length above 0 m")
         return cls(length**2 / (8 * drop), length) if drop else cls()
@@ -169,9 +169,9 @@ class LundbergProfile:
     Parameters
     ----------
     amplitude
-        Amplitude A [m], from zero on.
+        Amplitude A [m], at least zero.
     end_drop
-        Drop d at the ends [m], from zero on.
+        Drop d at the ends [m], at least zero.
     length
         Length L of the roller [m], above zero.
     straight
@@ -198,7 +198,7 @@ class LundbergProfile:
                 "LundbergProfile.length", self.length, "give the roller's length above 0 m"
             ),
         )
-        remedy = "give a length from 0 m on, below that of the roller"
+        remedy = "give a length of at least 0 m, below that of the roller"
         straight = in_range_from_zero("LundbergProfile.straight", self.straight, remedy)
         if straight >= self.length:
             raise InvalidInput(f"LundbergProfile.straight is {straight!r}: {remedy}.")

@@ -37,7 +37,7 @@ class RmsSlope:
     Parameters
     ----------
     slope
-        Root mean square of ``|grad h|``, from zero on.
+        Root mean square of ``|grad h|``, at least zero.
     """
 
     slope: Number
@@ -62,7 +62,7 @@ class Ra:
     Parameters
     ----------
     height
-        Mean of ``|h|`` [m], from zero on.
+        Mean of ``|h|`` [m], at least zero.
     """
 
     height: Metres
@@ -91,7 +91,7 @@ class Roughness:
     Parameters
     ----------
     rms
-        Root mean square of the height [m], from zero on, or an :class:`~contactstudy.Ra` or
+        Root mean square of the height [m], at least zero, or an :class:`~contactstudy.Ra` or
         :class:`~contactstudy.RmsSlope`; zero is no surface.
     hurst
         Exponent H between 0 and 1.
@@ -141,7 +141,7 @@ class Roughness:
                 f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
             )
         set_fields(
-            self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number from 0 on")
+            self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number of at least 0")
         )
         remedy = "give a ratio of lengths above 0, 1 for no lay"
         set_fields(self, peklenik=in_range("Roughness.peklenik", self.peklenik, remedy))

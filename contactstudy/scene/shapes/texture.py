@@ -70,7 +70,7 @@ class Dimple:
     Parameters
     ----------
     depth
-        Depth [m], from zero on.
+        Depth [m], at least zero.
     diameter
         Diameter at the rim [m], above zero.
     profile
@@ -107,7 +107,7 @@ class Groove:
     Parameters
     ----------
     depth
-        Depth [m], from zero on.
+        Depth [m], at least zero.
     width
         Width at the rim [m], above zero.
     profile
@@ -178,7 +178,7 @@ class Texture:
             )
         if self.feature.size > min(pitch):
             raise InvalidInput(
-                f"Texture.pitch is {pitch!r}: give pitches from {self.feature.size!r} m on, the size "
+                f"Texture.pitch is {pitch!r}: give pitches of at least {self.feature.size!r} m, the size "
                 "of the feature, so that none overlap."
             )
         set_fields(self, pitch=pitch)

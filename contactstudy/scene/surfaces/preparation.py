@@ -30,7 +30,7 @@ class Window:
     tiles
         Numbers of windows (across, along).
     number
-        Index of this window, from 0 on, counted along the length first.
+        Index of this window, at least 0, counted along the length first.
 
     Raises
     ------

@@ -197,12 +197,12 @@ class _Request:
         }
         for name, is_given in arguments.items():
             if is_given and name not in used:
-                other = (
+                why = (
                     "the grid has a period of its own"
                     if name == "period"
                     else f"{kind} has no use for it"
                 )
-                raise InvalidInput(f"solve.{name} is given, and {other}: leave it out.")
+                raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
 
     @property
     def requested(self) -> float | None:

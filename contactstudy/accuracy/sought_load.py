@@ -88,7 +88,7 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
     )
 
 
-def _range_error(solution: Solution, adhesion: CohesiveTraction, held: float) -> float | None:
+def _range_error(solution: Solution, adhesion: CohesiveTraction, load: float) -> float | None:
     """Return the error of a pull-off load by a range chosen for the grid in place of the JKR limit; None for others.
 
     It is that of a cylinder with this Tabor parameter, or the change from the range of cells of twice the size, which on
@@ -101,7 +101,7 @@ def _range_error(solution: Solution, adhesion: CohesiveTraction, held: float) ->
     longer = SolveOptions(ADHESIVE_TOLERANCE).solved(
         posed.scene.problem(halved(problem.grid), posed.padding)
     )
-    changed = abs(longer.load_per_length - held) / abs(held) if held else inf
+    changed = abs(longer.load_per_length - load) / abs(load) if load else inf
     return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)
 
 

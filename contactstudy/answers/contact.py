@@ -164,8 +164,9 @@ class Contact(Answer, Solution):
         return picture(self.to_dataset() if dataset is None else dataset)
 
 
-def contact_of(solution: Solution, **more: Any) -> Contact:
+def contact_of(solution: Solution, **further_fields: Any) -> Contact:
     """Return a solution as an answer, with `more` fields of :class:`Contact`."""
     return Contact(
-        **{field.name: getattr(solution, field.name) for field in fields(Solution)}, **more
+        **{field.name: getattr(solution, field.name) for field in fields(Solution)},
+        **further_fields,
     )

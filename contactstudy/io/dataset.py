@@ -40,10 +40,10 @@ TIME = {"long_name": "time since the start", "units": "s", "axis": "T"}
 
 
 def labelled(
-    dimensions: str | Sequence[str], values: object, units: str, long_name: str, **others: str
+    dimensions: str | Sequence[str], values: object, units: str, long_name: str, **attributes: str
 ) -> xr.Variable:
     """Return `values` as a variable with unit, long name and `others` as attributes."""
-    return xr.Variable(dimensions, values, {"units": units, "long_name": long_name} | others)
+    return xr.Variable(dimensions, values, {"units": units, "long_name": long_name} | attributes)
 
 
 def flags(

@@ -84,7 +84,7 @@ from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solve import SolveOptions, Solver
 
 # Curvature [1/m] and contact modulus [Pa] of the scene to which a shape belongs.
-Surroundings = tuple[float, float]
+ProfileContext = tuple[float, float]
 
 
 class Turn(Enum):
@@ -107,7 +107,7 @@ class MeasuredFile:
     turn: Turn = Turn.NONE
     window: Window | None = None
 
-    def shape(self, folder: Path, _: Surroundings) -> MeasuredSurface:
+    def shape(self, folder: Path, _: ProfileContext) -> MeasuredSurface:
         """Return the surface, read from the file."""
         path = folder / self.file
         if not path.is_file():
@@ -132,7 +132,7 @@ class CrownFile:
     end_drop: Metres | None = None
     length: Metres | None = None
 
-    def shape(self, _folder: Path, _: Surroundings) -> Crown:
+    def shape(self, _folder: Path, _: ProfileContext) -> Crown:
         """Return the crown."""
         if self.radius is not None and self.end_drop is None:
             return Crown(self.radius, inf if self.length is None else self.length)
@@ -152,7 +152,7 @@ class ProfileFile:
     for_load: NewtonsPerMetre | None = None
     iso_16281_diameter: Metres | None = None
 
-    def shape(self, _folder: Path, surroundings: Surroundings) -> LundbergProfile:
+    def shape(self, _folder: Path, context: ProfileContext) -> LundbergProfile:
         """Return the profile; one for a load needs the curvature and the modulus of the scene."""
         drops = self.amplitude, self.end_drop
         ways = [
@@ -168,7 +168,7 @@ class ProfileFile:
         if self.iso_16281_diameter is not None:
             return LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
         if self.for_load is not None:
-            curvature, modulus = surroundings
+            curvature, modulus = context
             if curvature <= 0:
                 raise InvalidInput(
                     "LundbergProfile.for_load is for a round roller: give a Cylinder."

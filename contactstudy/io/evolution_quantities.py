@@ -118,13 +118,15 @@ def cycle_quantities(
     work, error, reason = lost_work
     numbers = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, reason)}
     if separation is not None:
-        held, lost = separation
-        pull = Quantity(-held, "N m-1", "pull-off load", abs(held - lost), "")
+        last_stable, first_unstable = separation
+        pull = Quantity(
+            -last_stable, "N m-1", "pull-off load", abs(last_stable - first_unstable), ""
+        )
         numbers = {"pull_off": pull} | numbers
     if jump_in is not None:
-        made, apart = jump_in
+        in_contact, separated = jump_in
         label = "load at which contact jumps in"
-        numbers["jump_in"] = Quantity(made, "N m-1", label, abs(made - apart), "")
+        numbers["jump_in"] = Quantity(in_contact, "N m-1", label, abs(in_contact - separated), "")
     return numbers
 
 

@@ -153,11 +153,11 @@ def _place(axis: str, at: float) -> str:
     return f"{at:.3g} s" if axis == "time" else f"{axis} = {readable(at, 'm', 3)}"
 
 
-def _percent(one: Quantity) -> str:
-    if isfinite(one.relative_bound):
-        percent = 100 * one.relative_bound
+def _percent(quantity: Quantity) -> str:
+    if isfinite(quantity.relative_bound):
+        percent = 100 * quantity.relative_bound
         return f"error <= {percent:.2g} %" if percent < 99.5 else f"error <= {percent:.0f} %"
-    return "error not estimated" if one.reason == NO_ESTIMATE else "error not bounded"
+    return "error not estimated" if quantity.reason == NO_ESTIMATE else "error not bounded"
 
 
 def as_json(quantities: Quantities) -> dict[str, dict[str, object]]:

@@ -47,7 +47,7 @@ def _paddings(padding: Padding | Paddings | None) -> dict[str, object]:
     return {"padding": along, "padding_across": across}
 
 
-def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> str:
+def _text(scene: Scene, settings: Mapping[str, object], beside: Path | None) -> str:
     table = _fields(scene, "Scene")
     if scene.shapes:
         table["shapes"] = [
@@ -56,7 +56,7 @@ def _text(scene: Scene, others: Mapping[str, object], beside: Path | None) -> st
             else _plain(shape, f"Scene.shapes[{number}]")
             for number, shape in enumerate(scene.shapes)
         ]
-    table |= {name: _plain(value, name) for name, value in others.items() if value is not None}
+    table |= {name: _plain(value, name) for name, value in settings.items() if value is not None}
     return _toml(table)
 
 

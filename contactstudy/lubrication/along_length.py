@@ -35,35 +35,35 @@ class KrylovTuning:
 
     Attributes
     ----------
-    reached, reached_touching, missed
+    tolerance, tolerance_touching, refused
         Linear residual where GMRES stops (0.1 costs steps), the same where cells touch (with 1e-2 the active sets did
         not settle on 128 x 32 cells), and above which a step is refused.
     basis, restarts
         Length of the basis of GMRES, and restarts.
     waves
         Waves along the length that the Fourier stage knows: further ones change no count.
-    film_part, own_part
+    film_fraction, width_fraction
         What the local stage has of elasticity: a part of the coefficients of the film, and of a cell's width.
-    film_part_long, own_part_long, long_cell
+    film_fraction_long, width_fraction_long, long_cell
         The same by sparse factors, for cells so many times as long as wide, which lines along the length do not couple.
-    slower, more, step_ratio, longest_step
-        Rebuild the preconditioner when iterations exceed ``slower`` times the count at the last build plus ``more``, or
+    growth, margin, step_ratio, longest_step
+        Rebuild the preconditioner when iterations exceed ``growth`` times those of the last build plus ``margin``, or
         when the step in pseudo-time, up to the longest, has changed by ``step_ratio``.
     """
 
-    reached: float = 1e-2
-    reached_touching: float = 1e-3
-    missed: float = 0.1
+    tolerance: float = 1e-2
+    tolerance_touching: float = 1e-3
+    refused: float = 0.1
     basis: int = 120
     restarts: int = 4
     waves: int = 33
-    film_part: float = 0.03
-    own_part: float = 0.03
-    film_part_long: float = 0.05
-    own_part_long: float = 0.1
+    film_fraction: float = 0.03
+    width_fraction: float = 0.03
+    film_fraction_long: float = 0.05
+    width_fraction_long: float = 0.1
     long_cell: float = 2.0
-    slower: float = 1.5
-    more: int = 5
+    growth: float = 1.5
+    margin: int = 5
     step_ratio: float = 4.0
     longest_step: float = 3.0
 
@@ -75,14 +75,14 @@ TUNING = KrylovTuning()
 class KrylovStep:
     """GMRES for a film that varies along its length.
 
-    The Fourier stage was ``made_for`` a step in pseudo-time, and GMRES took ``iterations_then`` with it at first.
+    The Fourier stage was ``built_for`` a step in pseudo-time, and GMRES took ``iterations_at_build`` with it at first.
     ``last`` are the last system and its unknowns, ``inverse`` is the preconditioner of the dry contact.
     """
 
     deflection: Convolution
     fourier: "FourierStage | None" = None
-    made_for: float = 0.0
-    iterations_then: int | None = None
+    built_for: float = 0.0
+    iterations_at_build: int | None = None
     last: "tuple[StepSystem, Array] | None" = None
     inverse: SpectralInverse | ExactInverse | None = None
 
@@ -91,12 +91,12 @@ class KrylovStep:
     ) -> FilmStep:
         """Return the step for given ``active`` sets.
 
-        GMRES starts from the step for the sets before, if the linearised balance is the same. The change of the film of
+        GMRES starts from the step for the sets before, if the linearised balance is the same. The change of film of
         a touching cell is known: up to the boundary film.
         """
         equation, cavitated = linear.equation, active.cavitated
         touching = np.zeros_like(cavitated) if active.touching is None else active.touching
-        # what is known: pressures and voids that vanish
+        # prescribed changes: pressures and voids that vanish
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
         total = np.where(touching, 0.0, pressure)
@@ -104,10 +104,10 @@ class KrylovStep:
             total = np.where(touching, 0.0, pressure - film.contact)
         unsolved = FilmStep(pressure, void, 0.0, replace(self, fourier=None), solved=False)
         try:
-            staged = self._staged(linear, cavitated, touching)
+            staged = self._with_fourier_stage(linear, cavitated, touching)
             assert staged.fourier is not None
             local = local_stage(linear, cavitated, touching)
-        except (np.linalg.LinAlgError, RuntimeError):  # singular, as scipy has it
+        except (np.linalg.LinAlgError, RuntimeError):  # singular
             return unsolved
         system = StepSystem(linear, cavitated, touching, staged.fourier, local)
         inverse = self.inverse
@@ -128,35 +128,37 @@ class KrylovStep:
         start = np.zeros_like(right)
         if self.last is not None and self.last[0].linear is linear:
             start = system.restricted_from(*self.last)
-        unknowns, missed, count = system.solve(right, start, norm)
-        at_first = count if staged.iterations_then is None else staged.iterations_then
-        slow = count > TUNING.slower * at_first + TUNING.more
+        unknowns, residual, count = system.solve(right, start, norm)
+        at_first = count if staged.iterations_at_build is None else staged.iterations_at_build
+        slow = count > TUNING.growth * at_first + TUNING.margin
         solver = replace(
             staged,
             fourier=None if slow else staged.fourier,
-            iterations_then=at_first,
+            iterations_at_build=at_first,
             last=(system, unknowns),
             inverse=inverse,
         )
-        change_of_pressure, opened, asperities, separation = system.split(unknowns)
+        change_of_pressure, change_of_void, asperities, separation = system.split(unknowns)
         pressure = pressure + change_of_pressure
         contact = None
         if film.contact is not None:
             contact = np.where(touching, asperities - pressure, -film.contact)
-        solved = bool(np.isfinite(missed) and missed < TUNING.missed)
-        return FilmStep(pressure, void + opened, separation, solver, solved, count, contact)
+        solved = bool(np.isfinite(residual) and residual < TUNING.refused)
+        return FilmStep(pressure, void + change_of_void, separation, solver, solved, count, contact)
 
-    def _staged(self, linear: Linearised, cavitated: Mask, touching: Mask) -> "KrylovStep":
-        """Return the solver with a new Fourier stage where the time step has changed, or the last no longer serves."""
+    def _with_fourier_stage(
+        self, linear: Linearised, cavitated: Mask, touching: Mask
+    ) -> "KrylovStep":
+        """Return the solver with a new Fourier stage where the time step has changed, or iterations grew."""
         time_step = (
             min(1 / linear.rate, TUNING.longest_step) if linear.rate else TUNING.longest_step
         )
-        ratio = time_step / self.made_for if self.made_for else 0.0
+        ratio = time_step / self.built_for if self.built_for else 0.0
         if self.fourier is not None and 1 / TUNING.step_ratio < ratio < TUNING.step_ratio:
             return self
         free = ~(cavitated | linear.equation.fixed)
         fourier = FourierStage.of(linear, free, touching, toeplitz(self.deflection))
-        return replace(self, fourier=fourier, made_for=time_step, iterations_then=None)
+        return replace(self, fourier=fourier, built_for=time_step, iterations_at_build=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,10 +208,10 @@ class StepSystem:
         cells, touching, separation = self.unstacked(values)
         return cells * self.free, cells * self.cavitated, touching, separation
 
-    def restricted_from(self, other: "StepSystem", values: Array) -> Array:
+    def restricted_from(self, system: "StepSystem", values: Array) -> Array:
         """Return the unknowns of another system where they are those of this one, else zero."""
-        cells, touching, separation = other.unstacked(values)
-        return self.stacked(cells * (self.cavitated == other.cavitated), touching, separation)
+        cells, touching, separation = system.unstacked(values)
+        return self.stacked(cells * (self.cavitated == system.cavitated), touching, separation)
 
     def product(self, values: Array) -> Array:
         """Multiply the matrix with a vector of unknowns."""
@@ -241,7 +243,7 @@ class StepSystem:
             nonlocal count
             count += 1
 
-        reached = TUNING.reached_touching if self.touching.any() else TUNING.reached
+        tolerance = TUNING.tolerance_touching if self.touching.any() else TUNING.tolerance
         missing = right - self.product(start) if start.any() else right
         system = LinearOperator(
             (right.size, right.size),
@@ -249,12 +251,12 @@ class StepSystem:
             dtype=float,
         )
         solution, _ = gmres(
-            system, missing, rtol=0.0, atol=reached * norm, restart=TUNING.basis, maxiter=TUNING.restarts,
+            system, missing, rtol=0.0, atol=tolerance * norm, restart=TUNING.basis, maxiter=TUNING.restarts,
             callback=counted, callback_type="pr_norm",
         )  # fmt: skip
         unknowns = start + self.preconditioned(solution)
-        missed = float(np.linalg.norm(right - self.product(unknowns))) / norm
-        return unknowns, missed, count
+        residual = float(np.linalg.norm(right - self.product(unknowns))) / norm
+        return unknowns, residual, count
 
 
 @dataclass(frozen=True, eq=False)
@@ -334,13 +336,13 @@ def toeplitz(deflection: Convolution) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LineStage:
-    """Coefficients (x, y) of lines along the length: of the own cell, its neighbours along, and those upstream."""
+    """Coefficients (x, y) of lines along the length: of the cell, its neighbours along, and the two upstream."""
 
-    own: Array
-    before: Array
-    behind: Array
+    diagonal: Array
+    previous: Array
+    following: Array
     upstream: Array
-    further: Array
+    second_upstream: Array
 
     @classmethod
     def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LineStage":
@@ -348,14 +350,18 @@ class LineStage:
         offsets = (0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0)
         return cls(
             *(
-                _coefficient(linear, cavitated, touching, offset, TUNING.film_part, TUNING.own_part)
+                _coefficient(
+                    linear, cavitated, touching, offset, TUNING.film_fraction, TUNING.width_fraction
+                )
                 for offset in offsets
             )
         )
 
     def solve(self, right: Array) -> Array:
         """Return the solution of one sweep downstream."""
-        return sweeper()(self.own, self.before, self.behind, self.upstream, self.further, right)
+        return sweeper()(
+            self.diagonal, self.previous, self.following, self.upstream, self.second_upstream, right
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -371,7 +377,12 @@ class FactorStage:
         rows, columns, values = [], [], []
         for offset in ((0, 0), (0, -1), (0, 1), (1, 0), (-1, 0), (-2, 0)):
             coefficient = _coefficient(
-                linear, cavitated, touching, offset, TUNING.film_part_long, TUNING.own_part_long
+                linear,
+                cavitated,
+                touching,
+                offset,
+                TUNING.film_fraction_long,
+                TUNING.width_fraction_long,
             )
             inside = neighbour(np.ones_like(cavitated), offset)
             rows.append(index[inside])
@@ -401,17 +412,17 @@ def _coefficient(
     cavitated: Mask,
     touching: Mask,
     offset: tuple[int, int],
-    film_part: float,
-    own_part: float,
+    film_fraction: float,
+    width_fraction: float,
 ) -> Array:
     """Return the coefficient of the unknown of the neighbour at ``offset``, with a remainder of elasticity."""
     fixed = linear.equation.fixed
     zero = np.zeros(fixed.shape)
     moves = neighbour(~touching, offset)
     pressure = linear.pressure.get(offset, zero)
-    pressure = pressure + film_part * moves * linear.film.get(offset, zero)
+    pressure = pressure + film_fraction * moves * linear.film.get(offset, zero)
     if offset == (0, 0):
-        pressure = pressure + own_part * linear.equation.cell[0] * moves
+        pressure = pressure + width_fraction * linear.equation.cell[0] * moves
     unknown = np.where(neighbour(cavitated, offset), linear.void.get(offset, zero), pressure)
     return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
 
@@ -429,9 +440,14 @@ def sweeper() -> Callable[..., Array]:
 
 
 def sweep_by_arrays(
-    own: Array, before: Array, behind: Array, upstream: Array, further: Array, right: Array
+    diagonal: Array,
+    previous: Array,
+    following: Array,
+    upstream: Array,
+    second_upstream: Array,
+    right: Array,
 ) -> Array:
-    """Solve one line along y after the other, with scipy."""
+    """Solve line after line along y, downstream, with scipy."""
     rows, columns = right.shape
     solution = np.zeros_like(right)
     for i in range(rows):
@@ -439,15 +455,19 @@ def sweep_by_arrays(
         if i > 0:
             line -= upstream[i] * solution[i - 1]
         if i > 1:
-            line -= further[i] * solution[i - 2]
+            line -= second_upstream[i] * solution[i - 2]
         # the corners of a cyclic line, after Sherman & Morrison (1950)
-        shift, ratio = -own[i, 0], before[i, 0] / -own[i, 0]
-        banded = np.stack((np.roll(behind[i], 1), own[i], np.roll(before[i], -1)))
+        shift, ratio = -diagonal[i, 0], previous[i, 0] / -diagonal[i, 0]
+        banded = np.stack((np.roll(following[i], 1), diagonal[i], np.roll(previous[i], -1)))
         banded[1, 0] -= shift
-        banded[1, -1] -= behind[i, -1] * ratio
+        banded[1, -1] -= following[i, -1] * ratio
         corner = np.zeros(columns)
-        corner[0], corner[-1] = shift, behind[i, -1]
-        both = solve_banded((1, 1), banded, np.stack((line, corner), axis=1), check_finite=False)
-        weight = (both[0, 0] + ratio * both[-1, 0]) / (1 + both[0, 1] + ratio * both[-1, 1])
-        solution[i] = both[:, 0] - weight * both[:, 1]
+        corner[0], corner[-1] = shift, following[i, -1]
+        solutions = solve_banded(
+            (1, 1), banded, np.stack((line, corner), axis=1), check_finite=False
+        )
+        weight = (solutions[0, 0] + ratio * solutions[-1, 0]) / (
+            1 + solutions[0, 1] + ratio * solutions[-1, 1]
+        )
+        solution[i] = solutions[:, 0] - weight * solutions[:, 1]
     return solution

@@ -182,14 +182,14 @@ def evolve_lubricated(
     return replace(history, errors_by_steps=_errors_by_steps(history, wide))
 
 
-def _errors_by_steps(found: FilmTrajectory, wide: FilmTrajectory) -> Mapping[str, Array]:
+def _errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mapping[str, Array]:
     """Return estimates from the relative differences of two evolutions, the second with longer steps."""
     failed = Status.FILM_NOT_CONVERGED
     errors = {}
     for name in ("central_film", "minimum_film", "friction", "peak_pressure"):
-        errors[name] = np.full(len(found.times), inf)
+        errors[name] = np.full(len(fine.times), inf)
         for number, (contact, wide_contact) in enumerate(
-            zip(found.contacts, wide.contacts, strict=False)
+            zip(fine.contacts, coarse_films.contacts, strict=False)
         ):
             if failed not in (contact.status, wide_contact.status):
                 value, coarse = float(getattr(contact, name)), float(getattr(wide_contact, name))
@@ -403,12 +403,12 @@ class _FilmStepper:
     def _extrapolated(self, time: float, field: str) -> Array:
         """Return a field of the film at a later time by the polynomial through the last instants."""
         total = np.zeros_like(self.past[0].film.film)
-        for number, first in enumerate(self.past):
+        for i, instant in enumerate(self.past):
             weight = 1.0
-            for other, two in enumerate(self.past):
-                if other != number:
-                    weight *= (time - two.time) / (first.time - two.time)
-            total = total + weight * getattr(first.film, field)
+            for j, node in enumerate(self.past):
+                if j != i:
+                    weight *= (time - node.time) / (instant.time - node.time)
+            total = total + weight * getattr(instant.film, field)
         return total
 
     def _expected(self, now: PosedFilm, time: float) -> Film:

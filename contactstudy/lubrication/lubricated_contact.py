@@ -128,7 +128,7 @@ class FilmSolution:
 
     @property
     def contact_load_fraction(self) -> float:
-        """Share of the load that asperities bear."""
+        """Fraction of the load that asperities bear."""
         if self.contact_pressure is None:
             return 0.0
         return float(self.contact_pressure.sum() / self.pressure.sum())

@@ -67,8 +67,10 @@ def solve_mixed(
     smooth = posed.upstream.cells[1] == 1
     controls = replace(controls, rounds=TUNING.rounds)
     if not smooth:
-        most = min(controls.max_iterations, TUNING.steps_along)
-        controls = replace(controls, set_changes=TUNING.set_changes_along, max_iterations=most)
+        max_iterations = min(controls.max_iterations, TUNING.steps_along)
+        controls = replace(
+            controls, set_changes=TUNING.set_changes_along, max_iterations=max_iterations
+        )
     film_controls = replace(
         controls,
         time_step=TUNING.from_film,
@@ -87,12 +89,12 @@ def solve_mixed(
     starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
     if posed.scales.expected_film < posed.equation.boundary:
         starts.reverse()
-    for start, how in starts:
+    for start, start_controls in starts:
         if iterations and iterations[-1].converged(controls.tolerance):
             return iterations[-1]
-        iterations.append(_iterated(posed, start(posed), how))
+        iterations.append(_iterated(posed, start(posed), start_controls))
     if iterations[-1].converged(controls.tolerance) or not smooth:
-        return min(iterations, key=lambda one: one.residual)
+        return min(iterations, key=lambda iteration: iteration.residual)
     slowed = from_higher_speeds(
         posed,
         TUNING.speeds,
@@ -100,7 +102,9 @@ def solve_mixed(
         lambda faster: _iterated(faster, _film_start(posed), film_controls),
         lambda slower, last: _iterated(slower, last.film, film_controls),
     )
-    return min((*iterations, *([slowed] if slowed else [])), key=lambda one: one.residual)
+    return min(
+        (*iterations, *([slowed] if slowed else [])), key=lambda iteration: iteration.residual
+    )
 
 
 def _film_start(posed: PosedFilm) -> Film:

@@ -43,7 +43,7 @@ class DirectStep:
         equation, width = linear.equation, linear.equation.cell[0]
         n, fixed, empty = len(film.film), equation.fixed[:, 0], active.cavitated[:, 0]
         bears = ~(empty | fixed)
-        # what is known: pressures and voids that vanish
+        # prescribed changes: pressures and voids that vanish
         pressure = np.where(empty, -film.pressure[:, 0], 0.0)
         void = np.where(empty, 0.0, -film.void[:, 0])
         change = linear.change(pressure[:, None], void[:, None], 0.0)

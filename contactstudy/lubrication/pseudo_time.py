@@ -98,11 +98,11 @@ class ActiveSets(NamedTuple):
     cavitated: Mask
     touching: Mask | None = None
 
-    def changes(self, other: "ActiveSets") -> int:
+    def changes(self, sets: "ActiveSets") -> int:
         """Return how many cells are in other sets."""
         return sum(
             int(np.count_nonzero(mask != other_mask))
-            for mask, other_mask in zip(self, other, strict=True)
+            for mask, other_mask in zip(self, sets, strict=True)
             if mask is not None
         )
 
@@ -339,8 +339,8 @@ def _moved(last: FilmIteration, step: _ActiveSetStep, fraction: float) -> Film:
     """Return the film after a ``fraction`` of a step, with pressures and voids in their range."""
     film, equation, change = last.film, last.linear.equation, step.change
     pressure = np.maximum(film.pressure + fraction * change.pressure, 0)
-    most = 1 - TUNING.content_fall * (1 - film.void) if equation.conserves else inf
-    void = np.clip(film.void + fraction * change.void, 0, most)
+    largest_void = 1 - TUNING.content_fall * (1 - film.void) if equation.conserves else inf
+    void = np.clip(film.void + fraction * change.void, 0, largest_void)
     contact = None
     if film.contact is not None and change.contact is not None:
         contact = np.maximum(film.contact + fraction * change.contact, 0)

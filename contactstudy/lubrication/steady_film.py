@@ -107,12 +107,12 @@ def solve_on(
     contact = contact_of(scene, grid, padding, posed, last, controls.tolerance)
     if not (last.converged(controls.tolerance) and posed.ridges > TUNING.ridges):
         return contact
-    others = [grown] if (grown := _with_growing_ridges(posed, controls)) else []
+    alternatives = [grown] if (grown := _with_growing_ridges(posed, controls)) else []
     if cold is None:
-        others.append(_nested(posed, controls))
+        alternatives.append(_nested(posed, controls))
     several = any(
         alternative.converged(controls.tolerance) and _differs(posed, last, alternative)
-        for alternative in others
+        for alternative in alternatives
     )
     return replace(contact, status=Status.SEVERAL_FILMS) if several else contact
 
@@ -147,10 +147,14 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
     return last
 
 
-def _differs(posed: PosedFilm, one: FilmIteration, other: FilmIteration) -> bool:
+def _differs(
+    posed: PosedFilm, first_iteration: FilmIteration, second_iteration: FilmIteration
+) -> bool:
     """Return whether the mean films of two iterations in the contact are not the same."""
     inside = np.abs(posed.x) < 1
-    first, second = (iteration.film.film[inside].mean() for iteration in (one, other))
+    first, second = (
+        iteration.film.film[inside].mean() for iteration in (first_iteration, second_iteration)
+    )
     return bool(abs(first - second) > TUNING.another * first)
 
 

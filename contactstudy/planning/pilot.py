@@ -94,7 +94,9 @@ def pilot(
         ) ** PLASTIC_POWER
     else:
         fine, on_pilot = (
-            timed(lambda each: requirements.narrow.problem(each, padding), each_grid, TOLERANCE)[1]
+            timed(
+                lambda of_grid: requirements.narrow.problem(of_grid, padding), each_grid, TOLERANCE
+            )[1]
             for each_grid in (grid, coarse)
         )
         slower = (fine.setup + fine.solve) / (on_pilot.setup + on_pilot.solve)

@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from contactstudy.evolution.steps import TimeSteps
 
 # Iterations of a film at most, and the fraction of the accuracy asked for that its steps in time may take.
-FILM_ITERATIONS, STEPS = 300, 0.5
+FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
 # Rounds of refinement of a scene that is not static, whose error falls as its cells at least, the largest factor on the
 # cells along an axis in a round, and the most cells of its grid.
-ROUNDS, FINER, MOST_CELLS = 3, 3.0, 2_000_000
+ROUNDS, MAX_REFINEMENT, MOST_CELLS = 3, 3.0, 2_000_000
 
 
 @dataclass(frozen=True)
@@ -421,7 +421,7 @@ class _Request:
             grid,
             padding,
             times=steps.instants_of(self.scene.load, self.scene.lubrication.mean_speed),
-            error=None if steps.step else steps.error or (requested and STEPS * requested),
+            error=None if steps.step else steps.error or (requested and STEP_FRACTION * requested),
             step=steps.step,
             tolerance=self.options.tolerance,
             progress=self._time_shown,
@@ -437,7 +437,7 @@ class _Request:
             if answer.met or not isfinite(parts["discretisation"]) or other_causes >= requested:
                 break
             factor = parts["discretisation"] / (requested - other_causes)
-            grid = _finer(answer.grid, min(1.05 * factor, FINER))
+            grid = _finer(answer.grid, min(1.05 * factor, MAX_REFINEMENT))
             if prod(grid.cells) > MOST_CELLS:
                 break
             answer = replace(solve_on(grid), requested=requested)

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.estimate import GAP
+from contactstudy.accuracy.estimate import GAP_ERROR
 from contactstudy.accuracy.sought_load import MARGIN
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
@@ -47,7 +47,7 @@ def approach_error(
         change *= MARGIN
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
-    shift = max(change, GAP * cells * varies)
+    shift = max(change, GAP_ERROR * cells * varies)
     reason = next(iter(estimate.warnings), "") if shift == inf else ""
     return ErrorParts(0.0, shift / size, residual * varies / size, reason=reason)
 

@@ -20,19 +20,19 @@ from contactstudy.solvers.solution import Solution
 # Orders of convergence: the least, of smooth edges, and where a corner or a roller's end is in contact.
 MIN_ORDER, SMOOTH_ORDER, STEP_ORDER = 0.5, 1.5, 1.0
 # Fraction of a coarser grid's error that remains, up to which its change is used to estimate the error.
-COARSER = 0.65
+MAX_REMAINING_ERROR = 0.65
 # Fraction of the peak pressure that a corner adds at each halving of the cells, from which convergence is of first
 # order.
-CORNER = 0.01
+CORNER_RISE = 0.01
 # Bound over the errors that the cells show, where all edges are smooth and where they are not, over the error that the
 # changes give, and over the fraction of the load whose cells hide heights: set on 260 random scenes, where true errors
 # were half of the bound in the median, and judged on 220 others with slightly smaller ones, where none was larger than
 # the bound.
-BY_CELL_ERRORS, BY_CELL_ERRORS_AT_STEPS, BY_CHANGE, BY_HIDDEN = 0.8, 1.05, 1.6, 0.35
+CELL_ERRORS_MARGIN, CELL_ERRORS_MARGIN_AT_STEPS, CHANGE_MARGIN, HIDDEN_MARGIN = 0.8, 1.05, 1.6, 0.35
 # Relative L1 error over the length by which the cells make either end of a roller too long or too short.
-BY_END = 4.0
+END_ERROR = 4.0
 # Error in the end row of a roller over its rise above the next row, where the cell is as long as the half-width.
-BY_RISE = 0.4
+END_RISE_ERROR = 0.4
 
 
 @dataclass(frozen=True)
@@ -101,16 +101,18 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     coarse = coarser[-1] if is_halved else None
     estimate = error_estimate(solution, coarse=coarse, heights=heights)
     inside = heights.effect_under(problem, solution.pressure) if heights else None
-    is_sharp = (inside is not None and inside.corner > CORNER) or bool(_loaded_ends(solution))
+    is_sharp = (inside is not None and inside.corner > CORNER_RISE) or bool(_loaded_ends(solution))
     result = BoundedSolution(solution, estimate, cell_errors(solution), is_sharp)
     present = result.discretisation_error
     if inside is None or not coarser or solution.pressure.shape[1] == 1 or present == inf:
         return result
     # the end of a roller within the grid hides a step as high as the roller is long
     hidden = 0.0 if _row_lengths(problem) is not None else inside.uncertain
-    by_cells = (BY_CELL_ERRORS_AT_STEPS if is_sharp else BY_CELL_ERRORS) * sum(result.cell_errors)
-    by_change = min(present, BY_CHANGE * error_by_change(result, coarser))
-    bound = max(by_cells, by_change, BY_HIDDEN * hidden)
+    by_cells = (CELL_ERRORS_MARGIN_AT_STEPS if is_sharp else CELL_ERRORS_MARGIN) * sum(
+        result.cell_errors
+    )
+    by_change = min(present, CHANGE_MARGIN * error_by_change(result, coarser))
+    bound = max(by_cells, by_change, HIDDEN_MARGIN * hidden)
     if not _loaded_ends(solution):  # of a sharp end the estimate from one solution shows little
         bound = min(present, bound)
     return replace(
@@ -137,7 +139,7 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
         if remaining < 1:
             last_change = change(fine.solution, coarser[number]).l1
             errors.append((remaining, last_change * remaining / sqrt(1 - remaining**2)))
-        if remaining <= COARSER:
+        if remaining <= MAX_REMAINING_ERROR:
             return errors[-1][1]
     return min(errors, default=(inf, inf))[1]
 
@@ -200,7 +202,7 @@ def _end_error(solution: Solution) -> float:
     """Return the relative L1 error at the loaded ends of a roller, beyond that of second differences.
 
     Towards a sharp end the pressure rises like the inverse root of the distance from it, within about a half-width a.
-    The end row misses ``BY_RISE (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make the
+    The end row misses ``END_RISE_ERROR (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make the
     roller too long or too short.
     """
     ends, grid, pressure = _loaded_ends(solution), solution.problem.grid, solution.pressure
@@ -210,12 +212,12 @@ def _end_error(solution: Solution) -> float:
     for row, inner in ends:
         half_width = np.count_nonzero(pressure[:, row]) * grid.cell[0] / 2
         rise = float(np.abs(pressure[:, row] - pressure[:, inner]).sum()) / total
-        error += (BY_RISE * sqrt(grid.cell[1] / half_width) - 1 / 12) * rise
+        error += (END_RISE_ERROR * sqrt(grid.cell[1] / half_width) - 1 / 12) * rise
     lengths = _row_lengths(solution.problem)
     if lengths is None:
         return error
     length = float(lengths.sum())
-    return error + BY_END * abs(np.count_nonzero(lengths) - length) / 2 / length
+    return error + END_ERROR * abs(np.count_nonzero(lengths) - length) / 2 / length
 
 
 def _loaded_ends(solution: Solution) -> list[tuple[int, int]]:

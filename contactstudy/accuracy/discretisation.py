@@ -8,9 +8,9 @@ from contactstudy.domain.fields import Array
 
 # Change of a maximum over its second difference with the places of the edges in their cells: 1/16 between two
 # straight edges that fall alike; a third more for edges that are neither straight nor alike.
-EDGES = 1 / 12
+EDGE_EFFECT = 1 / 12
 # The same where the maximum lies within two cells of an edge, where no parabola holds.
-BESIDE_EDGE = 1 / 3
+EDGE_EFFECT_BESIDE = 1 / 3
 
 
 def axis_first(field: Array, axis: int) -> Array:
@@ -75,7 +75,7 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         # the parabola's vertex is slope / bent cells away
         beside += slope**2 / curvature / 2 - curvature / 24 if curvature > 0 else 0.0
         around = touching[max(index[0] - 1, 0) : index[0] + 4, index[1]]
-        edges = max(edges, (EDGES if around.all() else BESIDE_EDGE) * curvature)
+        edges = max(edges, (EDGE_EFFECT if around.all() else EDGE_EFFECT_BESIDE) * curvature)
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
 
 
@@ -91,7 +91,7 @@ def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
 
 
 # Uncertainty of the position of an edge in cells: of each one, of the mean of all, and at the end of a plateau.
-EACH, ALL, HALF = 0.35, 0.1, 0.65
+EDGE_UNCERTAINTY, MEAN_EDGE_UNCERTAINTY, PLATEAU_UNCERTAINTY = 0.35, 0.1, 0.65
 
 
 def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
@@ -119,7 +119,11 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
         smooth = second < highest
         ends = int(np.count_nonzero(smooth))
         beyond = float((0.5 - edge_position(last[smooth], second[smooth])).sum())
-        uncertain = ALL * ends + EACH * ends**0.5 + HALF * (len(last) - ends)
+        uncertain = (
+            MEAN_EDGE_UNCERTAINTY * ends
+            + EDGE_UNCERTAINTY * ends**0.5
+            + PLATEAU_UNCERTAINTY * (len(last) - ends)
+        )
         excess = max(excess, abs(beyond) + uncertain)
     fraction = excess / cells
     return fraction / (1 - fraction) if fraction < 1 else float("inf")

@@ -28,21 +28,21 @@ from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Solution, Status
 
 # Largest factor by which the approximate inverse is wrong, where the padding is a short window.
-MARGIN = 2.0
+INVERSE_MARGIN = 2.0
 # Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed.
-SMOOTH = 0.25
+SMOOTH_RATIO = 0.25
 # Largest error in L1 over the hidden fraction of the load, and of the area over the fraction that may open. Two
-# pressures of one load differ by LARGEST at most.
-HIDDEN, LARGEST = 0.8, 2.0
+# pressures of one load differ by MAX_L1 at most.
+HIDDEN_ERROR, MAX_L1 = 0.8, 2.0
 # Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
-SHARP = 1e-3
+SHARP_RISE = 1e-3
 # Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement, whichever is
 # larger; and over the L1 error by images left out.
-GAP, GAP_IMAGES = 0.12, 8.0
+GAP_ERROR, GAP_ERROR_BY_IMAGES = 0.12, 8.0
 # The least cells across the contact at the peak for its edges to follow their law.
-FEW = 5
+MIN_CELLS_ACROSS = 5
 # Pressure at a roller's end over the peak pressure, from which that end may have the peak.
-AT_END = 0.5
+END_OVER_PEAK = 0.5
 # Under a coating more than STIFF_COATING times as stiff as its substrate, the pressure rises at the edges over part of
 # the thickness t, up to SPIKE times that of a plate bent over the radius R, ``E t / R``, over the cube root of that
 # ratio. With CELLS_IN_COATING cells in the thickness, the cells show it.
@@ -158,7 +158,7 @@ def error_estimate(
         ErrorParts(l1_images, cells.l1, l1_residual),
         ErrorParts(peak_images, cells.peak_pressure, peak_residual),
         ErrorParts(l1_images, cells.contact_area, l1_residual),
-        ErrorParts(GAP_IMAGES * l1_images, cells.mean_gap, l1_residual),
+        ErrorParts(GAP_ERROR_BY_IMAGES * l1_images, cells.mean_gap, l1_residual),
         load=ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None,
         pull_off=_at_pull_off(solution, cells.load),
         warnings=(
@@ -237,9 +237,9 @@ def _cells(
     ends = problem.source is not None and problem.source.ends_along
     regular = (
         not (at_hardness or (ends and pressure[:, [0, -1]].any()))
-        and _contact_width(pressure, wraps) >= FEW
+        and _contact_width(pressure, wraps) >= MIN_CELLS_ACROSS
     )
-    if regular and inside.uncertain <= SMOOTH * l1 and inside.corner <= SHARP:
+    if regular and inside.uncertain <= SMOOTH_RATIO * l1 and inside.corner <= SHARP_RISE:
         changes = Change(0.0, 0.0, 0.0, 0.0)
     else:
         coarse = coarse or coarse_solution(problem, solution.pressure)
@@ -248,7 +248,7 @@ def _cells(
             return _Cells(inf, inf, inf, inf, (reason,))
         changes = change(solution, coarse)
     isolated = _has_isolated_cells(pressure)
-    l1 = LARGEST if isolated else min(LARGEST, max(l1, changes.l1, HIDDEN * inside.uncertain))
+    l1 = MAX_L1 if isolated else min(MAX_L1, max(l1, changes.l1, HIDDEN_ERROR * inside.uncertain))
     reason = ""
     if at_hardness:  # the peak pressure is the hardness
         peak = 0.0
@@ -260,7 +260,7 @@ def _cells(
         _Cells(
             peak,
             l1,
-            max(area, changes.contact_area, _relative_loss(HIDDEN * inside.area_loss)),
+            max(area, changes.contact_area, _relative_loss(HIDDEN_ERROR * inside.area_loss)),
             _gap_error(solution, l1, changes.mean_gap, inside.mean),
             (reason,) if reason else (),
         )
@@ -294,7 +294,7 @@ def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> f
     residual = float(np.abs(solution.gap[touching]).sum()) / touching.size
     if not gap > 2 * residual:
         return inf
-    shift = GAP * l1 * max(float(solution.displacement.std()), gap)
+    shift = GAP_ERROR * l1 * max(float(solution.displacement.std()), gap)
     return max(change, shift / gap) + hidden / gap
 
 
@@ -356,7 +356,7 @@ def _no_peak(inside: Subcell, *, isolated: bool, sharp_end: bool) -> str:
         Whether the roller bears pressure up to its end.
     """
     reason = ""
-    if inside.corner > SHARP:
+    if inside.corner > SHARP_RISE:
         reason = f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, or ask for another quantity"
     elif sharp_end:
         reason = "the roller bears pressure up to its sharp end, where it is infinite: give a profile that drops more"
@@ -392,7 +392,7 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
     """
     if problem.source is None or not problem.source.ends_along:
         return False
-    return bool(max(pressure[:, 0].max(), pressure[:, -1].max()) > AT_END * pressure.max())
+    return bool(max(pressure[:, 0].max(), pressure[:, -1].max()) > END_OVER_PEAK * pressure.max())
 
 
 def _residual(solution: Solution) -> tuple[float, float]:
@@ -421,7 +421,7 @@ def _residual(solution: Solution) -> tuple[float, float]:
         # cells at a limit that should not be there, and the pressure that closes the others
         pressure_error = violation(pressure, gap, cells) / (scales.gap * compliance)
         pressure_error += np.abs((correction - level) * cells)
-        pressure_error *= MARGIN * scales.pressure
+        pressure_error *= INVERSE_MARGIN * scales.pressure
         return float(pressure_error.sum()), float((pressure + pressure_error).max())
 
     sums, peaks = zip(*in_blocks(errors_in_block, pressure, gap, cells, correction), strict=True)

@@ -24,7 +24,7 @@ PULL_OFF = (
 # Errors fall in proportion to the cell, so that the change from cells of twice the size is the error of these.
 MARGIN = 1.5
 # The part of a pull-off load that coarse cells may add by trapping the edge of the contact, by the cells in the zone.
-TRAPPED = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
+TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,9 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
     adhesion, pull_off = solution.adhesion, solution.load_per_length
     assert adhesion is not None
     assert adhesion.first_unstable_load is not None
-    trapped = next(fraction for cells, fraction in TRAPPED if adhesion.cells_in_zone >= cells)
+    trapped = next(
+        fraction for cells, fraction in TRAPPED_FRACTION if adhesion.cells_in_zone >= cells
+    )
     return ErrorParts(
         discretisation=load + trapped,
         residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,

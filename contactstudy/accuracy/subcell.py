@@ -15,27 +15,27 @@ from contactstudy.problem.problem import Problem, Source
 
 # Points in a cell, along one axis at a time: where the shapes name their scales, at what may be a corner of theirs, and
 # where a shape names none.
-POINTS, AT_CORNERS, DENSE = 4, 32, 48
+POINTS, POINTS_AT_CORNERS, POINTS_WITHOUT_SCALES = 4, 32, 48
 # Number of lines up to which all are examined; of more, one in SPARSE.
 LINES, SPARSE = 64, 4
 # Probability with which a feature is found, unless another is asked for.
 CONFIDENCE = 0.95
 # Fraction of a cell's area above which a feature is found with the requested confidence.
-FEATURE = 0.03
+FEATURE_AREA = 0.03
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
 STEPS = 0.7548776662466927, 0.5698402909980532
 # Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``: it is pi / 2 and pi for waves of two
 # cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
-RISE = 2.5
+PRESSURE_RISE = 2.5
 # Largest fraction of the second difference of the centres that cubics miss of a feature which the centres show.
-SHOWN = 0.5
+RESOLVED_FRACTION = 0.5
 # Fraction of the slope change between two neighbouring points that those beside do not have, from which it is a corner.
-CORNER = 0.7
+CORNER_FRACTION = 0.7
 # The cubic through the last four points of a row, at the second and the first place beyond them.
 BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
 # Powers n - 1 of a height |x|^n: the one from which a bend counts as smooth, and the least one that is no corner.
-SMOOTH, FLATTEST = 0.95, 0.1
+SMOOTH_POWER, MIN_POWER = 0.95, 0.1
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class SubgridHeights:
         if source is None or problem.paddings is None:
             return None
         try:
-            points = POINTS if source.names_scales else DENSE
+            points = POINTS if source.names_scales else POINTS_WITHOUT_SCALES
             parts = (
                 _hidden_along(problem, axis, points) for axis in (0, 1) if grid.cells[axis] >= 4
             )
@@ -167,13 +167,13 @@ class SubgridHeights:
                 kink = max(kink, part.largest(part.kink, beside, rows, pressure.shape) * halving)
             mean += abs(part.mean)
         peak = float(loaded.max())
-        risen = loaded + RISE * hidden
+        risen = loaded + PRESSURE_RISE * hidden
         if self.off_lines is not None:
             missed, protrusion_off_lines, narrow, unseen = (field[rows] for field in self.off_lines)
             stiffness = max(_modulus(problem, axis) / problem.grid.cell[axis] for axis in (0, 1))
             hidden = np.maximum(hidden, missed * stiffness)
             protrusion = np.maximum(protrusion, protrusion_off_lines * stiffness)
-            risen = np.maximum(risen, loaded + RISE * unseen * stiffness / narrow)
+            risen = np.maximum(risen, loaded + PRESSURE_RISE * unseen * stiffness / narrow)
         rise = float(risen[beside > 0].max(initial=peak)) / peak - 1
         protrudes = bool((protrusion[beside > 0] > peak).any())
         touching = loaded > 0
@@ -218,8 +218,8 @@ def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong
         for cells, heights in ((inside, points), (lines, centres))
     )
     hidden = _HiddenAlong(axis, inside_mean - mean, *on_lines)
-    if points_each < AT_CORNERS and hidden.corner.any():
-        return _hidden_along(problem, axis, AT_CORNERS)
+    if points_each < POINTS_AT_CORNERS and hidden.corner.any():
+        return _hidden_along(problem, axis, POINTS_AT_CORNERS)
     return hidden
 
 
@@ -268,7 +268,7 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]
     beside = _extended(centres, wraps=wraps[0])
-    count = ceil(log(1 - confidence) / log(1 - FEATURE))
+    count = ceil(log(1 - confidence) / log(1 - FEATURE_AREA))
     for number in range(count):
         across, along = ((0.5 + number * step) % 1 - 0.5 for step in STEPS)
         points = np.broadcast_to(
@@ -292,7 +292,7 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         missed,
         protrusion_off_lines,
         np.sqrt(2 * fraction / pi),
-        np.maximum(missed - SHOWN * shown, 0),
+        np.maximum(missed - RESOLVED_FRACTION * shown, 0),
     )
 
 
@@ -433,7 +433,7 @@ class HeightsAlong:
         all_pairs, pairs = self._in_cells
         slope_changes = np.abs(self.slope_changes)
         slope = all_pairs - np.roll(slope_changes, 1, axis=0) - np.roll(slope_changes, -2, axis=0)
-        slope[slope <= CORNER * all_pairs] = 0.0
+        slope[slope <= CORNER_FRACTION * all_pairs] = 0.0
         steepest = slope.reshape(pairs.shape).max(axis=1)
         usual = slope_changes.reshape(pairs.shape).mean(axis=1)
         return np.where(steepest > usual, steepest, 0.0)
@@ -458,11 +458,11 @@ class HeightsAlong:
             :, 0
         ]
         fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
-        power = np.maximum(np.log(np.maximum(fraction, 1 / points)) / log(2 / points), FLATTEST)
+        power = np.maximum(np.log(np.maximum(fraction, 1 / points)) / log(2 / points), MIN_POWER)
         # an apex bends more than all about it; where a bend begins, half of the window is straight
         highest = ndimage.maximum_filter1d(all_pairs, points + 1, axis=0, mode="nearest")
         window_peak = np.take_along_axis(highest.reshape(pairs.shape), apex, axis=1)[:, 0]
-        is_apex = (strongest > 0) & (strongest >= window_peak) & (power < SMOOTH)
+        is_apex = (strongest > 0) & (strongest >= window_peak) & (power < SMOOTH_POWER)
         if not self.wraps:
             is_apex[[0, -1]] = False
         return np.where(is_apex, about / (1 - 2**-power), 0.0)

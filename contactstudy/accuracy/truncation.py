@@ -7,7 +7,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 
 # L1 change of Hertz's ellipse over the small fraction by which it is made narrower.
-NARROWER = 4 / np.pi
+L1_OVER_NARROWING = 4 / np.pi
 # The line load of a window centred on the domain varies by END (a / L)^0.7 / (2 n + 1)^2 in the mean
 # over the length: measured for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
 END, END_POWER = 0.5, 0.7
@@ -53,7 +53,7 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
         )
     narrowing = _narrowing(_half_width(pressure, positions), period, pressure.shape[1], along)
     peak, mean = _end_errors(pressure, along, _half_width(pressure, positions) / period)
-    return float((1 + narrowing) * (1 + peak) - 1), float(NARROWER * narrowing + mean)
+    return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)
 
 
 def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> float:

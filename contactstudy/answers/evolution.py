@@ -34,12 +34,12 @@ if TYPE_CHECKING:
     from contactstudy.lubrication.evolve_lubricated import FilmTrajectory
 
 
-OF_PASSES = (
+NO_BOUND_OF_PASSES = (
     "No bound for the discretisation error: that of repeated rolling falls in proportion to the cell, solve again on "
     "cells of half the width."
 )
-OF_STATES = "No bound: area, gap and approach of a contact that has crept, worn or yielded are not estimated."
-OF_FILMS = (
+NO_BOUND_OF_STATES = "No bound: area, gap and approach of a contact that has crept, worn or yielded are not estimated."
+NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )
 
@@ -219,7 +219,10 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     reason = next(iter(frame.warnings), "")
     if frame.step_error == inf:
         reason = reason or "No bound: the time-step error was not estimated."
-    l1, unknown = replace(steps, reason=reason), ErrorParts(discretisation=inf, reason=OF_STATES)
+    l1, unknown = (
+        replace(steps, reason=reason),
+        ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES),
+    )
     area = unknown if frame.pressure.any() else l1  # bodies that are apart have no area
     return Contact(
         problem=problem,
@@ -240,8 +243,8 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
 
 def passes_of(rolled: "RepeatedRolling", requested: float | None = None) -> Evolution:
     """Return the passes of a contact that rolls again and again as an answer."""
-    unknown = ErrorParts(discretisation=inf, reason=OF_PASSES)
-    estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(OF_PASSES,))
+    unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_PASSES)
+    estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(NO_BOUND_OF_PASSES,))
     frames = tuple(
         contact_of(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
         for each_pass in rolled.passes
@@ -254,14 +257,14 @@ def films_of(films: "FilmTrajectory", requested: float | None = None) -> Evoluti
     """Return the instants of a film as an answer."""
     from contactstudy.answers.lubricated_contact import lubricated
 
-    parts = ErrorParts(discretisation=inf, steps=films.step_error, reason=OF_FILMS)
+    parts = ErrorParts(discretisation=inf, steps=films.step_error, reason=NO_BOUND_OF_FILMS)
 
     def of(name: str) -> ErrorParts:
         return replace(parts, steps=float(films.errors_by_steps[name].max()))
 
     estimate = ErrorEstimate(
         parts, of("peak_pressure"), central_film=of("central_film"), minimum_film=of("minimum_film"),
-        friction_coefficient=of("friction"), warnings=(OF_FILMS,),
+        friction_coefficient=of("friction"), warnings=(NO_BOUND_OF_FILMS,),
     )  # fmt: skip
     frames = [
         lubricated(replace(contact, estimate=estimate), time=time)

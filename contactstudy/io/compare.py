@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 # Largest number of differing keys of two scenes that are listed.
-SHOWN = 12
+MAX_LISTED = 12
 # Relative differences up to this are rounding, and are not printed.
 ROUNDING = 1e-9
 
@@ -78,8 +78,8 @@ class Comparison:
             lines.insert(
                 0, f"at {self.time:.6g} s, the instant of the highest pressure of the first"
             )
-        omitted = len(self.differing) - SHOWN
-        lines += [f"scenes differ in {text}" for text in self.differing[:SHOWN]]
+        omitted = len(self.differing) - MAX_LISTED
+        lines += [f"scenes differ in {text}" for text in self.differing[:MAX_LISTED]]
         return "\n".join(lines + [f"... and in {omitted} more keys"] * (omitted > 0))
 
     def plot(self) -> "Figure":

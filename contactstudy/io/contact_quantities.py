@@ -25,8 +25,10 @@ if TYPE_CHECKING:
 # Relative error of the energy of a cycle, times the square of the cells n across the slip zone: at most 0.82 in 190
 # smooth contacts against the closed form, and less in 16 rough ones. Cells by which the zone may be wider for its
 # largest slip, which grows as the width to the power of 3/2: at most 1.1.
-ENERGY, WIDER = 1.0, 1.25
-ONE_CELL = "No bound: the slip zone is one cell wide; solve again on cells of half the width."
+ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
+NO_BOUND_OF_ONE_CELL = (
+    "No bound: the slip zone is one cell wide; solve again on cells of half the width."
+)
 
 
 def scene_of(solution: Solution) -> Scene | None:
@@ -213,9 +215,9 @@ def _of_cycle(
     slips = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
     border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slips))
     wide = np.count_nonzero(slips) / border if border else 0.0
-    for_energy = ENERGY / wide**2 if wide > 1 else inf
-    for_slip = (1 + WIDER / wide) ** 1.5 - 1 if wide > 1 else inf
-    reason = estimate.l1.reason or ("" if wide > 1 else ONE_CELL)
+    for_energy = ENERGY_ERROR / wide**2 if wide > 1 else inf
+    for_slip = (1 + SLIP_ZONE_MARGIN / wide) ** 1.5 - 1 if wide > 1 else inf
+    reason = estimate.l1.reason or ("" if wide > 1 else NO_BOUND_OF_ONE_CELL)
     dissipated, slid = (
         bounded(number, replace(estimate.l1, discretisation=relative, reason=reason))
         for number, relative in ((dissipated, for_energy), (slid, for_slip))

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Frame
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
 
-OF_SLIP = "No bound: the discretisation error of slip is not estimated; solve again on cells of half the width."
-OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
+NO_BOUND_OF_SLIP = "No bound: the discretisation error of slip is not estimated; solve again on cells of half the width."
+NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
 
 
 def evolution_quantities(
@@ -73,7 +73,7 @@ def evolution_quantities(
         volume = float(worn.sum() * area)
         # sliding wears in proportion to the load, which is exact, and to the pressure before
         by_load = replace(error, truncation=None, discretisation=None)
-        by_slip = ErrorParts(discretisation=inf, reason=OF_SLIP)
+        by_slip = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
         slips = "friction_energy" in fields
         numbers["worn_volume"] = bounded(
             per_length(volume, "m3", "worn volume", length, period), by_slip if slips else by_load
@@ -84,18 +84,24 @@ def evolution_quantities(
         energy = float(fields["friction_energy"].values.sum() * cell[0])
         dissipated = per_length(energy, "J", "energy lost to friction", length, cell[1])
         slid = float(fields["slip_distance"].values.max())
-        numbers["friction_energy"] = replace(dissipated, bound=inf, reason=OF_SLIP)
-        numbers["largest_slip"] = Quantity(slid, "m", "largest distance slipped", inf, OF_SLIP)
+        numbers["friction_energy"] = replace(dissipated, bound=inf, reason=NO_BOUND_OF_SLIP)
+        numbers["largest_slip"] = Quantity(
+            slid, "m", "largest distance slipped", inf, NO_BOUND_OF_SLIP
+        )
     if "residual_displacement" in fields:
         dent = float(np.abs(fields["residual_displacement"].values).max())
-        numbers["dent_depth"] = Quantity(dent, "m", "depth of the dent at the end", inf, OF_STRAIN)
+        numbers["dent_depth"] = Quantity(
+            dent, "m", "depth of the dent at the end", inf, NO_BOUND_OF_STRAIN
+        )
     for name, stress in plastic_fields.items():
         if name.startswith("residual_stress"):
             of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
             for end, extreme in (("highest", np.max), ("lowest", np.min)):
                 label = f"{end} residual stress{of}, across or along"
                 across_and_along = float(extreme(stress.values[-1, :2]))
-                numbers[f"{end}_{name}"] = Quantity(across_and_along, "Pa", label, inf, OF_STRAIN)
+                numbers[f"{end}_{name}"] = Quantity(
+                    across_and_along, "Pa", label, inf, NO_BOUND_OF_STRAIN
+                )
     return numbers
 
 

@@ -13,7 +13,9 @@ from contactstudy.scene.shapes.shape import Detail
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
-OF_FLOW = "No bound: the loss by the flow that pressure drives in the inlet is not estimated."
+NO_BOUND_OF_FLOW = (
+    "No bound: the loss by the flow that pressure drives in the inlet is not estimated."
+)
 
 
 def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[str, Quantity]:
@@ -24,7 +26,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "minimum_film": Quantity(contact.minimum_film, "m", "minimum film thickness"),
         "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
         "friction_coefficient": Quantity(contact.friction, "1", "friction force over load"),
-        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost in the film per length", inf, OF_FLOW),
+        "power_loss": Quantity(contact.power_loss, "W m-1", "power lost in the film per length", inf, NO_BOUND_OF_FLOW),
         "sliding_loss": Quantity(
             contact.sliding_loss, "W m-1", "of it by sliding, the rest by the flow in the inlet"
         ),

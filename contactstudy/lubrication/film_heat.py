@@ -27,7 +27,7 @@ from contactstudy.lubrication.lubricated_contact import (
 from contactstudy.scene.film_heat import FilmHeat, ThermalBody
 
 # Newton's steps; where the temperature rests, of the largest; the difference [K] that gives the slope of the heat.
-STEPS, REACHED, DIFFERENCE = 100, 1e-9, 1e-3
+MAX_STEPS, TOLERANCE, TEMPERATURE_STEP = 100, 1e-9, 1e-3
 
 
 def heated(
@@ -146,13 +146,13 @@ def _agreeing(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float
     def heat(rise: Array) -> Array:
         return sliding * np.abs(line.stress(rise))
 
-    for _ in range(STEPS):
+    for _ in range(MAX_STEPS):
         made = heat(rise)
         missing = of_film @ made - rise
-        slope = (heat(rise + DIFFERENCE) - made) / DIFFERENCE
+        slope = (heat(rise + TEMPERATURE_STEP) - made) / TEMPERATURE_STEP
         rise = rise + np.linalg.solve(np.eye(len(rise)) - of_film * slope, missing)
         largest = float(np.abs(rise).max())
-        if float(np.abs(missing).max()) <= REACHED * largest:
+        if float(np.abs(missing).max()) <= TOLERANCE * largest:
             break
     residual = float(np.abs(of_film @ heat(rise) - rise).max())
     return rise, residual / largest if largest else 0.0

@@ -14,9 +14,9 @@ from contactstudy.solvers.solution import Status
 
 # The stress that a lubricant bears at most: at rest [Pa], and of the pressure; and the fraction of the friction that may
 # be above it.
-BORNE_AT_REST, BORNE, UNBORNE = 1e7, 0.15, 0.01
+SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
 # The thermal loading up to which an inlet's heating is known, and the residual of temperatures that counts as none.
-LOADING, RESTING = 10.0, 1e-6
+MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +37,13 @@ class FilmTemperatures:
     @property
     def reason(self) -> str:
         """Why temperatures have no bound; empty where they can have one."""
-        if self.residual > RESTING:
+        if self.residual > TEMPERATURE_RESIDUAL:
             return f"Heat and temperature of the film disagree by {100 * self.residual:.2g} %."
-        if self.loading <= LOADING:
+        if self.loading <= MAX_THERMAL_LOADING:
             return ""
         return (
-            f"The inlet's thermal loading is {self.loading:.3g}: its heating is known up to {LOADING:g}. Give a lower "
-            "Lubrication.mean_speed, or leave Lubrication.thermal out."
+            f"The inlet's thermal loading is {self.loading:.3g}: its heating is known up to {MAX_THERMAL_LOADING:g}. "
+            "Give a lower Lubrication.mean_speed, or leave Lubrication.thermal out."
         )
 
 
@@ -168,12 +168,15 @@ class FilmSolution:
         if isinstance(self.scales.lubrication.lubricant.shear, LimitingShear):
             return ""
         stress = np.abs(self.shear)
-        excess = np.clip(stress - BORNE_AT_REST - BORNE * self.pressure, 0, None).sum()
-        if excess <= UNBORNE * stress.sum():
+        excess = np.clip(
+            stress - SHEAR_LIMIT - SHEAR_LIMIT_OVER_PRESSURE * self.pressure, 0, None
+        ).sum()
+        if excess <= FRICTION_BEYOND_LIMIT * stress.sum():
             return ""
         return (
             f"Friction has no bound: {100 * excess / stress.sum():.0f} % of it is a stress that no lubricant bears, "
-            f"above {BORNE:g} of the pressure. Give Lubricant.shear a limit, such as LimitingShear(0.07)."
+            f"above {SHEAR_LIMIT_OVER_PRESSURE:g} of the pressure. Give Lubricant.shear a limit, such as "
+            "LimitingShear(0.07)."
         )
 
     @property

@@ -26,7 +26,7 @@ from contactstudy.solvers.solve import SolveOptions
 # An outlet reaches so many half-widths, or further by so many times sqrt(2 H).
 OUTLET, OUTLET_GROWTH = 1.5, 2.5
 # Least width of a grid over that of the contact.
-NARROWEST = 1.2
+MIN_WIDTH = 1.2
 # Heights over a^2 / R that vary along the length by this much are no roughness on a line contact.
 # More than EDGE is the end of a roller.
 CROWNED, EDGE = 0.5, 300.0
@@ -133,10 +133,10 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         raise InvalidInput(
             f"Grid.cells[0] is {grid.cells[0]}, of cells wider than half the contact: give {least} at the least."
         )
-    if grid.extent[0] < 2 * NARROWEST * bearing:
+    if grid.extent[0] < 2 * MIN_WIDTH * bearing:
         raise InvalidInput(
             f"Grid.extent[0] is {grid.extent[0]:.4g} m, too narrow for a film that bears load over {2 * bearing:.4g} m: "
-            f"give {2 * NARROWEST * bearing:.4g} m at the least, or take film_grid(scene)."
+            f"give {2 * MIN_WIDTH * bearing:.4g} m at the least, or take film_grid(scene)."
         )
     assert isinstance(scene.load, ConstantLoad)
     problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)

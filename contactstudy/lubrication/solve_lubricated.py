@@ -21,17 +21,17 @@ from contactstudy.solvers.solution import Status
 # Cells of half an inlet sweep give the smallest film within this error.
 HALF_SWEEP_ERROR = 0.02
 # An inlet is no shorter than this [a]. No more than this fraction of the contact counts as an inlet sweep.
-INLET, WIDEST = 1.5, 0.1
+INLET, INLET_SWEEP_FRACTION = 1.5, 0.1
 # Rounds of refinement towards an error, and the most cells across of plane strain.
-REFINEMENTS, MOST_CELLS = 6, 3200
+REFINEMENTS, MAX_CELLS = 6, 3200
 # Cells for the shortest wave of a surface.
-PER_WAVE = 8
+CELLS_PER_WAVE = 8
 # The inlet's error falls as its length^-2. A constriction of few cells hides a fraction of the film's rise beside it.
-SHORTER_INLET, HIDDEN = 4 / 3, 0.2
+INLET_ERROR_OVER_CHANGE, HIDDEN_RISE = 4 / 3, 0.2
 # Of the change from a quarter to half the cells, the part that the next change may have, unless it happens to vanish.
-NEXT = 1 / 3
+NEXT_CHANGE = 1 / 3
 # Cells of the coarsest grid of an estimate, at least.
-FEWEST = 8
+MIN_CELLS = 8
 # A second peak of pressure, this much higher than the valley before it [of the highest], is a spike.
 # Where a spike adds more than this fraction to the friction, and so many times as much as with half the cells, friction
 # has no estimate.
@@ -58,19 +58,19 @@ def film_grid(
     period
         Length [m], which does not bear on the film in plane strain.
     finest
-        Shortest wavelengths (across, along) of the surfaces [m]; ``PER_WAVE`` cells each. One cell along the length
-        where nothing varies along it.
+        Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each. One cell along the
+        length where nothing varies along it.
     longer, finer
         Factors by which the inlet is longer and the cells are finer.
     """
     scales = lubricated_scales(scene)
     film, a = scales.expected_film, scales.hertz.half_width
     inlet = longer * max(INLET, 1 + sqrt(2 * INLET_ERROR * film / error))
-    sweep = min((film / SWEEP) ** (2 / 3), WIDEST * scales.reach)
+    sweep = min((film / SWEEP) ** (2 / 3), INLET_SWEEP_FRACTION * scales.reach)
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
-    cell = min(cell, finest[0] / a / PER_WAVE)
-    across = min(LEVELS * ceil(2 * inlet / cell / LEVELS), MOST_CELLS)
-    along = 1 if finest[1] == inf else LEVELS * ceil(PER_WAVE * period / finest[1] / LEVELS)
+    cell = min(cell, finest[0] / a / CELLS_PER_WAVE)
+    across = min(LEVELS * ceil(2 * inlet / cell / LEVELS), MAX_CELLS)
+    along = 1 if finest[1] == inf else LEVELS * ceil(CELLS_PER_WAVE * period / finest[1] / LEVELS)
     return Grid((across, along), (2 * inlet * a, period))
 
 
@@ -144,7 +144,7 @@ def solve_lubricated(
             return contact
         # a width that is given leaves the error of its inlet
         remaining = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
-        if fitting.cells[0] >= MOST_CELLS or (
+        if fitting.cells[0] >= MAX_CELLS or (
             grid and (cells <= remaining / 2 or grid.cells[1] > 1)
         ):
             break
@@ -167,7 +167,7 @@ def _on_extent(grid: Grid, finer: float) -> Grid:
     if finer == 1:
         return grid
     # a multiple, so that the cells of the estimate's grids lie on each other
-    return Grid((max(nx, min(LEVELS * ceil(nx * finer / LEVELS), MOST_CELLS)), ny), grid.extent)
+    return Grid((max(nx, min(LEVELS * ceil(nx * finer / LEVELS), MAX_CELLS)), ny), grid.extent)
 
 
 def _with_error(
@@ -233,7 +233,7 @@ def _too_coarse(scene: Scene, grid: Grid) -> str | None:
     """Return why a quarter of the cells are too few to estimate an error with; None if they are not."""
     scales = lubricated_scales(scene)
     cells = grid.cells[0] // 4
-    if cells >= FEWEST and grid.extent[0] / cells <= scales.reach * scales.hertz.half_width:
+    if cells >= MIN_CELLS and grid.extent[0] / cells <= scales.reach * scales.hertz.half_width:
         return None
     return f"A quarter of {grid.cells[0]} cells shows no film, so that no error is known: give more cells across."
 
@@ -298,10 +298,10 @@ def _compared(
         scale = abs(fine) or 1.0
         change = abs(fine - wide)
         if coarsest.status not in unresolved:
-            change = max(change, NEXT * abs(wide - widest))
+            change = max(change, NEXT_CHANGE * abs(wide - widest))
         return ErrorParts(
             discretisation=change / scale,
-            inlet=SHORTER_INLET * abs(wide - long) / scale,
+            inlet=INLET_ERROR_OVER_CHANGE * abs(wide - long) / scale,
             residual=residual,
             reason=reason,
         )
@@ -309,7 +309,7 @@ def _compared(
     on_coarse, on_longer = (_pressure_at(contact.grid, film) for film in (coarse, longer))
     pressure = ErrorParts(
         discretisation=_l1(contact.pressure, on_coarse),
-        inlet=SHORTER_INLET * _l1(on_coarse, on_longer),
+        inlet=INLET_ERROR_OVER_CHANGE * _l1(on_coarse, on_longer),
         residual=residual,
         reason=reason,
     )
@@ -336,7 +336,7 @@ def _compared(
     if temperatures is not None and temperatures.reason:
         friction = replace(friction, discretisation=inf, reason=temperatures.reason)
     smallest = parts("minimum_film")
-    hidden = HIDDEN * rise_beside_lowest(contact.film)
+    hidden = HIDDEN_RISE * rise_beside_lowest(contact.film)
     coarse_error = max(smallest.by_cause["discretisation"], hidden)
     smallest = replace(smallest, discretisation=coarse_error)
     estimate = _estimate(pressure, peak, parts("central_film"), smallest, friction)

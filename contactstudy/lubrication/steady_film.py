@@ -36,7 +36,7 @@ from contactstudy.solvers.solution import Status
 SWEEP, INLET_ERROR = 0.94, 0.9
 # A film that is more than this too thin is starved. Cells that are one inlet sweep wide, or across which the film rises
 # by this fraction beside its lowest cell, do not resolve it.
-STARVED, STEEP = 0.05, 0.5
+STARVED, UNRESOLVED_RISE = 0.05, 0.5
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,10 @@ class SteadyTuning:
     rough_change
         Largest change of ln(eta) in a step of a film that varies along its length; none is needed in plane strain.
     ridges, growth
-        Another film is looked for where the rms of heights is more than ``ridges`` times the film, by heights that grow
+        A second film is sought where the rms of heights is more than ``ridges`` times the film, by heights that grow
         by the factor ``growth``.
-    another
-        Relative difference of the mean film by which another film is another.
+    distinct
+        Relative difference of the mean film by which two films are distinct.
     speeds
         Where a cold start fails.
     """
@@ -63,7 +63,7 @@ class SteadyTuning:
     rough_change: float = 6.0
     ridges: float = 2.0
     growth: float = 1.25
-    another: float = 0.01
+    distinct: float = 0.01
     speeds: SpeedSteps = SpeedSteps(10.0, 4, 1.05)  # noqa: RUF009 (a frozen value)
 
 
@@ -79,7 +79,7 @@ def solve_on(
 ) -> FilmSolution:
     """Solve the film on one grid, from a cold start, or from another contact where that converges.
 
-    Where transverse heights are more than twice the film, another film is looked for.
+    Where transverse heights are more than twice the film, a second film is sought.
     """
     posed = pose(scene, grid, padding)
     if posed.equation.boundary:
@@ -155,7 +155,7 @@ def _differs(
     first, second = (
         iteration.film.film[inside].mean() for iteration in (first_iteration, second_iteration)
     )
-    return bool(abs(first - second) > TUNING.another * first)
+    return bool(abs(first - second) > TUNING.distinct * first)
 
 
 def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
@@ -259,7 +259,7 @@ def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
     equation = posed.equation
     axis = int(np.argmin(np.abs(posed.x)))
     film = float(last.film.film[axis].mean())
-    steep = not equation.boundary and rise_beside_lowest(last.film.film) > STEEP
+    steep = not equation.boundary and rise_beside_lowest(last.film.film) > UNRESOLVED_RISE
     if film < SWEEP * equation.cell[0] ** 1.5 or steep:
         return Status.FILM_BELOW_CELL
     # where the supplied layer fills the gap inside the grid, a longer inlet changes nothing

@@ -7,18 +7,18 @@ from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import CostModel
 from contactstudy.planning.grid_requirements import GridRequirements, halvable
 from contactstudy.planning.grid_search import ESTIMATE_COST
-from contactstudy.scene.adhesion import CHOSEN
+from contactstudy.scene.adhesion import CHOSEN_CELLS
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.sought_load import PullOff
 
 # Tabor parameter that stands for the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
-SMOOTH, VARYING = 4.0, 2.0
+TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the root of twice its radius and range.
 REACH = 3.7
 # Transform pairs of a solve over the square of Tabor's parameter, and at least; solves of a search for the pull-off.
-PAIRS, LEAST, SEARCH = 60.0, 60.0, 10
+PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10
 
 
 @dataclass(frozen=True)
@@ -58,32 +58,32 @@ def adhesive_requirements(
     assert adhesion is not None
     assert radius is not None
     scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
-    reach_of = adhesion.range or scale / (VARYING if requirements.varies else SMOOTH)
+    reach_of = adhesion.range or scale / (TABOR_VARYING if requirements.varies else TABOR_SMOOTH)
     strength = adhesion.work / reach_of
     zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
     if grid is None:
         grid = _grid(
-            requirements, error, period, zone / CHOSEN, REACH * sqrt(2 * radius * reach_of)
+            requirements, error, period, zone / CHOSEN_CELLS, REACH * sqrt(2 * radius * reach_of)
         )
     cell = max(grid.cell) if requirements.varies else grid.cell[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
-        tabor, cells = scale / law.range, CHOSEN
+        tabor, cells = scale / law.range, CHOSEN_CELLS
     else:
         tabor, cells = scale / reach_of, zone / cell
     load = scene.load
-    solves = SEARCH if isinstance(load, PullOff) else 1
+    solves = SEARCH_SOLVES if isinstance(load, PullOff) else 1
     if isinstance(load, ChangingLoad):
         solves = 41
-    pairs = max(LEAST, PAIRS * tabor**2)
+    pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
     seconds = ESTIMATE_COST * solves * CostModel().seconds(grid, requirements.padding(), pairs)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."
     )
     warnings: tuple[str, ...] = ()
-    if cells < CHOSEN * (1 - 1e-9):
-        finer = int(grid.cells[0] * CHOSEN / cells) + 1
+    if cells < CHOSEN_CELLS * (1 - 1e-9):
+        finer = int(grid.cells[0] * CHOSEN_CELLS / cells) + 1
         warnings = (
             f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone trap the edge of the contact, "
             f"give {finer} for six.",

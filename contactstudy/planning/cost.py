@@ -36,7 +36,7 @@ SAMPLE, SAMPLE_IMAGES = 128, (1, 6)
 LARGE_SAMPLE = 512
 # Seconds for which a quick solve or convolution is repeated: the first one fills caches, and a busy machine interrupts;
 # the seconds of a set-up or a solve at least.
-LONG_ENOUGH, LEAST = 0.02, 1e-6
+LONG_ENOUGH, MIN_SECONDS = 0.02, 1e-6
 # Overhead of a transform of any size, in units of N log N: the time of a transform of 80 x 80 cells.
 CALLS = 5e4
 
@@ -110,7 +110,7 @@ class CostModel:
 def _law(sizes: list[tuple[float, float]], seconds: list[float]) -> "PowerLaw":
     """Fit a power law to `seconds` over N log N of the first of each of `sizes`, times the second."""
     log_works = [log_work(n) + log(times) for n, times in sizes]
-    return PowerLaw.fit(np.log(sizes), np.log(seconds) - log_works, NEARLY, OUTLIER)
+    return PowerLaw.fit(np.log(sizes), np.log(seconds) - log_works, NEARLY_PROPORTIONAL, OUTLIER)
 
 
 def _predicted(law: "PowerLaw", size: tuple[float, float]) -> float:
@@ -151,8 +151,8 @@ def timed(
         grid,
         problem.paddings,
         max(solution.convolutions, 1.0),
-        max(setup / count, LEAST),
-        max(solve / count, LEAST),
+        max(setup / count, MIN_SECONDS),
+        max(solve / count, MIN_SECONDS),
     )
     return solution, timing
 
@@ -232,7 +232,7 @@ SCALE, EXPONENT, CURVATURE = 10.0, 0.6, 0.1
 SPREAD, MEASUREMENTS = log(1.25), 2
 PASSES = 3  # iterations of spread and fit, after which the spread changes by less than 1 %
 # Prior width of an exponent in addition to N log N, for times that are nearly proportional to it.
-NEARLY = 0.1
+NEARLY_PROPORTIONAL = 0.1
 # Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
 OUTLIER = 3.0
 

@@ -5,18 +5,19 @@ from math import prod
 
 from contactstudy.domain.grid import Grid
 from contactstudy.lubrication.posed_film import lubricated_scales
-from contactstudy.lubrication.solve_lubricated import PER_WAVE, film_grid
+from contactstudy.lubrication.solve_lubricated import CELLS_PER_WAVE, film_grid
 from contactstudy.planning.grid_requirements import GridRequirements
 from contactstudy.scene.scene import Scene
 
 # Seconds of a film in plane strain with its estimate on two coarser grids, for the square of its cells, and of any film:
 # medians of 16 films of 320 to 2,700 cells, a third of which are solved again on finer cells. The same of a step in time
 # with its part of the integration by double steps, from 9 films of 300 to 2,700 cells.
-OF_SQUARE, FILM, OF_STEP_SQUARE, FILM_STEP = 3.6e-7, 0.03, 7.5e-8, 0.006
+SECONDS_PER_CELLS_SQUARED, MIN_SECONDS = 3.6e-7, 0.03
+STEP_SECONDS_PER_CELLS_SQUARED, MIN_STEP_SECONDS = 7.5e-8, 0.006
 # Steps in time: some to begin with, and at least so many from one recorded instant to the next and in all.
-FIRST, EACH, FEWEST = 5, 2, 30
+STARTING_STEPS, STEPS_PER_INSTANT, MIN_STEPS = 5, 2, 30
 # Seconds a cell of a film that varies along its length, with its estimate: the median of 11 films of one wave along.
-PER_CELL = 3.5e-4
+SECONDS_PER_CELL = 3.5e-4
 # Numbers held a cell, mostly the basis of the Krylov space, and matrices (x, x) of the Fourier stage.
 FIELDS, MATRICES = 180, 50
 
@@ -92,14 +93,20 @@ def film_requirements(
         f"the inlet begins {inlet:.2g} half-widths from the axis: its error falls as that distance^-2",
         f"cells of {grid.cell[0]:.2g} m across resolve the pressure's rise in the inlet",
     ]
-    seconds = FILM + OF_SQUARE * nx**2 if ny == 1 else PER_CELL * prod(grid.cells)
+    seconds = (
+        MIN_SECONDS + SECONDS_PER_CELLS_SQUARED * nx**2
+        if ny == 1
+        else SECONDS_PER_CELL * prod(grid.cells)
+    )
     steps = 1
     if instants:
-        steps = FIRST + max(EACH * (instants - 1), FEWEST)
-        seconds += steps * (FILM_STEP + OF_STEP_SQUARE * nx**2 if ny == 1 else seconds)
+        steps = STARTING_STEPS + max(STEPS_PER_INSTANT * (instants - 1), MIN_STEPS)
+        seconds += steps * (
+            MIN_STEP_SECONDS + STEP_SECONDS_PER_CELLS_SQUARED * nx**2 if ny == 1 else seconds
+        )
     numbers = 6 * nx**2
     if ny > 1:
-        reasons.append(f"{PER_WAVE} cells or more for the shortest wave")
+        reasons.append(f"{CELLS_PER_WAVE} cells or more for the shortest wave")
         warnings.append("the error of a film between rough surfaces is not known beforehand")
         numbers = FIELDS * prod(grid.cells) + MATRICES * nx**2
     return FilmRequirements(grid, seconds, steps, 8 * numbers, tuple(reasons), tuple(warnings))

@@ -23,16 +23,16 @@ from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import Detail
 
-# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^RATE: ROUGH times the fraction
-# of the area in contact to the power AREA_POWER, fitted to 9 %, 30 % and 80 % in contact.
-ROUGH, AREA_POWER, RATE = 0.35, -0.65, 1.5
+# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^ROUGH_ORDER: ROUGH_ERROR times the
+# fraction of the area in contact to the power AREA_POWER, fitted to 9 %, 30 % and 80 % in contact.
+ROUGH_ERROR, AREA_POWER, ROUGH_ORDER = 0.35, -0.65, 1.5
 # Width of the grid over that of the contact.
 WIDTH_FACTOR = 1.2
 # Longest wavelengths that a period should hold, so that one surface represents others.
-WAVES = 4
+WAVES_PER_PERIOD = 4
 COARSEST = 32
 # Cells along a roller from which small solutions find how many it needs.
-ALONG = 64
+CELLS_ALONG_ROLLER = 64
 # Fraction of the requested error that the cells may take where time steps take the remainder.
 CELL_FRACTION = 0.5
 # A half-width above this fraction of the radius is not that of half-spaces.
@@ -148,21 +148,21 @@ class GridRequirements:
         """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
         slope = sqrt(sum(detail.slope**2 for detail in self.details))
         if slope == 0:
-            return ROUGH
+            return ROUGH_ERROR
         # the mean pressure over the rms slope gives the fraction in contact (Persson 2001)
         mean = np.pi / 4 * self.hertz.peak_pressure / self.hertz.contact_modulus
-        return float(ROUGH * max(erf(sqrt(2) * mean / slope), 1e-3) ** AREA_POWER)
+        return float(ROUGH_ERROR * max(erf(sqrt(2) * mean / slope), 1e-3) ** AREA_POWER)
 
     def error(self, cell: tuple[float, float]) -> float:
         """Return the relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
         smooth = smooth_l1(cell[0] / self.hertz.half_width)
         steps = (size / wave for size, wave in zip(cell, self.finest, strict=True))
-        return float(smooth + self.coefficient() * max(steps) ** RATE)
+        return float(smooth + self.coefficient() * max(steps) ** ROUGH_ORDER)
 
     def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
         """Return the contributions (across, along) to :meth:`error`."""
         total = self.error(cell)
-        rough = [(size / wave) ** RATE for size, wave in zip(cell, self.finest, strict=True)]
+        rough = [(size / wave) ** ROUGH_ORDER for size, wave in zip(cell, self.finest, strict=True)]
         if not self.rough:
             return total, 0.0
         return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
@@ -180,8 +180,8 @@ class GridRequirements:
         width = min(2 * WIDTH_FACTOR * self.half_width, self.widest)
         length = self.length(period, width)
         # the cells for each source of error alone, then both are reduced to the requested error
-        step = self.hertz.half_width / l1_factor() ** (1 / RATE)
-        ratio = self.coefficient() ** (-1 / RATE)
+        step = self.hertz.half_width / l1_factor() ** (1 / ROUGH_ORDER)
+        ratio = self.coefficient() ** (-1 / ROUGH_ORDER)
         across = min(step, self.finest[0] * ratio)
         along = self.finest[1] * ratio
         reduction = 1.0
@@ -189,8 +189,8 @@ class GridRequirements:
             expected = self.error((across * reduction, along * reduction))
             if not 0 < expected < inf:  # no grid is fine enough: the caller reports it
                 break
-            reduction *= (error / expected) ** (1 / RATE)
-        least = ALONG if self.roller else COARSEST
+            reduction *= (error / expected) ** (1 / ROUGH_ORDER)
+        least = CELLS_ALONG_ROLLER if self.roller else COARSEST
         cells = halvable(length / (along * reduction), least) if self.varies else 1
         return Grid((halvable(width / (across * reduction)), cells), (width, length))
 
@@ -220,8 +220,8 @@ class GridRequirements:
         if not self.varies:
             return width
         repeats = {detail.repeat for detail in self.details if detail.repeat}
-        unit = _common_period(repeats) if repeats else max(self.longest, width) / WAVES
-        return unit * max(1, int(np.ceil(WAVES * self.longest / unit * (1 - 1e-12))))
+        unit = _common_period(repeats) if repeats else max(self.longest, width) / WAVES_PER_PERIOD
+        return unit * max(1, int(np.ceil(WAVES_PER_PERIOD * self.longest / unit * (1 - 1e-12))))
 
     def padding(self) -> Padding | Paddings:
         """Return the boundary conditions: open on both axes where a roller ends, else periodic with all images."""
@@ -243,10 +243,10 @@ class GridRequirements:
                 f"The period {period:.4g} m is no whole number of {broken[0]:.4g} m, after which a shape "
                 "repeats: give a multiple of that."
             )
-        if 0 < period < WAVES * self.longest * (1 - 1e-9):
+        if 0 < period < WAVES_PER_PERIOD * self.longest * (1 - 1e-9):
             return (
                 f"The period {period:.4g} m holds {period / self.longest:.2g} of the longest wavelength "
-                f"{self.longest:.4g} m: give {WAVES * self.longest:.4g} m, or the answer is that of one "
+                f"{self.longest:.4g} m: give {WAVES_PER_PERIOD * self.longest:.4g} m, or the answer is that of one "
                 "short sample."
             )
         return f"The period {period:.4g} m holds what repeats along it a whole number of times."

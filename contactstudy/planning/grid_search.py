@@ -17,21 +17,26 @@ from contactstudy.planning.cost import (
     memory,
     timed,
 )
-from contactstudy.planning.grid_requirements import COARSEST, RATE, GridRequirements, halvable
+from contactstudy.planning.grid_requirements import (
+    COARSEST,
+    ROUGH_ORDER,
+    GridRequirements,
+    halvable,
+)
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
 # Cells of a small solution at most, in one and in two dimensions, more of them where the surface is finer; and the
 # tolerance that it is solved to.
-LINE, PLANE, MOST, TOLERANCE = 2**13, 2**16, 2**19, 1e-5
+MAX_CELLS_1D, MAX_CELLS_2D, MAX_CELLS_FINE, TOLERANCE = 2**13, 2**16, 2**19, 1e-5
 # Powers of the cell with which an error falls: at a step in height, where it is not observed, and of a smooth contact.
 MIN_RATE, USUAL_RATE, MAX_RATE = 0.5, 1.0, 1.5
 # Ratio of an error's upper estimate to the error expected, of rough and of smooth surfaces: exceeded in all but a few
 # cases of the accuracy matrix.
 BOUND_ROUGH, BOUND_SMOOTH = 1.5, 1.2
 # Least cells along an axis of a small solution, and of a roller.
-FEWEST, ROLLER = 8, 16
+MIN_CELLS, MIN_CELLS_OF_ROLLER = 8, 16
 # Seconds of a solve with its error estimate, which takes another on cells of twice the size, over those of one solve.
 ESTIMATE_COST = 1.6
 # Factor on a width that is too narrow.
@@ -132,7 +137,7 @@ def forecast(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridFo
     changes, rates = [0.0, 0.0], [USUAL_RATE, USUAL_RATE]
     for axis in range(2 if error < inf else 0):
         solutions = [fine]
-        while len(solutions) < 3 and small.cells[axis] >= FEWEST * 2 ** len(solutions):
+        while len(solutions) < 3 and small.cells[axis] >= MIN_CELLS * 2 ** len(solutions):
             halved = list(small.cells)
             halved[axis] = ceil(halved[axis] / 2 ** len(solutions))
             coarser = Grid((halved[0], halved[1]), small.extent)
@@ -162,7 +167,7 @@ def bound_factor(requirements: GridRequirements) -> float:
 
 def _fewest(requirements: GridRequirements, grid: Grid) -> tuple[int, int]:
     """Return the cells (across, along) below which a grid does not show the surface."""
-    least = ROLLER if requirements.roller else COARSEST
+    least = MIN_CELLS_OF_ROLLER if requirements.roller else COARSEST
     across, along = (
         max(least, ceil(extent / length * (1 - 1e-9)))
         for extent, length in zip(grid.extent, requirements.finest, strict=True)
@@ -172,18 +177,18 @@ def _fewest(requirements: GridRequirements, grid: Grid) -> tuple[int, int]:
 
 def _coarse(grid: Grid, fewest: tuple[int, int]) -> Grid:
     """Return `grid` with few enough cells to be solved quickly, if so few show the surface."""
-    max_cells = LINE if grid.cells[1] == 1 else PLANE
+    max_cells = MAX_CELLS_1D if grid.cells[1] == 1 else MAX_CELLS_2D
     counts = [float(count) for count in grid.cells]
     # both axes alike; then each makes up for cells that the other cannot lose
     for axis, power in ((0, 0.5 if grid.cells[1] > 1 else 1.0), (1, 1.0), (0, 1.0)):
         excess = max(prod(counts) / max_cells, 1.0)
         counts[axis] = max(counts[axis] / excess**power, min(fewest[axis], counts[axis]))
-    shrink = sqrt(max(prod(counts) / MOST, 1.0))
+    shrink = sqrt(max(prod(counts) / MAX_CELLS_FINE, 1.0))
     across, along = (
         max(ceil(count / shrink), min(2, present))
         for count, present in zip(counts, grid.cells, strict=True)
     )
-    return Grid((max(across, min(FEWEST, grid.cells[0])), along), grid.extent)
+    return Grid((max(across, min(MIN_CELLS, grid.cells[0])), along), grid.extent)
 
 
 def contact_width(solution: Solution) -> float:
@@ -217,7 +222,7 @@ def forecast_or_law(scene: Scene, requirements: GridRequirements, grid: Grid) ->
         return GridForecast(
             grid,
             (requirements.error(grid.cell), 0.0),
-            (RATE, RATE),
+            (ROUGH_ORDER, ROUGH_ORDER),
             (COARSEST, 1),
             grid.extent[0] < width,
             "",
@@ -227,7 +232,7 @@ def forecast_or_law(scene: Scene, requirements: GridRequirements, grid: Grid) ->
     try:
         result = forecast(scene, requirements, grid)
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
-        rates = RATE, RATE
+        rates = ROUGH_ORDER, ROUGH_ORDER
         return GridForecast(
             grid, (inf, 0.0), rates, fewest, cut_off=False, message=str(error), seconds=inf
         )
@@ -236,7 +241,7 @@ def forecast_or_law(scene: Scene, requirements: GridRequirements, grid: Grid) ->
         return replace(
             result,
             errors=(UNRESOLVED_FACTOR * across, UNRESOLVED_FACTOR * along),
-            rates=(RATE, RATE),
+            rates=(ROUGH_ORDER, ROUGH_ORDER),
         )
     return result
 

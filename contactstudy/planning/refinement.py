@@ -40,7 +40,7 @@ GROWTH_WITHOUT_BOUND, MIN_GROWTH = 2.0, 1.15
 # Where the error on the most cells is OUT_OF_REACH times that requested, MAX_CELLS_OUT_OF_REACH cells are used at most.
 OUT_OF_REACH, MAX_CELLS_OUT_OF_REACH = 1.5, 2**17
 # Factor on a width that the contact outgrows, and the fraction of the width below which a narrower one is taken.
-WIDENING, NARROWER = 1.4, 0.8
+WIDENING, NARROWING = 1.4, 0.8
 # Tolerance over the requested error of all grids but those whose bound may keep it.
 LOOSE_TOLERANCE = 1e-3
 # Relative cost of a roller's end that divides a cell, for a misfit over the requested error. Largest ratio of the cells
@@ -304,7 +304,7 @@ class GridRefinement:
         if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
             return None
         needed = WIDTH_FACTOR * contact_width(solution)
-        return needed if needed < NARROWER * width else None
+        return needed if needed < NARROWING * width else None
 
     def _with_width(self, grid: Grid, width: float) -> Grid:
         """Return `grid` with another width, and cells no larger."""

@@ -15,10 +15,11 @@ from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 
 # Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8, with
-# little or no hardening: over Hertz's half-width, it ends at WIDTH + WIDER r^2 across and at the depth DEPTH r - 1.
-WIDTH, WIDER, DEPTH = 0.62, 0.07, 1.2
-# The discretisation error is (r / 3)^CELLS times the elastic one.
-CELLS = 1.5
+# little or no hardening: over Hertz's half-width, it ends at PLASTIC_WIDTH + PLASTIC_WIDENING r^2 across
+# and at the depth PLASTIC_DEPTH r - 1.
+PLASTIC_WIDTH, PLASTIC_WIDENING, PLASTIC_DEPTH = 0.62, 0.07, 1.2
+# The discretisation error is (r / 3)^ERROR_POWER times the elastic one.
+ERROR_POWER = 1.5
 # Fields of plastic strain that a step holds, and where strain varies along the length: measured on rough cylinders of
 # 48^2 to 128^2 cells.
 FIELDS, FIELDS_ALONG = 24, 36
@@ -46,19 +47,19 @@ class Yielding:
     @property
     def reach(self) -> float:
         """Distance [m] across from the axis to the end of the plastic zone."""
-        return self.half_width * MARGIN * (WIDTH + WIDER * self.ratio**2)
+        return self.half_width * MARGIN * (PLASTIC_WIDTH + PLASTIC_WIDENING * self.ratio**2)
 
     @property
     def error_factor(self) -> float:
         """Discretisation error over that of an elastic contact."""
-        return float(max(1.0, self.ratio / 3) ** CELLS)
+        return float(max(1.0, self.ratio / 3) ** ERROR_POWER)
 
     def volume(self, grid: Grid) -> Volume:
         """Return the cells of `grid` expected to yield."""
         half = min(self.reach, grid.extent[0] / 2)
         across = round(half / grid.cell[0])
         middle = grid.cells[0] // 2
-        depth = max(DEPTH * self.ratio - 1, 1.0) * self.half_width
+        depth = max(PLASTIC_DEPTH * self.ratio - 1, 1.0) * self.half_width
         edges = layers(grid, self.half_width, depth)
         return Volume(grid, max(middle - across, 0), min(middle + across, grid.cells[0]), edges)
 

@@ -32,7 +32,7 @@ LAWS: dict[str, type[Exponential] | type[Dugdale]] = {
 BRANCHES = {branch.value: branch for branch in (Branch.FROM_AFAR, Branch.FROM_FULL_CONTACT)}
 # Cells in the cohesive zone: of a range that is chosen, and the fewest that are allowed. With 6 cells the pull-off load
 # of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
-CHOSEN, FEWEST = 6.0, 2.0
+CHOSEN_CELLS, MIN_CELLS = 6.0, 2.0
 
 
 class AdhesionContact(BodyContext, Protocol):
@@ -154,7 +154,7 @@ class Adhesion:
         """Return the traction as a function of the gap, on cells of this size [m]."""
         if self.range is not None:
             return LAWS[self.law](self.work, self.range)
-        strength = sqrt(pi * scene.contact_modulus * self.work / (4 * CHOSEN * cell))
+        strength = sqrt(pi * scene.contact_modulus * self.work / (4 * CHOSEN_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
     def on(self, scene: AdhesionContact, gap: Array, grid: Grid) -> Adhesive:
@@ -167,11 +167,11 @@ class Adhesion:
         law = self.cohesive(scene, cell)
         zone = pi * scene.contact_modulus * self.work / (4 * law.strength**2)
         cells = zone / cell
-        if cells < FEWEST:
-            shortest = sqrt(4 * FEWEST * cell * self.work / (pi * scene.contact_modulus))
+        if cells < MIN_CELLS:
+            shortest = sqrt(4 * MIN_CELLS * cell * self.work / (pi * scene.contact_modulus))
             raise InvalidInput(
                 f"Adhesion.range is {self.range!r}: its cohesive zone of {zone:.3g} m is {cells:.2g} cells of this "
-                f"grid wide; give a range of at least {shortest:.3g} m, cells of at most {zone / FEWEST:.3g} m, or "
+                f"grid wide; give a range of at least {shortest:.3g} m, cells of at most {zone / MIN_CELLS:.3g} m, or "
                 "leave the range out for the limit of short ranges on this grid."
             )
         tabor, radius = None, scene.radius

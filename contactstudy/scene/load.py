@@ -18,7 +18,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, Radians, Seconds
 
-PRESSES, FROM_ZERO = "give a load above 0 N/m", "give a load of at least 0 N/m"
+ABOVE_ZERO, AT_LEAST_ZERO = "give a load above 0 N/m", "give a load of at least 0 N/m"
 
 
 @suggest_fields
@@ -40,12 +40,12 @@ class LineLoad:
     per_length: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        load = in_range_or_zero("LineLoad.per_length", self.per_length, PRESSES)
+        load = in_range_or_zero("LineLoad.per_length", self.per_length, ABOVE_ZERO)
         set_fields(self, per_length=load)
 
     def refuse_tension(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        in_range("LineLoad.per_length", self.per_length, PRESSES)
+        in_range("LineLoad.per_length", self.per_length, ABOVE_ZERO)
 
     @property
     def largest(self) -> float:
@@ -191,7 +191,7 @@ class LoadHistory:
                     f"LoadHistory.{name} is {values!r}: give a tuple of numbers, one for each instant."
                 )
         times = each("LoadHistory.times", self.times, finite, "give a time [s]")
-        loads = each("LoadHistory.per_length", self.per_length, in_range_or_zero, FROM_ZERO)
+        loads = each("LoadHistory.per_length", self.per_length, in_range_or_zero, AT_LEAST_ZERO)
         if len(times) != len(loads):
             raise InvalidInput(
                 f"LoadHistory.per_length has {len(loads)} loads for {len(times)} times: give one for each."
@@ -253,7 +253,7 @@ class LoadHistory:
 
     def refuse_tension(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart."""
-        each("LoadHistory.per_length", self.per_length, in_range_from_zero, FROM_ZERO)
+        each("LoadHistory.per_length", self.per_length, in_range_from_zero, AT_LEAST_ZERO)
 
 
 @suggest_fields

@@ -35,7 +35,7 @@ AUTO = "auto"
 # Ratio of successive depths in the search for the largest stress: first, and then around the best of these.
 COARSE_STEP, FINE_STEP = 1.35, 1.1
 # Largest number of values in the result for all chosen depths.
-MOST = 2**25
+MAX_VALUES = 2**25
 
 
 @suggest_fields
@@ -246,7 +246,7 @@ class StressBelow:
         if best > 0:
             best = depth_of_largest(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
         size = (len(COMPONENTS) + 1) * len(largest) * pressure.size
-        return tuple(sorted(largest)) if size <= MOST else (best,)
+        return tuple(sorted(largest)) if size <= MAX_VALUES else (best,)
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Return ``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""

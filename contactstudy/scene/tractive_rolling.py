@@ -26,7 +26,9 @@ from contactstudy.scene.friction import (
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import Coupling, TractiveShear
 
-TRAVELS = "The heights stand still in the contact: shear under roughness that travels with a surface is not followed."
+STATIONARY_HEIGHTS = (
+    "The heights stand still in the contact: shear under moving roughness is not computed."
+)
 
 
 @suggest_fields
@@ -134,7 +136,7 @@ class TractiveRolling:
             self.speed,
             partial(_response, sheared(scene.solids), paddings, datum),
             Coupling(*coupling) if coupling else None,
-            TRAVELS if self._travels(scene) else "",
+            STATIONARY_HEIGHTS if self._travels(scene) else "",
         )
 
     @staticmethod
@@ -152,7 +154,7 @@ class TractiveRolling:
         )
         if not are_alike(scene.solids):
             sentence += ", and again with the pressure under this shear until neither changes"
-        return f"{sentence}." + (f" {TRAVELS}" if self._travels(scene) else "")
+        return f"{sentence}." + (f" {STATIONARY_HEIGHTS}" if self._travels(scene) else "")
 
 
 def _response(

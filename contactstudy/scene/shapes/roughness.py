@@ -24,9 +24,9 @@ from contactstudy.domain.units import Metres, Number
 from contactstudy.scene.shapes.shape import Detail
 
 # The highest of a surface, in its rms heights.
-HIGHEST = 4.0
+HEIGHT_OVER_RMS = 4.0
 # Waves of one surface that some tens of gigabytes hold.
-MOST_WAVES = 1e9
+MAX_WAVES = 1e9
 
 
 @suggest_fields
@@ -168,7 +168,7 @@ class Roughness:
             finest=(self.cut_off * across, self.cut_off * along),
             repeat=self.extent[1] if self.extent else 0.0,
             longest=self.roll_off * along,
-            height=HIGHEST * rms,
+            height=HEIGHT_OVER_RMS * rms,
             slope=slope,
         )
 
@@ -224,10 +224,10 @@ class Roughness:
     def _wave_numbers(self, extent: tuple[float, float]) -> tuple[Array, Array]:
         """Return the wave numbers [1/m] of half the plane of waves, across (x, 1) and along (1, y)."""
         most = [int(side / self.cut_off) for side in extent]
-        if (2 * most[0] + 1) * (most[1] + 1) > MOST_WAVES:
+        if (2 * most[0] + 1) * (most[1] + 1) > MAX_WAVES:
             raise InvalidInput(
                 f"Roughness.cut_off is {self.cut_off!r}: give a wavelength nearer to the extent {extent!r} m, "
-                f"or there are more than {MOST_WAVES:g} waves."
+                f"or there are more than {MAX_WAVES:g} waves."
             )
         kx = np.arange(-most[0], most[0] + 1)[:, None] / extent[0]
         return kx, np.arange(most[1] + 1)[None, :] / extent[1]

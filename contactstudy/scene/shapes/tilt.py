@@ -12,7 +12,7 @@ from contactstudy.domain.units import Radians
 from contactstudy.scene.shapes.shape import Detail
 
 # Angle [rad] of a roller beyond which its ends leave the half-space.
-STEEPEST = 0.1
+MAX_ANGLE = 0.1
 
 
 @suggest_fields
@@ -39,9 +39,9 @@ class Tilt:
     angle: Radians
 
     def __post_init__(self) -> None:
-        remedy = f"give an angle between -{STEEPEST:g} and {STEEPEST:g} rad"
+        remedy = f"give an angle between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad"
         angle = finite("Tilt.angle", self.angle, remedy)
-        if abs(angle) > STEEPEST:
+        if abs(angle) > MAX_ANGLE:
             raise InvalidInput(f"Tilt.angle is {angle!r}: {remedy}.")
         set_fields(self, angle=angle)
 

@@ -21,7 +21,7 @@ DIMENSIONS = (("x", "y"), ("width", "length"))
 ROWS = (".npy", ".csv", ".txt", ".asc", ".xyz")
 LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 # Points of a text file along each side, of which a table of something else has fewer; words for a missing point.
-FEWEST = 8
+MIN_POINTS = 8
 MISSING = ("", "nan", "na", "n/a", "null", "none", "bad", "inf")
 NUMERAL = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 DECIMAL_COMMA = re.compile(r"[-+]?\d+(?:,\d+)?(?:[eE][-+]?\d+)?")
@@ -115,10 +115,10 @@ def _numbers(name: str, suffix: str) -> Array | None:
             raise InvalidInput(f"path is {name!r}: give a file with numbers ({error}).") from None
     try:
         values = _table(name)
-        if suffix != ".xyz" and (len(values) < FEWEST or 1 < values.shape[1] < FEWEST):
+        if suffix != ".xyz" and (len(values) < MIN_POINTS or 1 < values.shape[1] < MIN_POINTS):
             raise InvalidInput(
                 f"path is {name!r}, of {len(values)} rows of {values.shape[1]} numbers: give a surface of at least "
-                f"{FEWEST} x {FEWEST} points, or a profile of one column."
+                f"{MIN_POINTS} x {MIN_POINTS} points, or a profile of one column."
             )
     except InvalidInput:
         if suffix == ".asc":

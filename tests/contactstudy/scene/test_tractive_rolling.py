@@ -367,8 +367,10 @@ def test_material_that_would_enter_again_is_refused() -> None:
 
 
 def test_heights_that_would_travel_are_said() -> None:
-    assert "travels" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
-    assert "travels" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
+    assert (
+        "moving roughness" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
+    )
+    assert "moving roughness" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
 
 
 def test_slope_of_carters_curve_is_pi_over_two_times_modulus_and_half_width() -> None:

@@ -61,8 +61,10 @@ class StudyAccessor:
         one_of("axis", axis, self.axes)
         line = abs(self._variable(error).sel(at).squeeze())
         if line.dims != (axis,):
-            others = [str(name) for name in line.dims if name != axis]
-            raise InvalidInput(f"order has more than one value along {others}: give one of each.")
+            other_axes = [str(name) for name in line.dims if name != axis]
+            raise InvalidInput(
+                f"order has more than one value along {other_axes}: give one of each."
+            )
         x, y = line[axis].values, line.values
         is_there = np.isfinite(y) & (y > 0) & (x > 0)
         if is_there.sum() < 3:

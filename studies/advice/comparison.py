@@ -219,10 +219,11 @@ class Comparison:
         One that took no part in the rounds must be quicker by a quarter than one that did.
         """
         quickest: dict[str, Measured] = {}
-        for one in sorted(
-            self.meeting(error), key=lambda one: one.time * (1 if one.rounds else UNSURE)
+        for measured in sorted(
+            self.meeting(error),
+            key=lambda measured: measured.time * (1 if measured.rounds else UNSURE),
         ):
-            quickest.setdefault(one.label, one)
+            quickest.setdefault(measured.label, measured)
         return dict(sorted(quickest.items(), key=lambda pair: pair[1].time))
 
     def front(self, label: str) -> list[Measured]:
@@ -243,35 +244,47 @@ class Comparison:
         error = self.error if error is None else error
         meeting = self.meeting(error)
         if not meeting:
-            candidates = [one for one in self.settings if one.is_bounded] or list(self.settings)
+            candidates = [measured for measured in self.settings if measured.is_bounded] or list(
+                self.settings
+            )
             if not candidates:
                 return None
             best = min(
                 candidates,
-                key=lambda one: (float(f"{one.error:.1e}"), one.label != self.own_label, one.time),
+                key=lambda measured: (
+                    float(f"{measured.error:.1e}"),
+                    measured.label != self.own_label,
+                    measured.time,
+                ),
             )
             return Verdict(error, best, (), self._coarser(best), meets=False)
         quickest = self.quickest(error)
         best = quickest.get(self.own_label, meeting[0])
-        for one in quickest.values():
-            rival = _rival(one, best)
+        for measured in quickest.values():
+            rival = _rival(measured, best)
             if rival.is_shown and rival.ratio < 1:
-                best = one
-        rivals = tuple(_rival(one, best) for one in quickest.values() if one is not best)
+                best = measured
+        rivals = tuple(
+            _rival(measured, best) for measured in quickest.values() if measured is not best
+        )
         return Verdict(error, best, rivals, self._coarser(best), meets=True)
 
     def _coarser(self, best: Measured) -> Measured | None:
         """Return the next coarser setting of the same padding."""
         cells = np.prod(best.setting.cells)
-        coarser = [one for one in self.of(best.label) if np.prod(one.setting.cells) < cells]
+        coarser = [
+            measured for measured in self.of(best.label) if np.prod(measured.setting.cells) < cells
+        ]
         return coarser[-1] if coarser else None
 
 
-def _rival(one: Measured, best: Measured) -> Rival:
+def _rival(measured: Measured, best: Measured) -> Rival:
     """Return a setting beside the best one."""
-    rounds = min(len(one.rounds), len(best.rounds))
-    found, chance = ratio(one.rounds[:rounds], best.rounds[:rounds])
-    return Rival(one, found if isfinite(found) else one.time / best.time, chance)
+    rounds = min(len(measured.rounds), len(best.rounds))
+    median_ratio, probability = ratio(measured.rounds[:rounds], best.rounds[:rounds])
+    return Rival(
+        measured, median_ratio if isfinite(median_ratio) else measured.time / best.time, probability
+    )
 
 
 def with_envelope(errors: Sequence[float]) -> list[float]:

@@ -202,8 +202,8 @@ class _Comparing:
                 f"{self.subject.name} has no solution to compare: {failure_of(answer)}"
             )
 
-    def _climb(self, wanted: Callable[[int], bool], fraction: float) -> None:
-        """Solve ever finer rungs that are wanted, until the next one would take a fraction of the time left.
+    def _climb(self, is_needed: Callable[[int], bool], fraction: float) -> None:
+        """Solve ever finer rungs that are needed, until the next one would take a fraction of the time left.
 
         The coarsest rungs are solved in any case.
         """
@@ -211,7 +211,7 @@ class _Comparing:
             self._solve(MULTIPLES[0])  # warms up
         for multiple in MULTIPLES:
             is_coarse = multiple <= COARSE
-            if not wanted(multiple) or (not is_coarse and multiple <= max(self.solved)):
+            if not is_needed(multiple) or (not is_coarse and multiple <= max(self.solved)):
                 continue
             expected = inf if is_coarse else self.forecast(multiple)
             costs = expected * (1 + self._bound_cost)
@@ -261,28 +261,28 @@ class _Comparing:
 
     def _candidates(self) -> Sequence[cs.Padding | cs.Paddings]:
         """Return the paddings other than the own boundary."""
-        own, one_line = self.subject.own, self.subject.unit[1] == 1
-        if self.subject.is_free and label_of(own) != "free":
+        scene_padding, is_line = self.subject.own, self.subject.unit[1] == 1
+        if self.subject.is_free and label_of(scene_padding) != "free":
             return ()
         circular = [cs.CircularSuperposition(n) for n in CIRCULAR]
-        if one_line:
+        if is_line:
             return (cs.ZeroPadding(), *circular)
-        others: list[cs.Padding | cs.Paddings] = [
+        paddings: list[cs.Padding | cs.Paddings] = [
             cs.DuplicatedPadding(),
             *circular,
             *(cs.Superposition(n) for n in SUPERPOSED),
         ]
         if self.subject.is_free:
-            return (cs.ExactPeriodicity(), *others)
-        return (*others, cs.ZeroPadding())
+            return (cs.ExactPeriodicity(), *paddings)
+        return (*paddings, cs.ZeroPadding())
 
     def _paddings(self, middle: int) -> list[PaddingError]:
         """Return what each padding alone does on the middle grid."""
-        cells, own = self._cells(middle), self.solved[middle]
-        found, late, before = [], [], self.budget.spent
+        cells, reference = self._cells(middle), self.solved[middle]
+        errors, omitted, spent_before = [], [], self.budget.spent
         for padding in self._candidates():
-            if self.budget.spent - before > MOST_FOR_PADDINGS * self.budget.seconds:
-                late.append(label_of(padding))
+            if self.budget.spent - spent_before > MOST_FOR_PADDINGS * self.budget.seconds:
+                omitted.append(label_of(padding))
                 continue
             try:
                 answer = self.subject.solve(Setting(padding, cells, TIGHT))
@@ -295,28 +295,30 @@ class _Comparing:
             numbers = numbers_of(answer)
             changes = {
                 name: numbers[name] / value - 1
-                for name, value in numbers_of(own).items()
+                for name, value in numbers_of(reference).items()
                 if value and name in numbers
             }
-            found.append(
-                PaddingError(padding, relative_l1(pressure_of(answer), pressure_of(own)), changes)
+            errors.append(
+                PaddingError(
+                    padding, relative_l1(pressure_of(answer), pressure_of(reference)), changes
+                )
             )
-        if late:
+        if omitted:
             self.notes.append(
-                f"Not compared, since the seconds did not suffice: {'; '.join(late)}."
+                f"Not compared, since the seconds did not suffice: {'; '.join(omitted)}."
             )
         self.log(f"paddings on {cells[0]} x {cells[1]} cells: {self.budget.spent:.0f} s")
-        return found
+        return errors
 
     def _tolerances(self, middle: int) -> dict[float, float]:
         """Return the error by each tolerance, on the middle grid."""
-        cells, own = self._cells(middle), self.solved[middle]
+        cells, reference = self._cells(middle), self.solved[middle]
         answers = {
             tolerance: self._solved_to(Setting(self.subject.own, cells, tolerance))
             for tolerance in TOLERANCES
         }
         return {
-            tolerance: relative_l1(pressure_of(answer), pressure_of(own))
+            tolerance: relative_l1(pressure_of(answer), pressure_of(reference))
             for tolerance, answer in answers.items()
             if answer is not None
         }
@@ -382,43 +384,49 @@ class _Comparing:
         rungs: list[_Rung] = []
         for multiple in self._multiples(reference):
             # where a coarser answer has a bound, a finer one has
-            rung = self._rung(multiple, is_bounded=any(one.is_bounded for one in rungs))
+            rung = self._rung(multiple, is_bounded=any(measured.is_bounded for measured in rungs))
             rungs += [] if rung is None else [rung]
-        own = self._solved(self.subject, self.subject.own, rungs, reference)
-        least = min((one.error for one in own if one.is_bounded), default=inf)
-        settings = own
+        scene_settings = self._solved(self.subject, self.subject.own, rungs, reference)
+        least = min(
+            (measured.error for measured in scene_settings if measured.is_bounded), default=inf
+        )
+        settings = scene_settings
         if self.subject.exact is not None and self.subject.unit[1] > 1:
             line = replace(self.subject, unit=(self.subject.unit[0], 1))
             settings = settings + self._solved(line, cs.ExactPeriodicity(), rungs, None, LINE)
         # first those of which one may be chosen
-        late = []
+        untimed = []
         most = max(TIMED)
         short = any(
-            one.l1 > TOLERANCE_SHARE * self.error
-            for one in paddings
-            if getattr(one.padding, "images", 0) == most
+            measured.l1 > TOLERANCE_SHARE * self.error
+            for measured in paddings
+            if getattr(measured.padding, "images", 0) == most
         )
-        for one in sorted(paddings, key=lambda one: one.l1 > max(WORTH * least, self.error)):
-            images = getattr(one.padding, "images", most)
+        for measured in sorted(
+            paddings, key=lambda measured: measured.l1 > max(WORTH * least, self.error)
+        ):
+            images = getattr(measured.padding, "images", most)
             if images not in TIMED and not (short and images == max(CIRCULAR)):
                 continue
-            so_far = sum(one.time for one in settings) / len(own) * len(rungs)
+            so_far = sum(measured.time for measured in settings) / len(scene_settings) * len(rungs)
             if (1 + REPEATS) * so_far > self.budget.left - FOR_ROUNDS * self.budget.seconds:
-                late.append(label_of(one.padding))
+                untimed.append(label_of(measured.padding))
                 continue
-            settings = settings + self._solved(self.subject, one.padding, rungs, reference)
-        if late:
-            self.notes.append(f"Not timed, since the seconds did not suffice: {'; '.join(late)}.")
+            settings = settings + self._solved(self.subject, measured.padding, rungs, reference)
+        if untimed:
+            self.notes.append(
+                f"Not timed, since the seconds did not suffice: {'; '.join(untimed)}."
+            )
         self.log(f"{len(settings)} settings solved: {self.budget.spent:.0f} s")
-        a_turn = 1.2 * sum(one.time for one in settings)
+        a_turn = 1.2 * sum(measured.time for measured in settings)
         turns = in_rounds(
-            [partial(self.subject.solve, one.setting) for one in settings],
+            [partial(self.subject.solve, measured.setting) for measured in settings],
             REPEATS,
             lambda: self.budget.left - FOR_ROUNDS / 2 * self.budget.seconds > a_turn,
         )
         return [
-            replace(one, seconds=tuple(turn[k] for turn in turns) or one.seconds)
-            for k, one in enumerate(settings)
+            replace(measured, seconds=tuple(turn[k] for turn in turns) or measured.seconds)
+            for k, measured in enumerate(settings)
         ]
 
     def _rung(self, multiple: int, *, is_bounded: bool) -> "_Rung | None":
@@ -481,15 +489,17 @@ class _Comparing:
         """Return the comparison with the times of its best settings, taken in turns."""
         meeting = measured.meeting(self.error)
         quickest = measured.quickest(self.error).values()
-        close = [one for one in meeting if one.time <= SLOWER * meeting[0].time]
+        close = [setting for setting in meeting if setting.time <= SLOWER * meeting[0].time]
         front = (*measured.front(measured.own_label), *measured.front(LINE))
-        ordered = {id(one): one for one in (*quickest, *close)}
-        chosen = list({id(one): one for one in (*list(ordered.values())[:MOST], *front)}.values())
+        ordered = {id(setting): setting for setting in (*quickest, *close)}
+        chosen = list(
+            {id(setting): setting for setting in (*list(ordered.values())[:MOST], *front)}.values()
+        )
         if not chosen:
             return measured
-        a_round = sum(one.time for one in chosen)
+        a_round = sum(setting.time for setting in chosen)
         rounds = in_rounds(
-            [partial(self.subject.solve, one.setting) for one in chosen],
+            [partial(self.subject.solve, setting.setting) for setting in chosen],
             ROUNDS,
             lambda: self.budget.left > 1.2 * a_round,
         )
@@ -497,7 +507,9 @@ class _Comparing:
             self.notes.append(
                 f"The seconds sufficed for {len(rounds)} of {ROUNDS} rounds of times."
             )
-        times = {id(one): tuple(turn[k] for turn in rounds) for k, one in enumerate(chosen)}
-        settings = tuple(replace(one, rounds=times.get(id(one), ())) for one in measured.settings)
+        times = {id(setting): tuple(turn[k] for turn in rounds) for k, setting in enumerate(chosen)}
+        settings = tuple(
+            replace(setting, rounds=times.get(id(setting), ())) for setting in measured.settings
+        )
         self.log(f"{len(rounds)} rounds of {len(chosen)} settings: {self.budget.spent:.0f} s")
         return replace(measured, settings=settings)

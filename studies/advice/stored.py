@@ -46,34 +46,34 @@ def stored(key: str, out: Path) -> Comparison | None:
 def to_dataset(measured: Comparison) -> xr.Dataset:
     """Return a comparison as a Dataset."""
     settings = measured.settings
-    changes = sorted({name for one in measured.paddings for name in one.changes})
+    changes = sorted({name for item in measured.paddings for name in item.changes})
     bounds = list(measured.bounds)
 
     def dimensionless(dims: str | tuple[str, ...], values: object, what: str) -> xr.Variable:
         return xr.Variable(dims, values, {"units": "1", "long_name": what})
 
     data = {
-        "padding": ("setting", [as_text(one.setting.padding) for one in settings]),
-        "label": ("setting", [one.label for one in settings]),
-        "cells_across": ("setting", [one.setting.cells[0] for one in settings]),
-        "cells_along": ("setting", [one.setting.cells[1] for one in settings]),
-        "solver_tolerance": ("setting", [one.setting.tolerance for one in settings]),
+        "padding": ("setting", [as_text(item.setting.padding) for item in settings]),
+        "label": ("setting", [item.label for item in settings]),
+        "cells_across": ("setting", [item.setting.cells[0] for item in settings]),
+        "cells_along": ("setting", [item.setting.cells[1] for item in settings]),
+        "solver_tolerance": ("setting", [item.setting.tolerance for item in settings]),
         "pressure_error_l1": dimensionless(
-            "setting", [one.error for one in settings], "relative L1 error of the pressure"
+            "setting", [item.error for item in settings], "relative L1 error of the pressure"
         ),
-        "is_bounded": ("setting", [int(one.is_bounded) for one in settings]),
-        "time_all": _times([one.seconds for one in settings], "repeat"),
-        "time_in_rounds": _times([one.rounds for one in settings], "round"),
-        "padding_alone": ("alone", [as_text(one.padding) for one in measured.paddings]),
+        "is_bounded": ("setting", [int(item.is_bounded) for item in settings]),
+        "time_all": _times([item.seconds for item in settings], "repeat"),
+        "time_in_rounds": _times([item.rounds for item in settings], "round"),
+        "padding_alone": ("alone", [as_text(item.padding) for item in measured.paddings]),
         "padding_error_l1": dimensionless(
             "alone",
-            [one.l1 for one in measured.paddings],
+            [item.l1 for item in measured.paddings],
             "relative L1 error of the pressure by the padding alone",
         ),
         "padding_change": dimensionless(
             ("alone", "quantity"),
             np.array(
-                [[one.changes.get(name, np.nan) for name in changes] for one in measured.paddings]
+                [[item.changes.get(name, np.nan) for name in changes] for item in measured.paddings]
             ).reshape(len(measured.paddings), len(changes)),
             "relative change by the padding alone",
         ),

@@ -169,7 +169,7 @@ def numbers_of(answer: Answer) -> dict[str, float]:
         table = film_quantities(last, UNBOUNDED)
     else:
         table = contact_quantities(last, UNBOUNDED, last.derived, last.rolling)
-    return {name: one.value for name, one in table.items() if name in REPORTED}
+    return {name: quantity.value for name, quantity in table.items() if name in REPORTED}
 
 
 def bounds_of(answer: Answer) -> dict[str, float]:
@@ -261,7 +261,7 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
         )
     at_rest = _is_at_rest(scene)
     notes = []
-    own = described.padding or cs.ExactPeriodicity()
+    padding = described.padding or cs.ExactPeriodicity()
     if described.grid is not None:
         grid = described.grid
     elif scene.hertz is None:
@@ -274,11 +274,11 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
         grid = described.plan().grid
     if scene.hertz is not None:
         requirements = requirements_of(scene)
-        own = requirements.padding()
+        padding = requirements.padding()
         if check := requirements.period_check(grid.period):
             notes.append(check)
-    elif not isinstance(own, tuple):
-        own = cs.ExactPeriodicity()
+    elif not isinstance(padding, tuple):
+        padding = cs.ExactPeriodicity()
     shapes = tuple(
         replace(shape, extent=grid.extent)
         if isinstance(shape, cs.Roughness) and shape.extent is None
@@ -289,7 +289,7 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
         name,
         replace(scene, shapes=shapes),
         grid.extent,
-        own,
+        padding,
         unit_of(grid.cells),
         described.settings,
         described.time_steps if scene.changing and not scene.rolling else None,

@@ -218,8 +218,8 @@ def run(
         raise InvalidInput(f"--scene is given beside the scene {study!r}: leave it out.")
     else:
         # cases of a scene are timed on request
-        given = context.get_parameter_source("repeats") is ParameterSource.COMMANDLINE
-        if given or settings["old_times"] == "dropped":
+        repeats_given = context.get_parameter_source("repeats") is ParameterSource.COMMANDLINE
+        if repeats_given or settings["old_times"] == "dropped":
             chosen = replace(chosen, times="taken")
     if reference is not None:
         chosen = with_reference(chosen, study, reference)

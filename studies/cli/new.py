@@ -43,7 +43,7 @@ def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT0
 def templates() -> dict[str, str]:
     """Return the texts of the scenes by their kinds, in the order of the alphabet."""
     folder = files("studies") / "templates"
-    found = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
     return {
-        name.removesuffix(".toml"): (folder / name).read_text(encoding="utf-8") for name in found
+        name.removesuffix(".toml"): (folder / name).read_text(encoding="utf-8") for name in names
     }

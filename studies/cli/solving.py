@@ -25,7 +25,7 @@ def solved(
     What a scene in time has done, or the pressure of a contact at rest, is left in `folder` when the command is stopped,
     so that it can go on from there.
     """
-    kept = folder / f"{scene.stem}.evolution"
+    frames_folder = folder / f"{scene.stem}.evolution"
     last: list[cs.Progress] = []
     with tqdm(
         total=100, desc=str(scene), bar_format=BAR, disable=None, leave=False, delay=1
@@ -40,7 +40,7 @@ def solved(
         try:
             answer = described.solve(
                 start=None if start is None else pressure_in(start),
-                folder=kept if described.scene.keeps_frames else None,
+                folder=frames_folder if described.scene.keeps_frames else None,
                 progress=show,
                 on=on,
             )
@@ -55,7 +55,7 @@ def solved(
                 err=True,
             )
             sys.exit(130)
-    shutil.rmtree(kept, ignore_errors=True)
+    shutil.rmtree(frames_folder, ignore_errors=True)
     return answer
 
 

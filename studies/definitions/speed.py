@@ -146,12 +146,12 @@ def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable
 
 def least_seconds(clock: Callable[[], float], act: Callable[[], object]) -> float:
     """Return the least time [s] of three runs of `act`, or of as many more as take ``SECONDS`` together."""
-    taken: list[float] = []
-    while len(taken) < 3 or sum(taken) < SECONDS:
+    durations: list[float] = []
+    while len(durations) < 3 or sum(durations) < SECONDS:
         before = clock()
         act()
-        taken.append(clock() - before)
-    return min(taken)
+        durations.append(clock() - before)
+    return min(durations)
 
 
 def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device) -> float:

@@ -136,7 +136,7 @@ def _beside_stored(
 ) -> tuple[Study, Request]:
     """Replace values of axes by stored ones that differ by rounding only, and report it."""
     stored = journal.contents.axes
-    axes = tuple(axis.beside(stored.get(axis.name, ())) for axis in study.points)
+    axes = tuple(axis.with_stored(stored.get(axis.name, ())) for axis in study.points)
     for axis in axes:
         if axis.merged:
             log(

@@ -29,15 +29,15 @@ FORMS = {
 }
 
 
-def one_of(field: str, value: object, known: Iterable[str]) -> str:
-    """Return `value` if it is one of the names `known`.
+def one_of(field: str, value: object, names: Iterable[str]) -> str:
+    """Return `value` if it is one of the `names`.
 
     Raises
     ------
     InvalidInput
         For any other value, with the field `field` and the nearest name.
     """
-    choices = list(known)
+    choices = list(names)
     if value not in choices:
         raise InvalidInput(f"{field} is {value!r}: {suggestion(str(value), choices)}.")
     return str(value)
@@ -162,7 +162,7 @@ class Axis:
             raise InvalidInput(f"{self.name} is {_shortened(values)}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
-    def beside(self, stored: Iterable[Value]) -> "Axis":
+    def with_stored(self, stored: Iterable[Value]) -> "Axis":
         """Return this axis with `stored` values in place of those that differ from them by rounding alone."""
         if self.kind is not float:
             return self

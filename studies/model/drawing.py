@@ -121,10 +121,10 @@ class Drawing:
         )
 
 
-def at_known_axes(dataset: xr.Dataset, known: Sequence[str]) -> tuple[xr.Dataset, str]:
-    """Return the dataset at the first value of every axis that is not in `known`, and a text with these values."""
+def at_known_axes(dataset: xr.Dataset, axes_known: Sequence[str]) -> tuple[xr.Dataset, str]:
+    """Return the dataset at the first value of every axis that is not in `axes_known`, and a text with these values."""
     axes = dataset["case_status"].dims if "case_status" in dataset else ()
-    unknown = [str(name) for name in axes if name not in known]
+    unknown = [str(name) for name in axes if name not in axes_known]
     words = ", ".join(
         f"{name} = {dataset[name].values[0]} (the first of {dataset.sizes[name]})"
         for name in unknown

@@ -85,16 +85,16 @@ def check_size(variables: Mapping[str, xr.Variable]) -> None:
         )
 
 
-def _variable(name: object, value: object, source: str, taken: frozenset[str]) -> xr.Variable:
+def _variable(name: object, value: object, source: str, reserved: frozenset[str]) -> xr.Variable:
     """Return one value as a variable; raise InvalidInput where netCDF cannot store it."""
     if problem := name_problem(name):
         raise InvalidInput(f"{source} gives a variable {_short(name)}: {problem}.")
     assert isinstance(name, str)
-    if name in taken:
+    if name in reserved:
         raise InvalidInput(f"{source} gives {name!r}: this name is taken, choose another.")
 
-    def refuse(wrong: object, remedy: str) -> InvalidInput:
-        return InvalidInput(f"{source} gives {name!r} as {_short(wrong)}: {remedy}.")
+    def refuse(refused: object, remedy: str) -> InvalidInput:
+        return InvalidInput(f"{source} gives {name!r} as {_short(refused)}: {remedy}.")
 
     if isinstance(value, xr.DataArray):
         value = value.variable
@@ -107,7 +107,7 @@ def _variable(name: object, value: object, source: str, taken: frozenset[str]) -
     for dim in value.dims:
         if problem := name_problem(dim):
             raise InvalidInput(f"{source} gives {name!r} along {_short(dim)}: {problem}.")
-        if dim in taken:
+        if dim in reserved:
             raise InvalidInput(
                 f"{source} gives {name!r} along {dim!r}: this name is taken, choose another."
             )

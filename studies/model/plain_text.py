@@ -54,14 +54,14 @@ def thread_count(threads: SupportsInt) -> str:
     return f"{int(threads)} thread{'s' if int(threads) > 1 else ''}"
 
 
-def place_of(error: BaseException, *others: str) -> str:
+def place_of(error: BaseException, *libraries: str) -> str:
     """Return the innermost place of an error outside libraries, as `` in function (file, line n)``.
 
     Parameters
     ----------
     error
         The error.
-    others
+    libraries
         Files that count as libraries.
 
     Returns
@@ -70,7 +70,9 @@ def place_of(error: BaseException, *others: str) -> str:
         Empty where there is no such place.
     """
     frames = traceback.extract_tb(error.__traceback__, limit=-50)
-    study = [frame for frame in frames if not frame.filename.startswith((*_libraries(), *others))]
+    study = [
+        frame for frame in frames if not frame.filename.startswith((*_libraries(), *libraries))
+    ]
     if not study:
         return ""
     place = study[-1]

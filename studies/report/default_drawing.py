@@ -84,11 +84,11 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
         place = ", ".join(f"{_name(dataset[axis])} {_short(value)}" for axis, value in at.items())
         figure, panes = panels(len(names), columns=min(3, len(names)))
         for name, ax in zip(names, panes, strict=True):
-            here = good.sel(at)
+            selected = good.sel(at)
             if is_map:
-                _map(ax, here[name], shown)
+                _map(ax, selected[name], shown)
             else:
-                _curve(ax, here[name], shown, here.get(f"{name}_bound"))
+                _curve(ax, selected[name], shown, selected.get(f"{name}_bound"))
             formula, author, dashes = FORMULAS.get(name, ("", "", ""))
             if formula in good and len(shown) == 1 and _varies(dataset[shown[0]]):
                 x, _ = _scaled(dataset[shown[0]])
@@ -152,8 +152,8 @@ def _measures(dataset: xr.Dataset) -> list[str]:
     if {"stiffness", "largest_von_mises"} <= set(preferred):
         preferred.remove("mean_gap")
     times = [name for name in present if "_time" in name]
-    others = [name for name in present if name not in (*times, "convolutions", "residual")]
-    return (preferred or others or times)[:MOST_PANELS]
+    measures = [name for name in present if name not in (*times, "convolutions", "residual")]
+    return (preferred or measures or times)[:MOST_PANELS]
 
 
 def _curve(

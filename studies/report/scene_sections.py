@@ -35,12 +35,14 @@ def comparison_of(
         Takes a sentence on each step.
     """
     positive("error", error, "must be a relative error above 0, such as 1e-2")
-    known = stored(described.key, out)
-    if known is not None:
-        verdict = known.verdict(error)
-        if known.error == error or (verdict is not None and verdict.meets and verdict.best.rounds):
+    comparison = stored(described.key, out)
+    if comparison is not None:
+        verdict = comparison.verdict(error)
+        if comparison.error == error or (
+            verdict is not None and verdict.meets and verdict.best.rounds
+        ):
             log(f"read the rounds stored in {path_in(out)}")
-            return known.asking(error)
+            return comparison.asking(error)
     measured = compared(described.subject(error), error, budget, log)
     store(measured, described.key, open_folder(out))
     return measured

@@ -24,9 +24,10 @@ def cells_text(cells: tuple[int, int]) -> str:
     return f"{cells[0]} x {cells[1]} cells"
 
 
-def setting_text(one: Measured) -> str:
+def setting_text(measured: Measured) -> str:
     """Return a setting in words."""
-    return f"{padding_name(one.label)}, {cells_text(one.setting.cells)}, tolerance {one.setting.tolerance:.0e}"
+    setting = measured.setting
+    return f"{padding_name(measured.label)}, {cells_text(setting.cells)}, tolerance {setting.tolerance:.0e}"
 
 
 def seconds_text(seconds: float) -> str:
@@ -50,8 +51,8 @@ def rival_name(rival: Rival) -> str:
 
 def ratio_text(rival: Rival) -> str:
     """Return how long a rival takes beside the chosen setting, as a ratio and as a difference."""
-    more = rival.measured.time * (1 - 1 / rival.ratio)
-    difference = f"{seconds_text(abs(more))} {'more' if more > 0 else 'less'}"
+    extra_time = rival.measured.time * (1 - 1 / rival.ratio)
+    difference = f"{seconds_text(abs(extra_time))} {'more' if extra_time > 0 else 'less'}"
     return f"{padding_name(rival.measured.label)} ({rival.ratio:.2g} times, {difference})"
 
 
@@ -128,7 +129,7 @@ def _why(measured: Comparison, verdict: Verdict, coarser: Measured) -> str:
 
 
 def _rounds(measured: Comparison) -> int:
-    return max((len(one.rounds) for one in measured.settings), default=0)
+    return max((len(setting.rounds) for setting in measured.settings), default=0)
 
 
 def title_text(measured: Comparison, verdict: Verdict) -> str:
@@ -149,5 +150,5 @@ def title_text(measured: Comparison, verdict: Verdict) -> str:
 
 def reported_quantities(measured: Comparison) -> Sequence[tuple[str, str]]:
     """Return the numbers whose change by a padding is known, each with its name for people."""
-    known = {name for one in measured.paddings for name in one.changes}
-    return [(name, words) for name, words in REPORTED.items() if name in known]
+    names = {name for padding in measured.paddings for name in padding.changes}
+    return [(name, words) for name, words in REPORTED.items() if name in names]

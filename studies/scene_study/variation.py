@@ -210,7 +210,7 @@ def together(varied: Sequence[Variation]) -> Variation:
 
 
 def variation(
-    described: cs.SceneFile, name: str, given: object, folder: Path, *, order: str = "rising"
+    described: cs.SceneFile, name: str, values_given: object, folder: Path, *, order: str = "rising"
 ) -> Variation:
     """Return the axis of a field over other values.
 
@@ -220,7 +220,7 @@ def variation(
         Scene file whose field is varied.
     name
         Name of the field: a path, or a short name.
-    given
+    values_given
         Values, as a text as on the command line, or a sequence.
     folder
         Folder at which paths of surfaces start.
@@ -234,16 +234,16 @@ def variation(
     """
     document = document_of(described)
     if name == SURFACES:
-        return _surfaces(document, given, folder)
+        return _surfaces(document, values_given, folder)
     if name == WINDOWS:
-        return _windows(document, given)
+        return _windows(document, values_given)
     field = find(document, name)
     if field.path[-1] == "file":
-        return _surfaces(document, given, folder, field)
+        return _surfaces(document, values_given, folder, field)
     raw = (
-        parse_values(name, given, whole=field.is_whole)
-        if isinstance(given, str)
-        else _listed(name, given)
+        parse_values(name, values_given, whole=field.is_whole)
+        if isinstance(values_given, str)
+        else _listed(name, values_given)
     )
     values: dict[Value, Any] = {}
     for entry in raw:
@@ -263,13 +263,13 @@ def variation(
     return Variation(_axis(document, field, tuple(values)), ((field, values),))
 
 
-def _listed(name: str, given: object) -> list[object]:
+def _listed(name: str, values: object) -> list[object]:
     """Return the values of a sequence as a list."""
-    if isinstance(given, Mapping) or not isinstance(given, Iterable):
+    if isinstance(values, Mapping) or not isinstance(values, Iterable):
         raise InvalidInput(
-            f"vary[{name!r}] is {given!r}: give a list of values, or a text with commas."
+            f"vary[{name!r}] is {values!r}: give a list of values, or a text with commas."
         )
-    raw = [entry.item() if isinstance(entry, np.generic) else entry for entry in given]
+    raw = [entry.item() if isinstance(entry, np.generic) else entry for entry in values]
     if not raw:
         raise InvalidInput(f"vary[{name!r}] has no values: give one or more.")
     return raw
@@ -357,13 +357,13 @@ def _only_surface(document: Document, what: str) -> str:
 
 
 def _surfaces(
-    document: Document, given: object, folder: Path, field: SceneField | None = None
+    document: Document, surfaces_given: object, folder: Path, field: SceneField | None = None
 ) -> Variation:
     """Return an axis of measured surfaces: files by name or pattern, topographies, or arrays with sizes."""
     field = field or SceneField(("shapes", _only_surface(document, "surfaces"), "file"), str)
     present = document.shapes[int(field.path[1])]
     assert isinstance(present, MeasuredSurface)
-    items = given.split(",") if isinstance(given, str) else given
+    items = surfaces_given.split(",") if isinstance(surfaces_given, str) else surfaces_given
     if not isinstance(items, Iterable):
         items = [items]
     values: dict[Value, Any] = {}
@@ -421,10 +421,14 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
     return surface.turned() if present.is_turned else surface
 
 
-def _windows(document: Document, given: object) -> Variation:
+def _windows(document: Document, windows_given: object) -> Variation:
     """Return equal windows of a surface as an axis, such as ``2x6`` across and along."""
     field = SceneField(("shapes", _only_surface(document, "windows"), "window"), Window)
-    text = given if isinstance(given, str) else "x".join(map(str, _listed(WINDOWS, given)))
+    text = (
+        windows_given
+        if isinstance(windows_given, str)
+        else "x".join(map(str, _listed(WINDOWS, windows_given)))
+    )
     parts = text.replace(" ", "").split("x")
     if len(parts) != 2 or not all(part.isdigit() for part in parts):
         raise InvalidInput(f"windows is {text!r}: give how many across and along, such as 2x6.")

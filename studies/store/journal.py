@@ -113,16 +113,16 @@ class Journal:
         loaded
             What the process that computed it had loaded.
         """
-        known = self._stamps.get((id(loaded), state))
-        if known is None:
+        cached = self._stamps.get((id(loaded), state))
+        if cached is None:
             program = {"part": dict(self._context.part), "state": state, "loaded": dict(loaded)}
             stamp = short_hash(program)
             if stamp not in self.contents.programs:
                 self._write({"program": stamp} | program)
             # what this run computes counts in it, also where a file has been edited meanwhile
             self.contents.add_program(stamp, Program(**program), computes=True)  # type: ignore[arg-type]
-            known = self._stamps[id(loaded), state] = loaded, stamp
-        return known[1]
+            cached = self._stamps[id(loaded), state] = loaded, stamp
+        return cached[1]
 
     def begin(self, key: str) -> None:
         """Write that this process begins a case, so that the next run knows the case in which a run died."""

@@ -167,26 +167,26 @@ class Loaded:
 
     def scan(self) -> Record:
         """Return the record with what was loaded since the last scan."""
-        seen: tuple[list[str], list[object]] = list(sys.modules), list(sys.modules.values())
-        known, noted = self._modules, self._noted
-        if seen == self._seen and not noted:
+        current: tuple[list[str], list[object]] = list(sys.modules), list(sys.modules.values())
+        modules, noted = self._modules, self._noted
+        if current == self._seen and not noted:
             return self.record
-        now, self._seen = time.time(), seen
+        now, self._seen = time.time(), current
         changed = [
             (name, module)
             for name, module in list(sys.modules.items())
-            if known.get(name) is not module or name in noted
+            if modules.get(name) is not module or name in noted
         ]
         entries = dict(self.record)
         for name, module in changed:
-            known[name] = module
+            modules[name] = module
             if name in ("__main__", "__mp_main__") or _is_study_file(module):
                 noted.pop(name, None)
                 continue
             self._add(name, _spec_of(module) or resolved(name), entries)
-        for found in noted.values():  # deleted again
-            if found is not None:
-                _enter(*found, entries)
+        for entry in noted.values():  # deleted again
+            if entry is not None:
+                _enter(*entry, entries)
         noted.clear()
         self._scanned = now
         if entries != self.record:
@@ -195,13 +195,13 @@ class Loaded:
 
     def _add(self, name: str, spec: ModuleSpec | None, entries: dict[str, str]) -> None:
         """Add the entry of a module."""
-        found = None if spec is None else entry_of(name, spec)
+        entry = None if spec is None else entry_of(name, spec)
         is_noted = name in self._noted
         before = self._noted.pop(name, None)
-        if found is None or spec is None:
+        if entry is None or spec is None:
             return
-        key, value = found
-        certain = found == before if is_noted else self._is_older(spec)
+        key, value = entry
+        certain = entry == before if is_noted else self._is_older(spec)
         if not certain and key.startswith("module"):
             value = f"{value} or another {secrets.token_hex(4)}"
         _enter(key, value, entries)
@@ -273,17 +273,17 @@ class Present:
         if key not in self._entries:
             kind, _, name = key.partition(" ")
             if kind == "distribution":
-                found = _installed()[1].get(name, "absent")
+                present = _installed()[1].get(name, "absent")
             else:
                 spec = resolved(name)
                 entry = None if spec is None else entry_of(name, spec)
-                found = "absent" if entry is None else entry[1] if entry[0] == key else entry[0]
-            self._entries[key] = found
+                present = "absent" if entry is None else entry[1] if entry[0] == key else entry[0]
+            self._entries[key] = present
         return self._entries[key]
 
 
 def shown(changes: Sequence[str]) -> str:
     """Return the names of changed entries in words, the first of many."""
     names = [change.removeprefix("module ") for change in changes[:4]]
-    more = [f"and {len(changes) - 4} more"] if len(changes) > 4 else []
-    return ", ".join(names + more)
+    others_text = [f"and {len(changes) - 4} more"] if len(changes) > 4 else []
+    return ", ".join(names + others_text)

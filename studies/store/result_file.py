@@ -162,15 +162,15 @@ class ResultFile:
 
     def _versions(self) -> str:
         """Return the versions of all distributions that the cases were computed with, and the study's part."""
-        found = dict(self.request.context.part)
+        versions = dict(self.request.context.part)
         contents = self.journal.contents
         for stamp in {record.stamp for record in contents.records.values()}:
             loaded = contents.programs[stamp].loaded
-            found |= {
+            versions |= {
                 name: value for name, value in loaded.items() if not name.startswith("module")
             }
         return ", ".join(
-            f"{name.removeprefix('distribution ')} {found[name]}" for name in sorted(found)
+            f"{name.removeprefix('distribution ')} {versions[name]}" for name in sorted(versions)
         )
 
     def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:

@@ -115,11 +115,11 @@ class States:
 
     def _once(self, value: object, how: str, state: Callable[[], Tree]) -> Tree:
         """Return the state of an object that may name itself."""
-        known = id(value), how
-        if known not in self._taken:
-            self._taken[known] = value, len(self._taken)
-            self._taken[known] = value, state()
-        return self._taken[known][1]
+        identity = id(value), how
+        if identity not in self._taken:
+            self._taken[identity] = value, len(self._taken)
+            self._taken[identity] = value, state()
+        return self._taken[identity][1]
 
     def _function(self, function: FunctionType, of: Callable[..., Tree]) -> Tree:
         """Return the code of a function, what it holds, and the values that it names."""

@@ -38,17 +38,19 @@ def numerical_part(source: bytes) -> str:
     pure = frozenset(name for name in PURE if not bound & {"*", name.split(".")[0]})
     is_reflective = any(map(_is_reflective, body))
     defined = [_defined(statement, pure) for statement in body]
-    kept = {
+    selected = {
         place
         for place, names in enumerate(defined)
         if names is None or names & ROOTS or is_reflective
     }
     reached: set[int] = set()
-    while kept != reached:
-        reached = set(kept)
-        said = frozenset().union(*(words[place] for place in kept))
-        kept |= {place for place, names in enumerate(defined) if names and names & said}
-    return digest("\n".join([PYTHON, *(ast.dump(body[place]) for place in sorted(kept))]).encode())
+    while selected != reached:
+        reached = set(selected)
+        used_names = frozenset().union(*(words[place] for place in selected))
+        selected |= {place for place, names in enumerate(defined) if names and names & used_names}
+    return digest(
+        "\n".join([PYTHON, *(ast.dump(body[place]) for place in sorted(selected))]).encode()
+    )
 
 
 def _words(node: ast.AST) -> Iterator[str]:
@@ -68,8 +70,8 @@ def _words(node: ast.AST) -> Iterator[str]:
 def _is_reflective(statement: ast.stmt) -> bool:
     """Return whether a statement may use names that it does not say."""
     parts = [vars(part) for part in ast.walk(statement)]
-    said = (part.get(word) for part in parts for word in ("id", "attr", "name", "module", "value"))
-    return any(isinstance(word, str) and word in REFLECTIVE for word in said)
+    used = (part.get(word) for part in parts for word in ("id", "attr", "name", "module", "value"))
+    return any(isinstance(word, str) and word in REFLECTIVE for word in used)
 
 
 def _bound(body: list[ast.stmt]) -> Iterator[str]:
@@ -111,7 +113,12 @@ def _defined(statement: ast.stmt, pure: Names) -> Names | None:
             evaluated, names = [statement.value, statement.annotation], [name]
         case _:
             return None
-    parts = (part for one in evaluated if one is not None for part in _evaluated(one))
+    parts = (
+        part
+        for expression in evaluated
+        if expression is not None
+        for part in _evaluated(expression)
+    )
     return frozenset(names) if all(_is_pure(part, pure) for part in parts) else None
 
 

@@ -55,8 +55,8 @@ def _plain_process() -> Iterator[None]:
     A script without a guard would run again. A file of the user's may be called like a module of Python's. A default
     dask worker may not have child processes by its settings.
     """
-    here = str(Path(__file__).parents[3])
-    path = os.pathsep.join(filter(None, (here, os.environ.get("PYTHONPATH"))))
+    root = str(Path(__file__).parents[3])
+    path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
     settings = multiprocessing.current_process()._config  # type: ignore[attr-defined]
     with (
         STARTING,

@@ -324,6 +324,6 @@ def matrix() -> dict[str, AccuracyCase]:
     cases: dict[str, AccuracyCase] = {}
     for build in BUILDERS:
         for case in build():
-            number = sum(known.kind == case.kind for known in cases.values())
+            number = sum(previous.kind == case.kind for previous in cases.values())
             cases[f"{case.kind} {number}"] = case
     return cases

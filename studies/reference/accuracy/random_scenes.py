@@ -127,8 +127,10 @@ def measured(rng: np.random.Generator) -> Made:
     """A ground surface at one to three cells a point."""
     heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * FLATTENED
     surface = cs.MeasuredSurface(heights, (80 * POINT, 40 * POINT), seam=cs.Tapered())
-    each = rng.uniform(1, 3)
-    grid = cs.Grid((round(72 * each), round(40 * each)), (72 * POINT, 40 * POINT))
+    cells_per_point = rng.uniform(1, 3)
+    grid = cs.Grid(
+        (round(72 * cells_per_point), round(40 * cells_per_point)), (72 * POINT, 40 * POINT)
+    )
     return scene(surface), grid, EXACT, Finer((3, 3), EXACT)
 
 

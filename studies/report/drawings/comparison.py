@@ -88,22 +88,22 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
         is_own = label == measured.own_label
         style = _style(label) | ({"lw": 3.0, "ms": 7, "zorder": 4} if is_own else {"lw": 1.0})
         front = measured.front(label) or line
-        times, errors = [one.time for one in front], [one.error for one in front]
-        ax.loglog(times, errors, **style, markevery=[one.is_bounded for one in front])
-        beaten = [one for one in line if one.is_bounded and one not in front]
+        times, errors = [setting.time for setting in front], [setting.error for setting in front]
+        ax.loglog(times, errors, **style, markevery=[setting.is_bounded for setting in front])
+        beaten = [setting for setting in line if setting.is_bounded and setting not in front]
         ax.loglog(
-            [one.time for one in beaten], [one.error for one in beaten],
+            [setting.time for setting in beaten], [setting.error for setting in beaten],
             **style | {"ls": "none", "ms": 3, "alpha": 0.5},
         )  # fmt: skip
-        hollow = [one for one in line if not one.is_bounded]
+        hollow = [setting for setting in line if not setting.is_bounded]
         ax.loglog(
-            [one.time for one in hollow], [one.error for one in hollow],
+            [setting.time for setting in hollow], [setting.error for setting in hollow],
             **style | {"ls": "none", "markerfacecolor": "white"},
         )  # fmt: skip
         ends.append((times[-1], errors[-1], label))
         if is_own:
             _label_cells(ax, front, style["color"])
-    errors = [one.error for one in measured.settings]
+    errors = [setting.error for setting in measured.settings]
     lowest = min(min(errors), verdict.error) / 2
     if isfinite(measured.floor) and measured.floor > 0:
         lowest = min(lowest, measured.floor / 1.8)
@@ -125,17 +125,17 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
         ylabel="L1 error of the pressure",
     )
     ax.set_title(title_text(measured, verdict), loc="left")
-    own = padding_name(measured.own_label)
+    scene_padding = padding_name(measured.own_label)
     return captioned(
         "front",
         fig,
         f"The price of accuracy for {measured.name}. Each line is one padding on ever finer grids; the thick one is "
-        f"{own}, the boundary of the scene itself, with its cells. Small marks: settings that another of the line "
-        f"beats. A line that becomes horizontal has reached the "
+        f"{scene_padding}, the boundary of the scene itself, with its cells. Small marks: settings that another of the "
+        f"line beats. A line that becomes horizontal has reached the "
         "error of its padding, which no grid removes. The ring is the verdict. "
         + (
             "Hollow marks: the solution itself gives no bound on its error, and is never recommended. "
-            if not all(one.is_bounded for one in measured.settings)
+            if not all(setting.is_bounded for setting in measured.settings)
             else ""
         )
         + "Errors are the largest of this and any finer grid.",
@@ -144,15 +144,15 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
 
 def _label_cells(ax: Axes, line: Sequence[Measured], color: str) -> None:
     """Write the cells beside every second mark of the own boundary, from the finest."""
-    for one in line[::-2]:
-        across, along = one.setting.cells
+    for setting in line[::-2]:
+        across, along = setting.setting.cells
         ax.annotate(
-            f"{across} x {along}", (one.time, one.error), (-7, -4), textcoords="offset points",
+            f"{across} x {along}", (setting.time, setting.error), (-7, -4), textcoords="offset points",
             ha="right", va="top", fontsize="small", color=color, zorder=5,
         )  # fmt: skip
 
 
-def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], own: str) -> None:
+def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], scene_padding: str) -> None:
     """Write the names of the lines at the right, those that end at one error together."""
     groups: list[list[tuple[float, float, str]]] = []
     for end in sorted(ends, key=lambda end: end[1]):
@@ -172,10 +172,10 @@ def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], own: str) ->
                 centres[k] -= lacking / 2
                 centres[k + 1] += lacking / 2
     for group, centre in zip(groups, centres, strict=True):
-        has_own = any(label == own for *_, label in group)
+        has_own = any(label == scene_padding for *_, label in group)
         text = "\n".join(label for *_, label in sorted(group, reverse=True))
         latest = max(group)
-        color = _style(own if has_own else latest[2])["color"]
+        color = _style(scene_padding if has_own else latest[2])["color"]
         ax.annotate(
             text, latest[:2], (1.02, centre), textcoords="axes fraction", xycoords="data",
             ha="left", va="center", fontsize="small", color=color,
@@ -186,53 +186,53 @@ def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], own: str) ->
 
 def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
     """Draw the error of each padding alone over n, beside the errors by cells and by tolerance."""
-    fig, (left, right) = panels(2, width=WIDTH / 2, height=3.9)
+    fig, (padding_panel, cells_panel) = panels(2, width=WIDTH / 2, height=3.9)
     modes: dict[str, list[tuple[int, float]]] = {}
-    for one in measured.paddings:
-        mode, images = mode_of(one.padding)
-        modes.setdefault(mode, []).append((images, one.l1))
+    for item in measured.paddings:
+        mode, images = mode_of(item.padding)
+        modes.setdefault(mode, []).append((images, item.l1))
     most = max((images for points in modes.values() for images, _ in points), default=1)
     for mode, points in modes.items():
         n, errors = np.array(sorted(points)).T
         if len(points) > 1:
-            left.loglog(n + 0.5, errors, label=mode, **padding_style(mode))
+            padding_panel.loglog(n + 0.5, errors, label=mode, **padding_style(mode))
         else:
             style = padding_style(mode) | {"marker": "none", "ls": "-."}
-            left.loglog([1, most + 0.5], 2 * [errors[0]], label=mode, **style)
-    own = [one for one in measured.of(measured.own_label) if one.is_bounded]
+            padding_panel.loglog([1, most + 0.5], 2 * [errors[0]], label=mode, **style)
+    scene_settings = [item for item in measured.of(measured.own_label) if item.is_bounded]
     labelled = inf
-    for grid in own:
+    for grid in scene_settings:
         if grid.error > labelled / 2:
             continue
         labelled = grid.error
-        left.axhline(grid.error, color="0.55", ls=":", lw=1.0)
-        left.text(
-            1.0, grid.error, cells_text(grid.setting.cells), transform=left.get_yaxis_transform(),
+        padding_panel.axhline(grid.error, color="0.55", ls=":", lw=1.0)
+        padding_panel.text(
+            1.0, grid.error, cells_text(grid.setting.cells), transform=padding_panel.get_yaxis_transform(),
             ha="right", va="bottom", fontsize="x-small", color="0.4",
         )  # fmt: skip
-    left.set(
+    padding_panel.set(
         xlabel="n + ½  (n periods on each side)",
         ylabel="L1 error by the padding alone",
         title="Which n: where its line crosses a grid's error",
     )
     line = measured.of(measured.own_label)
     style = _style(measured.own_label)
-    cells = [one.setting.cells[0] for one in line]
-    right.loglog(cells, [one.error for one in line], label="cells", **style)
-    hollow = [k for k, one in enumerate(line) if not one.is_bounded]
-    right.loglog(
+    cells = [item.setting.cells[0] for item in line]
+    cells_panel.loglog(cells, [item.error for item in line], label="cells", **style)
+    hollow = [k for k, item in enumerate(line) if not item.is_bounded]
+    cells_panel.loglog(
         [cells[k] for k in hollow], [line[k].error for k in hollow],
         **style | {"ls": "none", "markerfacecolor": "white"},
     )  # fmt: skip
     for tolerance, error in measured.tolerances.items():
-        if error > 0.02 * min(one.error for one in line):
-            right.axhline(error, color="#595959", ls=":", lw=1.0)
-            right.text(
-                1.0, error, f"tolerance {tolerance:.0e}", transform=right.get_yaxis_transform(),
+        if error > 0.02 * min(item.error for item in line):
+            cells_panel.axhline(error, color="#595959", ls=":", lw=1.0)
+            cells_panel.text(
+                1.0, error, f"tolerance {tolerance:.0e}", transform=cells_panel.get_yaxis_transform(),
                 ha="right", va="bottom", fontsize="x-small", color="0.35",
             )  # fmt: skip
-    right.axhline(verdict.error, color="k", ls="--", lw=1.0)
-    right.set(
+    cells_panel.axhline(verdict.error, color="k", ls="--", lw=1.0)
+    cells_panel.set(
         xlabel="cells across",
         ylabel="L1 error of the pressure",
         title=f"Which grid: {padding_name(measured.own_label)}",
@@ -251,39 +251,39 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
 def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
     """Say from which n on a moving window costs no accuracy, and which paddings never do."""
     allowed = max(verdict.best.error, verdict.error / 10) / 3
-    enough = [one for one in measured.paddings if one.l1 <= allowed]
+    enough = [item for item in measured.paddings if item.l1 <= allowed]
     counted = sorted(
-        mode_of(one.padding)[1] for one in enough if mode_of(one.padding)[0] == "circular"
+        mode_of(item.padding)[1] for item in enough if mode_of(item.padding)[0] == "circular"
     )
-    worst = [label_of(one.padding) for one in measured.paddings if one.l1 > verdict.error]
+    worst = [label_of(item.padding) for item in measured.paddings if item.l1 > verdict.error]
     is_free = measured.own_label == "free"
     if is_free:
-        least = min(measured.paddings, key=lambda one: one.l1)
+        least = min(measured.paddings, key=lambda item: item.l1)
         claim = f"The ends are free: every periodic padding is {percent(least.l1)} wrong or more, at any n."
     elif counted:
         claim = f"If images must be counted, n = {counted[0]} in a moving window suffices."
     else:
-        most = max((mode_of(one.padding)[1] for one in measured.paddings), default=0)
+        most = max((mode_of(item.padding)[1] for item in measured.paddings), default=0)
         claim = f"No n that was tried suffices, up to {most}."
     beyond = "" if is_free or not worst else (
         f" Above the request of {percent(verdict.error)} on any grid: {', '.join(worst)}."
     )  # fmt: skip
     on = cells_text(measured.paddings_on)
-    said = (
+    text = (
         f"A padding counts as good enough if it adds at most a third of the grid's error, {percent(allowed)}. The "
         f"table has "
         f"what each does alone on {on}.{beyond}"
     )
     if is_free:
-        said = f"They add neighbours that the scene does not have. The table has what each does alone on {on}."
-    return Finding(claim, said, "Which n?")
+        text = f"They add neighbours that the scene does not have. The table has what each does alone on {on}."
+    return Finding(claim, text, "Which n?")
 
 
 def _reference(measured: Comparison) -> Finding:
     """Say what the errors are against, and what was left out."""
     if measured.reference is None:
         claim = "Errors are against Hertz's contact, which is exact here."
-        said = "The measure is the L1 norm of the difference to the means of his pressure over each cell."
+        text = "The measure is the L1 norm of the difference to the means of his pressure over each cell."
     else:
         bound = (
             f"its own bound is {percent(measured.floor)}, below which nothing is claimed"
@@ -294,29 +294,31 @@ def _reference(measured: Comparison) -> Finding:
         unknown = [
             name.replace("_", " ") for name, bound in measured.bounds.items() if bound == inf
         ]
-        said = (
+        text = (
             "The measure is the L1 norm of the difference to the reference's means over each cell."
         )
         if unknown:
-            said += f" Without a bound even there: {', '.join(unknown)}."
-    return Finding(claim, " ".join([said, *measured.notes]), "Against what?")
+            text += f" Without a bound even there: {', '.join(unknown)}."
+    return Finding(claim, " ".join([text, *measured.notes]), "Against what?")
 
 
 def _costs(measured: Comparison) -> Table:
     """Return the quickest setting for each decade, with the next best padding."""
     rows = []
-    reached = min((one.error for one in measured.settings if one.is_bounded), default=inf)
+    reached = min(
+        (setting.error for setting in measured.settings if setting.is_bounded), default=inf
+    )
     for target in DECADES:
         verdict = measured.verdict(target)
         if verdict is None or not verdict.meets:
             continue
         best = verdict.best
-        other = min(verdict.rivals, key=lambda rival: rival.ratio, default=None)
+        rival_shown = min(verdict.rivals, key=lambda rival: rival.ratio, default=None)
         beside = "none meets it"
-        if other is not None:
-            took = "as fast" if other.is_tie else f"{other.ratio:.2g} times"
-            took += ", not decided" * (not other.is_tie and not other.is_shown)
-            beside = f"{other.measured.label}: {took}"
+        if rival_shown is not None:
+            took = "as fast" if rival_shown.is_tie else f"{rival_shown.ratio:.2g} times"
+            took += ", not decided" * (not rival_shown.is_tie and not rival_shown.is_shown)
+            beside = f"{rival_shown.measured.label}: {took}"
         rows.append(
             (
                 percent(target),
@@ -355,20 +357,20 @@ def _changes(measured: Comparison) -> Table:
 
     rows = tuple(
         (
-            label_of(one.padding),
-            percent(one.l1),
+            label_of(item.padding),
+            percent(item.l1),
             *(
-                signed(one.changes[name]) if name in one.changes else "not known"
+                signed(item.changes[name]) if name in item.changes else "not known"
                 for name, _ in names
             ),
         )
-        for one in measured.paddings
+        for item in measured.paddings
     )
     no_bound = [words for name, words in names if measured.bounds.get(name) == inf]
-    said = f" No grid bounds the {' and the '.join(no_bound)} of this scene." if no_bound else ""
+    text = f" No grid bounds the {' and the '.join(no_bound)} of this scene." if no_bound else ""
     return Table(
         f"What each padding alone does, against {padding_name(measured.own_label)} on "
-        f"{cells_text(measured.paddings_on)}: the L1 error of the pressure, and the change of each number.{said}",
+        f"{cells_text(measured.paddings_on)}: the L1 error of the pressure, and the change of each number.{text}",
         ("padding", "pressure in L1", *(words for _, words in names)),
         rows,
     )

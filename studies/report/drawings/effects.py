@@ -302,14 +302,14 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             ax.plot(capped["pressure"], capped[cap], "s--", color="#CC79A7", label=text)
         ax.plot([PRESSURE], [REFERENCE[name]], "*", color="black", markersize=10, label="known")
         ax.set(xlabel="p_H / Y", ylabel=label)
-    if (known := _known(dataset)) is not None:
-        for part, style in by_color(known, "grid", "{} cells, "):
+    if (compared := _known(dataset)) is not None:
+        for part, style in by_color(compared, "grid", "{} cells, "):
             style["label"] += f"{float(part['layers'][-1]):g} layers"
             axes[4].loglog(part["steps"], part["peak_pressure_error"], **style)
             work = part["convolutions"] * part["grid"]
             axes[5].loglog(work, part["peak_pressure_error"], **style)
-        steps = known["steps"].values
-        first = float(known["peak_pressure_error"].isel(steps=0, grid=-1))
+        steps = compared["steps"].values
+        first = float(compared["peak_pressure_error"].isel(steps=0, grid=-1))
         axes[4].loglog(steps, first * steps[0] / steps, **LAW_STYLE)
     label_panels(
         axes[4:],
@@ -349,10 +349,10 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         "p_H = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",
         "Is a hardness cap enough?",
     )
-    if (known := _known(dataset)) is None:
+    if (compared := _known(dataset)) is None:
         return (cap,)
-    fine, steps = known.isel(steps=-1, grid=-1), known["steps"].values
-    error = known["peak_pressure_error"].isel(grid=-1)
+    fine, steps = compared.isel(steps=-1, grid=-1), compared["steps"].values
+    error = compared["peak_pressure_error"].isel(grid=-1)
     cost = Finding(
         f"With {steps[-1]} load steps the peak pressure on a yielding body is accurate to "
         f"{percent(fine['peak_pressure_error'])}.",

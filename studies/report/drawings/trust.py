@@ -185,8 +185,8 @@ def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         chosen = dataset.isel(case=dataset["use"].values == number)
         if chosen.sizes["case"]:
             fractions = [100 * _summary(*_pairs(chosen, metric))[0] for metric in PROMISED]
-            held = " / ".join(f"{fraction:.1f}" for fraction in fractions)
-            by_use.append(f"{held} % of {chosen.sizes['case']} contacts ({use})")
+            fractions_text = " / ".join(f"{fraction:.1f}" for fraction in fractions)
+            by_use.append(f"{fractions_text} % of {chosen.sizes['case']} contacts ({use})")
     dataset = dataset.isel(case=dataset["use"].values != USES.index("set"))
     parts, lowest = [], 1.0
     for metric in PROMISED:
@@ -260,8 +260,8 @@ def _one_axis(dataset: xr.Dataset) -> xr.Dataset:
         return dataset
     parts = [dataset.isel(seed=0, drop=True)]
     for place in range(1, dataset.sizes["seed"]):
-        other = dataset.isel(seed=place, drop=True)
-        parts.append(other.isel(case=other["use"].values == USES.index("random")))
+        of_seed = dataset.isel(seed=place, drop=True)
+        parts.append(of_seed.isel(case=of_seed["use"].values == USES.index("random")))
     return xr.concat(parts, "case")
 
 

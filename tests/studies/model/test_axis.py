@@ -68,6 +68,6 @@ def test_of_numbers_that_differ_by_rounding_the_first_stands(
 
 
 def test_a_stored_value_stands_for_one_that_differs_by_rounding() -> None:
-    axis = Axis("a", (3 * 0.1, 1.0, 2.0), "a").beside([0.3, 5.0])
+    axis = Axis("a", (3 * 0.1, 1.0, 2.0), "a").with_stored([0.3, 5.0])
     assert (axis.values, axis.merged) == ((0.3, 1.0, 2.0), 1)
-    assert Axis("a", (1, 2), "a").beside([1.0]).values == (1, 2)
+    assert Axis("a", (1, 2), "a").with_stored([1.0]).values == (1, 2)

@@ -202,8 +202,8 @@ def _end_error(solution: Solution) -> float:
     """Return the relative L1 error at the loaded ends of a roller, beyond that of second differences.
 
     Towards a sharp end the pressure rises like the inverse root of the distance from it, within about a half-width a.
-    The end row misses ``END_RISE_ERROR (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make the
-    roller too long or too short.
+    The end row misses ``END_RISE_ERROR (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make
+    the roller too long or too short.
     """
     ends, grid, pressure = _loaded_ends(solution), solution.problem.grid, solution.pressure
     if not ends:

@@ -101,50 +101,6 @@ def test_doubling_the_period_with_the_same_pressure_changes_nothing_exact() -> N
     assert_allclose(double, np.tile(single, 2), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-@pytest.mark.parametrize("cells", [(64, 64), (64, 6), (128, 1), (7, 64)], ids=str)
-def test_coarse_operator_is_the_mean_under_blocks(
-    cells: tuple[int, int], padding: cs.Padding | cs.Paddings
-) -> None:
-    """Galerkin: blocks of constant pressure, displacement averaged over the same blocks."""
-    fine = operator(cells, padding)
-    across, along = fine.blocks
-    assert (across, along) == tuple(2 if n == 64 or n == 128 else 1 for n in cells)
-    coarse = fine.coarsened()
-    pressure = np.random.default_rng(2).random(coarse.cells)
-    spread = pressure.repeat(across, axis=0).repeat(along, axis=1)
-    blocks = (coarse.cells[0], across, coarse.cells[1], along)
-    expected = fine(spread).reshape(blocks).mean(axis=(1, 3))
-    assert_allclose(coarse(pressure), expected, rtol=0, atol=1e-14 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-@pytest.mark.parametrize("cells", CELLS, ids=str)
-def test_own_coefficient_is_that_of_a_cell_on_itself_above_the_mean(
-    cells: tuple[int, int], padding: cs.Padding | cs.Paddings
-) -> None:
-    apply = operator(cells, padding)
-    unit = np.zeros(cells)
-    unit[1, 0] = 1.0
-    above_mean = apply(unit)[1, 0] - apply.spectrum[0, 0] / np.prod(apply.padded)
-    assert apply.self_compliance == pytest.approx(
-        above_mean, abs=1e-15 * np.abs(apply.spectrum).max()
-    )
-
-
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-def test_approximate_inverse_is_symmetric_and_positive(padding: cs.Padding | cs.Paddings) -> None:
-    a, b = two((8, 6))
-    contact = (two((8, 6))[0] > -1).astype(float)
-    a, b = a * contact, b * contact
-    extension = operator((8, 6), padding).approximate_inverse().extension(contact)
-    closing_a, closing_b = (extension.pressure(extension(field)) for field in (a, b))
-    scale = np.abs(closing_a).max() * np.abs(b).sum()
-    difference = np.vdot(b, closing_a) - np.vdot(a, closing_b)
-    assert abs(difference) < 1e-13 * scale
-    assert np.vdot(a, closing_a) > 0
-
-
 def test_a_datum_shifts_the_displacement_alone() -> None:
     """Of infinitely many images along y, by the line load over pi E*, for each image across."""
     pressure, _ = two((8, 6))

@@ -27,18 +27,6 @@ SIZES = [
 
 
 @pytest.mark.parametrize("transforms", KINDS, ids=lambda kind: type(kind).__name__)
-@pytest.mark.parametrize("points", [(8, 6), (7, 4), (6, 1), (5, 3)])
-def test_waves_of_an_even_field_follow_from_its_first_quarter(
-    points: tuple[int, int], transforms: SciPy, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(available, "TRANSFORMS", transforms)
-    half = np.random.default_rng(4).standard_normal([n // 2 + 1 for n in points])
-    offsets = (np.minimum(np.arange(n), n - np.arange(n)) for n in points)
-    whole = np.fft.rfft2(half[np.ix_(*offsets)])[: len(half)]
-    assert_allclose(available.even_waves(half, points), whole, rtol=0, atol=1e-13)
-
-
-@pytest.mark.parametrize("transforms", KINDS, ids=lambda kind: type(kind).__name__)
 @pytest.mark.parametrize(("cells", "padded"), SIZES)
 @pytest.mark.parametrize("real", [np.float64, np.float32])
 @pytest.mark.parametrize("threads", [1, 2])

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, gmres
+from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
 from contactstudy.solvers.friction.slip import RollingSlip
 
 GRID = cs.Grid((24, 12), (2.2, 2.2))
@@ -55,21 +55,6 @@ def test_the_limit_of_applications_ends_the_iteration() -> None:
     *_, residual = rolled.solve(RIGID, start, 1e-12, 7)
     assert residual > 1e-12
     assert rolled.applications <= 8
-
-
-def test_linear_equations_are_solved_by_as_many_vectors_as_there_are_unknowns() -> None:
-    random = np.random.default_rng(3)
-    matrix, target = random.normal(size=(6, 6)), random.normal(size=(2, 3))
-    given = []
-
-    def apply(vector: np.ndarray) -> np.ndarray:
-        given.append(vector)
-        return (matrix @ vector.ravel()).reshape(2, 3)
-
-    weights = gmres(apply, target, 1e-12, 20)
-    assert len(weights) == len(given) == 6
-    found = sum(weight * vector for weight, vector in zip(weights, given, strict=True))
-    np.testing.assert_allclose(matrix @ found.ravel(), target.ravel(), atol=1e-10)
 
 
 @pytest.mark.cases(2)

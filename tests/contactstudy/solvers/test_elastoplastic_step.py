@@ -44,25 +44,6 @@ def test_six_products_solve_six_equations(diagonal: np.ndarray) -> None:
     assert np.abs(solved(1e-14, 5, diagonal) - RIGHT).max() > 1e-6
 
 
-@pytest.mark.parametrize("fraction", [0.5, 0.1, 0.01])
-def test_it_ends_with_the_first_residual_below_the_fraction(fraction: float) -> None:
-    residuals = [np.linalg.norm(WANTED - MATRIX @ solved(1e-14, n, np.ones(6))) for n in range(7)]
-    ends = next(n for n, size in enumerate(residuals) if size <= fraction * residuals[0])
-    np.testing.assert_allclose(solved(fraction, 100, np.ones(6)), solved(1e-14, ends, np.ones(6)))
-
-
-def test_without_curvature_it_ends() -> None:
-    flat = np.diag([1.0, 0.0])
-    found = conjugate_gradients(
-        lambda x: flat @ x, lambda r: r, lambda a, b: float(a @ b), np.array([0.0, 1.0]), 1e-9, 9
-    )
-    assert not found.any()
-    nothing = conjugate_gradients(
-        lambda x: flat @ x, lambda r: r, lambda a, b: float(a @ b), np.zeros(2), 1e-9, 9
-    )
-    assert not nothing.any()
-
-
 @pytest.fixture
 def solution(line_contact: LineContact) -> cs.Solution:
     problem = line_contact.scene.problem(line_contact.grid((24, 2), 0.3), cs.ExactPeriodicity())
@@ -167,14 +148,6 @@ def test_each_cell_flows_until_its_stress_is_on_the_yield_surface() -> None:
     # linear hardening along a straight path: one step of Newton, and one solution of the contact for it
     assert found.iterations == 1
     assert len(found.contacts) == 2
-
-
-def test_the_residual_is_the_largest_error_over_the_yield_strain() -> None:
-    found = stepped(1e9)
-    assert found.iterations == 0
-    flow = np.maximum(SIZE - LIMIT, 0) / (TWICE_SHEAR + SLOPE)
-    np.testing.assert_allclose(found.strain[1], -0.8 * flow, rtol=1e-12)
-    assert found.residual == pytest.approx((0.8 * flow / BODIES.yield_strain).max())
 
 
 def test_what_is_elastic_takes_no_iteration_and_keeps_its_strain() -> None:

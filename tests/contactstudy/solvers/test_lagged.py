@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.solvers.anderson import anderson_mixture
 from contactstudy.solvers.friction import laws
 from contactstudy.solvers.lagged import solve_lagged
 from tests.conftest import LineContact
@@ -15,14 +14,6 @@ from tests.conftest import LineContact
 @pytest.fixture
 def problem(line_contact: LineContact) -> cs.Problem:
     return line_contact.scene.problem(line_contact.grid((24, 1), 1.0), cs.ExactPeriodicity())
-
-
-def test_nothing_lagged_is_one_solve(problem: cs.Problem) -> None:
-    found = solve_lagged(problem, None)
-    once = cs.solve(problem)
-    assert (found.change, found.passes) == (0.0, 1)
-    assert (found.iterations, found.convolutions) == (once.iterations, once.convolutions)
-    np.testing.assert_array_equal(found.solution.pressure, once.pressure)
 
 
 def test_a_lagged_part_settles_where_it_is_that_of_its_own_pressure(problem: cs.Problem) -> None:
@@ -46,21 +37,6 @@ def test_a_lagged_part_settles_where_it_is_that_of_its_own_pressure(problem: cs.
     few = solve_lagged(problem, lagged, cs.SolveOptions(1e-10), change=1e-8, max_passes=2)
     assert (few.passes, few.solution.status) == (2, cs.Status.ITERATION_LIMIT)
     assert few.change > 1e-8
-
-
-def test_of_a_linear_map_the_mixture_of_as_many_guesses_as_unknowns_is_its_fixed_point() -> None:
-    matrix = np.array([[0.5, 0.2], [-0.3, 0.4]])
-    constant = np.array([1.0, -2.0])
-    fixed = np.linalg.solve(np.eye(2) - matrix, constant)
-    guesses = [np.array([0.0, 0.0])]
-    steps = []
-    for _ in range(3):
-        steps.append(matrix @ guesses[-1] + constant - guesses[-1])
-        guesses.append(anderson_mixture(guesses, steps))
-    # the first is a plain step
-    assert guesses[1] == pytest.approx(constant)
-    assert guesses[3] == pytest.approx(fixed)
-    assert guesses[2] != pytest.approx(fixed)
 
 
 UNLIKE = cs.Scene(

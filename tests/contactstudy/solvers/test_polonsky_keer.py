@@ -78,17 +78,3 @@ def test_no_iteration_raises_the_energy_where_a_hardness_cuts_the_step(
         each = pressure * (bare.operator(pressure) / 2 + bare.undeformed_gap)
         energies.append(float(each.sum()))
     assert (np.diff(energies) <= 1e-12 * np.abs(energies).max()).all()
-
-
-def test_around_a_single_cell_the_others_close_their_own_gaps(bare: BareProblem) -> None:
-    """It is level with itself; where the others overlap, each takes the pressure that lifts it alone."""
-    alone = np.zeros_like(bare.undeformed_gap)
-    load = float(bare.uniform().sum())
-    alone[12, 0] = load
-    gap = bare.undeformed_gap + bare.operator(alone)
-    gap -= gap[12, 0]
-    assert (gap < 0).any()
-    trial = alone + np.maximum(-gap / bare.operator.self_compliance, 0)
-    found = PolonskyKeer().iterate(bare, tolerance=0.0, max_iterations=1, start=alone)
-    np.testing.assert_allclose(found.pressure, trial * load / trial.sum(), rtol=1e-12)
-    assert alone.sum() == load  # the start is not written to

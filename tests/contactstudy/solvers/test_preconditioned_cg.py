@@ -1,27 +1,15 @@
 """When an iteration is taken to have stalled."""
 
 from dataclasses import replace
-from math import nan
 
 import numpy as np
 import pytest
 from scipy.special import erfinv
 
 import contactstudy as cs
-from contactstudy.solvers.iterate import Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
-
-
-def test_a_residual_stalls_after_so_many_iterations_without_halving() -> None:
-    stall = Stall(3)
-    # the first is a best one, and so is what is below its half
-    assert [stall.stalled(one) for one in (1.0, 0.6, 0.5, 0.49)] == [False] * 4
-    assert [stall.stalled(one) for one in (0.245, 0.3, 9.0)] == [False, False, True]
-    stall = Stall(2)
-    assert [stall.stalled(nan), stall.stalled(nan)] == [False, True]
-
 
 PADDINGS: list[cs.Padding | cs.Paddings] = [
     cs.ZeroPadding(),

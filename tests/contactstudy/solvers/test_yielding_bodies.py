@@ -88,16 +88,3 @@ def test_a_step_costs_the_work_of_the_yield_stress_and_of_hardening() -> None:
         root * (0.5 + 0.7 * 2.0) * 0.5 + 0.7 * 0.25 / 3 + 0.4 * (0.09 + 0.81) / 3,
     ]
     assert MANY.dissipation(strain, before, equivalent) == pytest.approx(wanted)
-
-
-def test_the_stiffness_of_cells_that_flow_is_the_inverse_tangent_without_the_shear() -> None:
-    stress = np.array([[3.0, 0.1, 2.0], [-1.0, 0.2, 1.0], [0.5, 0.0, -4.0]])
-    law = YieldLaw(*(np.array(one) for one in ([1.6, 1.6, 2.5], [1.0] * 3, [0.3] * 3, [0.2] * 3)))
-    found = law.return_mapping(stress, np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3))
-    assert found.flows.tolist() == [True, False, True]
-    assert not found.direction[:, 1].any()
-    change = np.random.default_rng(5).standard_normal((3, 3))
-    wanted = found.inverse_tangent(change) - law.twice_shear * change
-    ours = np.einsum("kij,jk->ik", found.stiffness, change[:, found.flows])
-    np.testing.assert_allclose(ours, wanted[:, found.flows], rtol=1e-12)
-    assert not found.inverse_tangent(change)[:, 1].any()

@@ -6,7 +6,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from contactstudy.elasticity.kernels.displacement import (
-    boussinesq_cell,
     boussinesq_cell_doubly_periodic,
 )
 from tests.contactstudy.elasticity.kernels.test_cell import DIGITS, EXACT
@@ -62,25 +61,6 @@ def test_axes_may_be_swapped(width: float, period: float) -> None:
     found = one_period(width, period, 6, 5)
     swapped = one_period(period, width, 5, 6).T
     assert_allclose(found, swapped, rtol=0, atol=1e-14 * np.abs(found).max())
-
-
-def test_sums_over_a_disc_of_images_tend_to_it() -> None:
-    """With the images inside a radius R, less their mean, the rest is of order 1 / R."""
-    width, period, nx, ny = 1.2, 0.8, 6, 5
-    exact = one_period(width, period, nx, ny)
-    x = np.minimum(np.arange(nx), nx - np.arange(nx))[:, None] * width / nx
-    y = np.minimum(np.arange(ny), ny - np.arange(ny)) * period / ny
-    errors = []
-    for radius in (12.0, 24.0, 48.0):
-        total = np.zeros((nx, ny))
-        reach = int(radius / period)
-        for k in range(-reach, reach + 1):
-            for m in range(-reach, reach + 1):
-                if np.hypot(k * width, m * period) <= radius:
-                    total += boussinesq_cell(x + k * width, y + m * period, width / nx, period / ny)
-        errors.append(np.abs(total - total.mean() - exact).max())
-    assert errors[-1] < 2e-3 * exact.max()
-    assert_allclose(np.array(errors[:-1]) / errors[1:], 2, rtol=0.1)
 
 
 @stored

@@ -121,9 +121,3 @@ def test_a_row_of_cells_many_periods_wide_is_the_sum_of_its_parts(name: str) -> 
     parts = (x[:, None] + width * np.array([-1.0, 0.0, 1.0]) / 3).reshape(-1, 1)
     summed = remainder.row(parts, y, width / 3, 0.3, 1.0).reshape(3, 3, 3).sum(axis=1)
     np.testing.assert_allclose(whole, summed, atol=1e-12 * np.abs(whole).max())
-
-
-def test_one_cell_along_is_a_strip() -> None:
-    layer, x = LAYERS["stiff"], np.arange(6) * 0.3
-    row = LayerRemainder(layer, 0.2).row(x[:, None], np.zeros(1), 0.3, 1.0, 1.0)
-    np.testing.assert_array_equal(row[:, 0], LayerRemainder(layer, 0.2).strip(x, 0.3))

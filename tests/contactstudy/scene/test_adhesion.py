@@ -98,13 +98,6 @@ def test_without_a_range_six_cells_are_in_the_zone_on_any_grid() -> None:
         assert solution.adhesion.cells_in_zone == pytest.approx(6.0)
 
 
-def test_a_coarser_grid_of_the_source_keeps_the_law() -> None:
-    problem = SCENE.problem(GRID, LINE)
-    assert problem.source is not None
-    coarser = problem.source.problem(cs.Grid((64, 1), GRID.extent))
-    assert coarser.adhesion is problem.adhesion
-
-
 @pytest.mark.parametrize("adhesion", [None, cs.Adhesion(0.05)])
 def test_the_approach_of_a_loaded_contact_gives_back_its_load(adhesion: cs.Adhesion | None) -> None:
     near = replace(SCENE, adhesion=adhesion, load=cs.Approach(4e-5))

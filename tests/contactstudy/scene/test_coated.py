@@ -11,7 +11,6 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import kernel
 from contactstudy.elasticity.convolution import Convolution
-from contactstudy.scene.bodies import response
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(inf, 0.3)
@@ -68,15 +67,6 @@ def test_a_coat_of_the_substrates_material_is_no_coat(padding: str) -> None:
         coefficients(STEEL, grid, PADDINGS[padding]),
         atol=1e-8 * np.abs(coefficients(STEEL, grid, PADDINGS[padding])).max(),
     )
-
-
-def test_bodies_that_are_alike_share_their_coefficients() -> None:
-    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
-    once, twice = body.response(1e-4), response((body, body), 1e-4)
-    assert list(twice) == list(once)
-    assert all(twice[one] == 2 * weight for one, weight in once.items())
-    other = response((body, replace(body, thickness=3e-6)), 1e-4)
-    assert len(other) == 3
 
 
 @pytest.mark.parametrize("padding", ["row", "lattice", "free"])

@@ -95,12 +95,6 @@ def test_a_layer_of_the_substrates_material_is_a_half_space(depth: float) -> Non
     np.testing.assert_allclose(found, half_space(k * depth), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("depth", [0.3, 1.0, 1.6])
-def test_both_bases_of_a_wave_agree(depth: float) -> None:
-    stress, k = LayerStress(LayerResponse(7.0, 0.25, 0.45), depth), np.linspace(0.5, 2.5, 20)
-    np.testing.assert_allclose(stress._by_state(k), stress._by_exponentials(k), atol=1e-12)
-
-
 @pytest.mark.parametrize("paddings", ALL)
 def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddings) -> None:
     grid = cs.Grid((3, 2), (1.0, 0.7))

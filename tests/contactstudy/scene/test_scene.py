@@ -1,13 +1,10 @@
 import math
 from dataclasses import replace
-from math import inf
-from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.scene import ShapesSource, ends_along, sized
 from tests.conftest import STEEL, LineContact
 
 
@@ -82,76 +79,4 @@ def test_what_is_no_grid_is_refused(line_contact: LineContact) -> None:
         line_contact.scene.problem((8, 8), cs.ExactPeriodicity())  # type: ignore[arg-type]
 
 
-def test_waves_must_fit_the_period(line_contact: LineContact) -> None:
-    grid = cs.Grid(cells=(8, 8), extent=(1e-3, 1e-3))
-    wave = cs.Waviness(amplitude=1e-6, across=3e-4, along=2.5e-4, phase=0.3)
-    x, y = grid.x[:, None], grid.y
-    expected = -1e-6 * np.cos(2 * np.pi * (x / 3e-4 + y / 2.5e-4) + 0.3)
-    np.testing.assert_allclose(wave.gap(grid), expected, rtol=0, atol=1e-20)
-    with pytest.raises(cs.InvalidInput, match=r"^Waviness\.along is 0\.0003: give a length"):
-        replace(wave, along=3e-4).gap(grid)
-
-
-GRID = cs.Grid((8, 6), (2.0, 3.0))
 WAVE, LONG = cs.Waviness(1e-6, across=0.5), cs.Waviness(2e-6, across=0.9, along=1.5)
-
-
-class Unknown:
-    """A shape that names no scales."""
-
-    curvature = 0.0
-
-    def gap(self, grid: cs.Grid) -> np.ndarray:
-        return 0 * grid.x[:, None] + 3.0
-
-
-def source(*shapes: Any) -> ShapesSource:
-    return ShapesSource(shapes, ends_along=False, make=lambda grid: grid)  # type: ignore[arg-type,return-value]
-
-
-def test_the_finest_of_all_counts_and_heights_add_up() -> None:
-    both = source(WAVE, LONG)
-    assert both.finest == (0.5, 1.5)
-    assert both.names_scales
-    np.testing.assert_allclose(both.gap(GRID), WAVE.gap(GRID) + LONG.gap(GRID))
-    mixed = source(WAVE, Unknown())
-    assert mixed.finest == (0.5, inf)
-    assert not mixed.names_scales
-    # no larger than it must be
-    assert mixed.gap(GRID).shape == (8, 1)
-    assert source().finest == (inf, inf)
-    assert source().gap(GRID).tolist() == [[0.0]] * 8
-    assert both.problem(GRID) is GRID
-
-
-def test_the_heights_of_a_problem_are_not_sampled_again() -> None:
-    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), LONG))
-    problem = scene.problem(GRID, cs.ExactPeriodicity())
-    assert problem.source is not None
-    assert problem.source.gap(GRID) is problem.undeformed_gap
-    finer = cs.Grid((16, 12), GRID.extent)
-    expected = sum(shape.gap(finer) for shape in scene.shapes)
-    np.testing.assert_array_equal(problem.source.gap(finer), expected)
-
-
-@pytest.mark.parametrize(
-    ("length", "ends"), [(2.9, True), (3.0, True), (3.0 * (1 + 1e-10), True), (3.01, False)]
-)
-def test_a_roller_ends_in_the_period_that_holds_it(length: float, ends: bool) -> None:  # noqa: FBT001
-    assert ends_along((WAVE, cs.FiniteLength(length)), GRID) == ends
-    assert not ends_along((WAVE, Unknown()), GRID)  # type: ignore[arg-type]
-
-
-def test_heights_given_cell_for_cell_get_the_grid_s_extent() -> None:
-    surface = cs.MeasuredSurface(np.eye(8, 6))
-    first, second = sized((surface, WAVE), GRID)
-    assert first.extent == (2.0, 3.0)  # type: ignore[attr-defined]
-    assert second is WAVE
-
-
-def test_without_a_curved_shape_the_scales_are_the_width_and_the_mean_pressure() -> None:
-    """2e5 N/m over 1 mm are 2e8 Pa, of which 2**28 is the nearest power of two."""
-    scene = cs.Scene(load=cs.LineLoad(2e5), solids=(STEEL, STEEL))
-    scales = scene.scales(cs.Grid((4, 2), (1e-3, 5e-3)))
-    assert (scales.length, scales.pressure) == (1e-3, 2.0**28)
-    assert scales.gap == pytest.approx(2e8 * 1e-3 / scene.contact_modulus, rel=1e-15)

@@ -1,7 +1,6 @@
 """Subsurface stress of a solved contact: textbook values, images, and only when asked."""
 
 from dataclasses import replace
-from importlib import import_module
 
 import numpy as np
 import pytest
@@ -26,9 +25,6 @@ RIGID = cs.HalfSpace(youngs_modulus=float("inf"), poisson_ratio=0.3)
 def below(cells: tuple[int, int], padding: cs.Padding | cs.Paddings, *depths: float) -> StressBelow:
     grid = cs.Grid(cells=cells, extent=(1.0, 0.7))
     return StressBelow(grid, across_and_along(padding), HalfSpaceStress(NU), depths)
-
-
-# --- images: the sum over all pairs of cells -------------------------------------------------------
 
 
 def seen(one: cs.Padding, count: int) -> list[tuple[int, int, int, float]]:
@@ -107,9 +103,6 @@ def test_what_is_uniform_along_the_length_is_plane_strain() -> None:
     assert_allclose(many, one.repeat(6, axis=3), rtol=0, atol=1e-14)
 
 
-# --- Hertz -----------------------------------------------------------------------------------------
-
-
 def stressed(line_contact: LineContact, cells: int, depths: tuple[float, ...]) -> cs.Solution:
     """In plane strain, depths in half-widths; an odd number of cells, one of them on the axis."""
     scaled = tuple(depth * line_contact.hertz.half_width for depth in depths)
@@ -174,9 +167,6 @@ def test_point_contact_has_hubers_stress_on_the_axis() -> None:
     assert errors[0] / errors[-1] > 4**1.5 / 1.5
 
 
-# --- only when asked -------------------------------------------------------------------------------
-
-
 def test_von_mises_is_its_definition() -> None:
     stress = np.random.default_rng(4).standard_normal((6, 3, 4))
     tensor = np.empty((3, 3, 3, 4))
@@ -215,50 +205,6 @@ def test_stress_takes_the_ratio_of_the_body_it_is_in(line_contact: LineContact) 
         assert_allclose(yy, ratio * (xx + zz), rtol=1e-12)
 
 
-def test_stress_not_asked_for_costs_nothing(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Asked for or not, a solve is the same to the last bit and the last transform."""
-    modules = [
-        import_module(f"contactstudy.{name}") for name in ("elasticity.transforms", "scene.stress")
-    ]
-    inner, counted = modules[0].TRANSFORMS, {"forward": 0}
-
-    class Counting:
-        def forward(self, *arguments):  # noqa: ANN002, ANN202
-            counted["forward"] += 1
-            return inner.forward(*arguments)
-
-        def __getattr__(self, name):  # noqa: ANN001, ANN204
-            return getattr(inner, name)
-
-        def filtered(self, *arguments):  # noqa: ANN002, ANN202
-            counted["forward"] += 1
-            return inner.filtered(*arguments)
-
-    for module in modules:
-        monkeypatch.setattr(module, "TRANSFORMS", Counting())
-    grid = line_contact.grid((16, 6), 1.2)
-    plain = line_contact.scene
-    asked = replace(plain, outputs=(cs.SubsurfaceStress(depths=(1e-4, 2e-4)),))
-    transforms, pressures = [], []
-    for scene in (plain, asked):
-        counted["forward"] = 0
-        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-        pressures.append(solution.pressure)
-        transforms.append(counted["forward"])
-        counted["forward"] = 0
-        assert bool(solution.derived) == bool(scene.outputs)
-        transforms.append(counted["forward"])
-    assert transforms[0] == transforms[2] > 0
-    # one of the pressure, and one of each component's coefficients at each depth
-    assert (transforms[1], transforms[3]) == (0, 1 + 6 * 2)
-    np.testing.assert_array_equal(*pressures)
-
-
-# --- misuse ----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("depths", [(), 1e-4, None, (-1e-5,), (1e-4, float("nan")), ("1 mm",)])
 def test_depths_that_are_none_are_refused(depths: object) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^SubsurfaceStress\.depths.* is .*: give a "):
@@ -287,9 +233,6 @@ def test_two_outputs_of_one_kind_are_refused() -> None:
     asked = tuple(cs.SubsurfaceStress(depths=(d,)) for d in (1e-4, 2e-4))
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.outputs\[1\] is .*: give one"):
         cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, STEEL), outputs=asked)
-
-
-# --- depths that are chosen ----------------------------------------------------------------------
 
 
 @pytest.mark.cases(1)

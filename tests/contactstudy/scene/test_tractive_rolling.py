@@ -58,20 +58,6 @@ def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     assert solution.traction.passes <= 30
 
 
-@pytest.mark.whole
-def test_no_more_applications_are_needed_than_promised() -> None:
-    """Four transforms each, those of coarser grids in proportion, beside the convolutions of the normal solve."""
-    normal = solved(None, (1024, 1)).convolutions
-    for part in (0.02, 0.5, 0.9):
-        smooth = solved(rolling(longitudinal=part * SATURATION), (1024, 1))
-        assert (smooth.convolutions - normal) / 2 <= 75
-    one = rolling(longitudinal=0.2 * SATURATION)
-    normal = solved(None, (128, 128), 1e-6, shapes=ROUGH).convolutions
-    rough = solved(one, (128, 128), 1e-6, shapes=ROUGH)
-    assert rough.status is cs.Status.CONVERGED
-    assert (rough.convolutions - normal) / 2 <= 130
-
-
 def test_lateral_creepage_in_plane_strain_is_carters_with_the_compliance_along() -> None:
     """The surface gives way 1 / (1 - nu) times as much along the cylinder."""
     solution = solved(rolling(lateral=0.5 * SATURATION / (1 - STEEL.poisson_ratio)), (512, 1))
@@ -371,13 +357,6 @@ def test_heights_that_would_travel_are_said() -> None:
         "moving roughness" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note
     )
     assert "moving roughness" not in solved(rolling(longitudinal=1e-4), (16, 1), 1e-3).note
-
-
-def test_slope_of_carters_curve_is_pi_over_two_times_modulus_and_half_width() -> None:
-    """``dQ / dxi = pi E* a / 2`` per length."""
-    small = 1e-3 * SATURATION
-    force = solved(rolling(longitudinal=small), (512, 1)).shear.sum() * 2.4 * A / 512
-    assert force / small == pytest.approx(pi / 2 * SMOOTH.contact_modulus * A, rel=2e-3)
 
 
 def test_the_answer_lists_traction_stick_creepage_and_power_with_their_bounds() -> None:

@@ -92,14 +92,3 @@ def test_grooves_run_along_or_across_the_length() -> None:
 def test_a_texture_that_cannot_be_is_refused(make: object, message: str) -> None:
     with pytest.raises(cs.InvalidInput, match=rf"^{message} is .*: give "):
         make()  # type: ignore[operator]
-
-
-def test_the_slope_of_a_texture_is_a_depth_over_half_a_feature() -> None:
-    """In the mean square of a V-groove, whose flanks fall by the depth over half the width."""
-    groove = cs.Groove(depth=3e-7, width=4e-5, profile=lambda t: 1 - t)
-    texture = cs.Texture(groove, (1e-4, math.inf))
-    fine = cs.Grid((10_000, 1), (1e-4, 1e-4))
-    slope = np.diff(texture.gap(fine)[:, 0]) / fine.cell[0]
-    # two kinks at the rim and one at the bottom, a cell each
-    assert np.sqrt((slope**2).mean()) == pytest.approx(texture.detail.slope, rel=1e-3)
-    assert texture.detail.slope == pytest.approx(3e-7 / 2e-5 * 0.4**0.5, rel=1e-12)

@@ -3,7 +3,6 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import dask.array
 import numpy as np
 import pytest
 import xarray as xr
@@ -16,36 +15,6 @@ HEIGHTS = np.random.default_rng(0).standard_normal((6, 4)) * 1e-7
 
 def labelled(**coordinates: Any) -> xr.DataArray:
     return xr.DataArray(HEIGHTS, dims=("width", "length"), coords=coordinates)
-
-
-def test_an_array_of_any_make_gives_the_same_points() -> None:
-    wide = np.zeros((12, 8))
-    wide[::2, ::2] = HEIGHTS
-    frozen = HEIGHTS.copy()
-    frozen.setflags(write=False)
-    for same in (
-        np.asfortranarray(HEIGHTS),
-        wide[::2, ::2],
-        np.flip(np.flip(HEIGHTS).copy()),
-        frozen,
-        HEIGHTS.tolist(),
-        HEIGHTS.astype(">f8"),
-        np.ma.masked_array(HEIGHTS),
-        dask.array.from_array(HEIGHTS, chunks=2),
-        labelled(),
-        labelled().chunk(2),
-    ):
-        points, extent = measurement(same)
-        np.testing.assert_array_equal(points, HEIGHTS)
-        assert points.dtype == np.float64
-        assert points.flags.c_contiguous
-        assert extent is None
-
-
-@pytest.mark.parametrize("kind", [np.int16, np.uint8, np.float32, np.float16])
-def test_numbers_of_any_kind_are_taken_at_their_value(kind: type) -> None:
-    heights = np.arange(12).reshape(4, 3).astype(kind)
-    np.testing.assert_array_equal(measurement(heights)[0], np.arange(12.0).reshape(4, 3))
 
 
 def test_points_are_a_copy_that_nobody_can_write_to() -> None:

@@ -25,10 +25,6 @@ def test_no_filled_point_is_beyond_those_around_it() -> None:
     assert filled.max() <= rough[~holes].max()
 
 
-def test_a_whole_surface_is_left_alone() -> None:
-    assert cs.HarmonicFill().fill(HARMONIC) is HARMONIC
-
-
 def test_missing_points_are_refused_with_their_count() -> None:
     heights = np.where(HOLES, np.nan, HARMONIC)
     with pytest.raises(cs.InvalidInput, match="has 10 missing points of 108: fill them, or give"):

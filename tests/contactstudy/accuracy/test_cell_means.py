@@ -14,10 +14,3 @@ def test_means_on_fewer_and_on_more_cells() -> None:
     thirds = np.array([1 + 2 / 3, (2 + 4) * 2 / 3, 4 / 3 + 5]) / (4 / 3)
     assert on_cells(field, (3, 1)).ravel() == pytest.approx(thirds)
     assert on_cells(field, (4, 1)) is field
-
-
-def test_both_axes_and_the_sum_is_kept() -> None:
-    field = np.arange(12.0).reshape(4, 3)
-    assert on_cells(field, (2, 1)) == pytest.approx(np.array([[2.5], [8.5]]))
-    assert on_cells(field.T, (1, 2)) == pytest.approx(np.array([[2.5, 8.5]]))
-    assert on_cells(field, (5, 7)).mean() == pytest.approx(field.mean())

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import edge_error
-from contactstudy.accuracy.discretisation import around_contact, contact_area, discretisation
+from contactstudy.accuracy.discretisation import discretisation
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -27,18 +27,6 @@ def test_edge_error_is_that_of_a_solved_contact_or_of_one_a_little_aside(
         found.append(estimate / np.abs(beside - true).sum())
     assert min(found) > 0.98
     assert np.median(found) < 1.5
-
-
-@pytest.mark.parametrize("wraps", [(False, True), (True, True)], ids=str)
-@pytest.mark.parametrize(("first", "rows"), [(3, slice(2, 9)), (0, slice(None))])
-def test_rows_without_pressure_change_no_error(
-    first: int, rows: slice, wraps: tuple[bool, bool]
-) -> None:
-    pressure = np.zeros((12, 5))
-    pressure[first : first + 5] = np.random.default_rng(1).uniform(0, 1, (5, 5))
-    assert around_contact(pressure) == rows
-    for error in (discretisation, contact_area):
-        assert error(pressure[rows], wraps) == pytest.approx(error(pressure, wraps))
 
 
 def test_uniform_pressure_without_an_edge_has_no_error() -> None:

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 
 from contactstudy.accuracy.contact_edge import (
-    EDGE_RANGE,
     MODES,
-    edge_error,
-    edge_position,
     modes,
     offset,
     powers,
@@ -54,29 +51,3 @@ def test_modes_tend_to_their_powers(mode: int) -> None:
 
 
 LAST, INNER = np.array([0.3, 0.9, 1.4, 2.0]), np.array([1.0, 1.5, 2.0, 2.5])
-
-
-@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
-def test_an_edge_is_found_whatever_the_unit_of_pressure(unit: float) -> None:
-    np.testing.assert_allclose(edge_position(unit * LAST, unit * INNER), edge_position(LAST, INNER))
-    np.testing.assert_allclose(
-        edge_error(unit * LAST, unit * INNER), unit * edge_error(LAST, INNER)
-    )
-
-
-def test_the_higher_the_last_cell_the_farther_out_is_the_edge() -> None:
-    places = edge_position(LAST, INNER)
-    assert (np.diff(places) > 0).all()
-    assert (EDGE_RANGE[0] <= places).all()
-    assert (places <= EDGE_RANGE[1]).all()
-
-
-def test_of_a_cell_alone_the_edge_lies_half_way_and_its_error_is_that_of_the_farthest() -> None:
-    alone = np.array([0.5, 3.0])
-    np.testing.assert_allclose(
-        edge_position(alone, np.zeros(2)), (EDGE_RANGE[0] + EDGE_RANGE[1]) / 2
-    )
-    # where the last cell is the higher, the law has ended: the error goes as that cell alone
-    errors = edge_error(alone, np.zeros(2))
-    assert errors[1] / errors[0] == pytest.approx(6)
-    np.testing.assert_allclose(edge_error(alone, 0.1 * alone), errors)

@@ -1,6 +1,5 @@
 """Passes compiled by numba give what array operations give."""
 
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain import fields
 from contactstudy.domain.device import using
-from contactstudy.domain.fields import compiled_loops
 from tests.conftest import LineContact
 from tests.contactstudy.domain.test_devices import BOTH, agree
 from tests.contactstudy.solvers.test_preconditioned_cg import problem
@@ -68,10 +66,3 @@ def test_heights_that_are_not_finite_are_seen(line_contact: LineContact) -> None
     posed = problem(line_contact, 32, "smooth", BOTH)
     posed.undeformed_gap[3, 4] = np.nan
     assert cs.solve(posed).status is cs.Status.NOT_FINITE
-
-
-def test_without_the_compiler_array_operations_do_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "numba", None)  # type: ignore[arg-type]
-    fields._loops.cache_clear()
-    assert compiled_loops((fields.LARGE // 8, 8)) is None
-    fields._loops.cache_clear()

@@ -77,35 +77,6 @@ def test_a_coat_and_roughness_go_together() -> None:
     assert contact.flux_spread < 1e-6
 
 
-def test_the_compiled_sweep_and_that_of_arrays_agree() -> None:
-    compiled = pytest.importorskip("contactstudy.lubrication.compiled_sweep")
-    rng = np.random.default_rng(0)
-    own = 4 + rng.uniform(size=(7, 9))
-    before, behind, upstream, further = rng.uniform(-1, 1, (4, 7, 9))
-    right = rng.normal(size=(7, 9))
-    lines = own, before, behind, upstream, further, right
-    expected = along_length.sweep_by_arrays(*lines)
-    assert compiled.sweep(*lines) == pytest.approx(expected, rel=1e-10, abs=1e-12)
-
-
-def test_a_sweep_solves_its_lines() -> None:
-    rng = np.random.default_rng(1)
-    own = 4 + rng.uniform(size=(5, 6))
-    before, behind, upstream, further = (rng.uniform(-1, 1, (5, 6)) for _ in range(4))
-    right = rng.normal(size=(5, 6))
-    z = along_length.sweep_by_arrays(own, before, behind, upstream, further, right)
-    above, beyond = np.zeros_like(z), np.zeros_like(z)
-    above[1:], beyond[2:] = z[:-1], z[:-2]
-    product = (
-        own * z
-        + before * np.roll(z, 1, axis=1)
-        + behind * np.roll(z, -1, axis=1)
-        + upstream * above
-        + further * beyond
-    )
-    assert product == pytest.approx(right, rel=1e-12, abs=1e-12)
-
-
 def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
     with_it = solve_lubricated(scene, grid(64, 4.0, 16))

@@ -127,13 +127,6 @@ def test_rough_heights_on_either_body_pass_through() -> None:
         assert np.ptp(evolution.contacts[-1].film, axis=1).max() > 0
 
 
-def test_carried_heights_move_by_the_distance_of_their_body() -> None:
-    waves = cs.Waviness(1e-8, across=A, along=np.inf)
-    cells = grid(60, 3.0)
-    moved = cs.Carried(waves).gap_after(cells, 2 * cells.cell[0])
-    assert moved[2:] == pytest.approx(waves.gap(cells)[:-2], abs=1e-18)
-
-
 def test_what_moves_or_changes_is_refused_by_the_steady_solve() -> None:
     moving = by_moes(20, 5, cs.Carried(cs.Waviness(1e-8, across=A, along=np.inf)))
     with pytest.raises(cs.InvalidInput, match=r"contactstudy\.evolve"):

@@ -34,13 +34,6 @@ def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:
     assert not any("cells in a coating" in said for said in fine)
 
 
-def test_a_coat_and_unlike_bodies_that_slide_are_not_taken_for_hertzs_contact() -> None:
-    assert requirements_of(PLAIN).smooth
-    assert not requirements_of(replace(PLAIN, solids=(BODY, STEEL))).smooth
-    unlike = replace(PLAIN, solids=(STEEL, cs.HalfSpace(3e9, 0.1)), friction=cs.Sliding(0.4))
-    assert not requirements_of(unlike).smooth
-
-
 def test_a_plan_says_how_friction_is_solved() -> None:
     rough = replace(PLAIN, shapes=(*PLAIN.shapes, ROUGH))
     slip = cs.PartialSlip(0.3, 1e4)

@@ -1,12 +1,10 @@
 from dataclasses import replace
 from math import log
-from typing import Any
 
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning import cost
-from contactstudy.planning.cost import CALLS, CostModel, Timing, memory, padded_points
+from contactstudy.planning.cost import CALLS, CostModel, Timing, padded_points
 
 EXACT = cs.ExactPeriodicity()
 
@@ -38,19 +36,6 @@ def test_timings_of_other_paddings_and_dimensions_are_left_aside() -> None:
     assert model.seconds(cs.Grid((64, 1), (1.0, 1.0)), EXACT, 10.0) == pytest.approx(60.0)
 
 
-def test_what_has_no_timing_is_timed_once() -> None:
-    asked = []
-
-    def sample(grid: cs.Grid, padding: object) -> tuple[Timing, ...]:
-        asked.append((grid, padding))
-        return (Timing(square(64), cs.ExactPeriodicity(), 10.0, 1.0, 1.0),)
-
-    model = CostModel(sample=sample)  # type: ignore[arg-type]
-    for cells in (64, 128):
-        model.seconds(square(cells), EXACT, 10.0)
-    assert asked == [(square(64), EXACT)]
-
-
 def test_an_interrupted_run_hardly_counts() -> None:
     timings = [
         Timing(
@@ -70,25 +55,6 @@ def test_an_interrupted_run_hardly_counts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("padding", "images"),
-    [
-        (EXACT, [None]),
-        (cs.CircularSuperposition(40), [1, 6]),
-        (cs.Superposition(3), [1, 6]),
-        ((cs.ZeroPadding(), cs.ZeroPadding()), [None]),
-    ],
-)  # fmt: skip
-@pytest.mark.parametrize(("along", "cells"), [(1, (128, 1)), (500, (128, 128))])
-def test_a_sample_has_few_images_and_many_where_a_padding_counts_them(
-    padding: Any, images: list[int | None], along: int, cells: tuple[int, int]
-) -> None:
-    found = cost.sample_timings(cs.Grid((1024, along), (3.0, 2.0)), padding)
-    assert [getattr(one.padding[1], "images", None) for one in found] == images  # type: ignore[index]
-    assert {one.grid.cells for one in found} == {cells}
-    assert all(one.setup > 0 and one.solve > 0 for one in found)
-
-
-@pytest.mark.parametrize(
     "padding",
     [
         cs.ExactPeriodicity(),
@@ -104,11 +70,3 @@ def test_points_are_those_of_the_operator(
 ) -> None:
     grid = cs.Grid(cells, (1.0, 1.0))
     assert padded_points(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).work
-
-
-def test_memory_counts_the_padded_grid() -> None:
-    grid = cs.Grid((64, 32), (1.0, 1.0))
-    fewer, more = (
-        memory(grid, padding) for padding in (cs.ExactPeriodicity(), cs.Superposition(1))
-    )
-    assert more - fewer == 8 * 2 * 2 * 64 * 32

@@ -31,28 +31,6 @@ BOTH, SMOOTH = requirements(FINE, COARSE), requirements(Detail())
 WAVES = Detail(finest=(inf, 0.2))
 
 
-@pytest.mark.parametrize(
-    ("details", "period"),
-    [
-        ((Detail(),), 4.8),
-        ((Detail(roller=3.0), WAVES), 3.0),
-        # four of the longest, in whole numbers of what repeats
-        ((replace(WAVES, repeat=0.5, longest=0.75),), 3.0),
-        ((replace(WAVES, repeat=0.5, longest=0.7),), 3.0),
-        ((replace(WAVES, repeat=0.5), replace(WAVES, repeat=0.75, longest=0.75)), 3.0),
-        ((replace(WAVES, repeat=0.5),), 0.5),
-        # without any, of a quarter of the width or of the longest
-        ((replace(WAVES, longest=1.0),), 4.8),
-        ((replace(WAVES, longest=10.0),), 40.0),
-    ],
-)
-def test_a_period_holds_four_of_the_longest_and_whole_numbers_of_what_repeats(
-    details: tuple[Detail, ...], period: float
-) -> None:
-    assert requirements(*details).length(None, 4.8) == pytest.approx(period)
-    assert requirements(*details).length(7.0, 4.8) == 7
-
-
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     waves = requirements(replace(WAVES, repeat=0.25, longest=0.125))
     assert "holds what repeats" in waves.period_check(0.5)

@@ -5,8 +5,6 @@ from math import inf
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
-
 import contactstudy as cs
 from contactstudy.planning.grid_search import GridForecast
 from contactstudy.planning.plan import _warnings
@@ -33,15 +31,6 @@ def needing(grid: cs.Grid = GRID, **more: Any) -> Any:
     return SimpleNamespace(grid=lambda *_: grid, padding=lambda: EXACT, **asked)
 
 
-def test_errors_of_both_axes_add_up_and_fall_at_their_own_rates() -> None:
-    known = replace(seen(0.0), errors=(0.01, 0.02), rates=(1.5, 0.5))
-    assert known.error == pytest.approx(0.03)
-    # cells of 1/16 m either way
-    assert known.error_of((1 / 8, 1 / 4)) == pytest.approx(0.01 * 2**1.5 + 0.02 * 2)
-    line = replace(known, grid=cs.Grid((64, 1), (4.0, 2.0)), errors=(0.01, 0.0))
-    assert line.error_of((1 / 8, 99.0)) == pytest.approx(0.01 * 2**1.5)
-
-
 def test_the_product_of_cells_is_least_where_rates_times_errors_are_alike() -> None:
     """0.08 falls like 1/n and 0.03 like n^-1/2: of 0.03 a third across and two thirds along."""
     known = replace(seen(0.0), errors=(0.08, 0.03), rates=(1.0, 0.5))
@@ -53,14 +42,6 @@ def test_the_product_of_cells_is_least_where_rates_times_errors_are_alike() -> N
         if 0.08 * 64 / nx + 0.03 * (32 / ny) ** 0.5 <= 0.03
     ]  # fmt: skip
     assert min(counts) <= 512 * 72 <= 1.02 * min(counts)
-
-
-def test_an_axis_at_its_fewest_cells_leaves_the_error_to_the_other() -> None:
-    known = replace(seen(0.0), errors=(0.08, 0.0001))
-    found = known.grid_for(0.04)
-    # 0.0002 are left to 16 cells along: 0.08 * 64 / 0.0398, in steps of four
-    assert found.cells == (132, 16)
-    assert replace(known, errors=(0.08, 0.0)).grid_for(0.04).cells == (128, 32)
 
 
 def warned(

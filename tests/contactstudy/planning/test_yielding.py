@@ -5,12 +5,8 @@ from dataclasses import replace
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.transient_requirements import Yielding, yielding
+from contactstudy.planning.transient_requirements import yielding
 from tests.conftest import STEEL, LineContact
-
-# Hertz's peak pressure is four times the yield stress, the half-width one unit; both bodies yield.
-TWO = Yielding(ratio=4.0, half_width=1.0, bodies=2)
-GRID = cs.Grid((64, 1), (8.0, 1.0))
 
 
 def test_the_body_that_yields_first_counts_and_both_take_memory(

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
 
-from contactstudy.io.pictures.contact import LENGTHS, PRESSURES, picture, scaled
+from contactstudy.io.pictures.contact import picture
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -26,17 +25,6 @@ def labelled(**more: object) -> xr.Dataset:
 
 def named(ax: Axes) -> tuple[str, str, str]:
     return ax.get_xlabel(), ax.get_ylabel(), ax.get_title()
-
-
-@pytest.mark.parametrize(
-    ("largest", "unit"),
-    [(1e-9, 1e-6), (0.99e-3, 1e-6), (1e-3, 1e-3), (-0.5, 1e-3), (1.0, 1.0), (30.0, 1.0)],
-)
-def test_the_unit_of_an_axis_is_the_largest_below_its_largest_number(
-    largest: float, unit: float
-) -> None:
-    assert scaled(xr.DataArray([0.0, largest]), LENGTHS)[0] == unit
-    assert {name: size for size, name in PRESSURES} == {"kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
 
 
 def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
@@ -81,12 +69,3 @@ def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     single = picture(stressed.isel(z=[1])).axes[4]
     assert single.lines[0].get_xydata() == pytest.approx(np.transpose([X * 1e6, [15, 19, 23]]))
     assert single.get_ylabel() == "von Mises [GPa]"
-
-
-def test_a_warning_is_written_over_the_panels_in_lines_that_fit() -> None:
-    warned = labelled().assign_attrs(warnings="the contact reaches the edge of the grid; " * 8)
-    title = picture(warned).get_suptitle()
-    assert title.startswith("warning: the contact reaches")
-    assert max(map(len, title.splitlines())) <= len("warning: ") + 140
-    assert picture(labelled()).get_suptitle() == ""
-    assert to_hex(picture(labelled()).axes[3].lines[0].get_color()) == "#009e73"

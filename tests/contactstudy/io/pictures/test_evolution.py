@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.colors import to_rgb
 
 from contactstudy.io.pictures.evolution import evolution_picture
 
@@ -37,8 +36,6 @@ def test_profiles_are_those_of_the_middle_of_the_length_at_each_instant() -> Non
     for line, rows in zip(profiles.lines, PRESSURE[:, :, 1], strict=True):
         assert line.get_xydata() == pytest.approx(np.transpose([X * 1e3, rows / 1e6]))
     assert (profiles.get_xlabel(), profiles.get_ylabel()) == ("across [mm]", "pressure [MPa]")
-    brightness = [sum(to_rgb(line.get_color())) for line in profiles.lines]
-    assert (np.diff(brightness) > 0).all()
 
 
 def test_the_map_is_of_the_mean_along_the_length_without_the_instant_before_a_jump() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import lubricated
-from contactstudy.io.pictures.interference import interference_colours, matching
+from contactstudy.io.pictures.interference import interference_colours
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
@@ -41,18 +41,6 @@ def test_fringes_of_one_wavelength_are_half_of_it_in_oil_apart(
     bright = interference_colours((np.arange(4) + 0.5) * fringe, index, (wavelength,))
     assert dark == pytest.approx(0, abs=1e-9)
     assert bright.max(axis=1) == pytest.approx(1)
-
-
-def test_the_matching_functions_peak_where_the_eye_does() -> None:
-    wavelengths = np.arange(380.0, 781.0)
-    x, y, z = matching(wavelengths).T
-    # CIE 1931 tables: y is 1 at 555 nm, x 1.06 at 599 nm, z 1.78 at 446 nm
-    for values, place, height in ((y, 555, 1.0), (x, 599, 1.06), (z, 446, 1.78)):
-        assert wavelengths[values.argmax()] == pytest.approx(place, abs=6)
-        assert values.max() == pytest.approx(height, rel=0.02)
-    # equal energy is white: three equal areas
-    assert x.sum() == pytest.approx(y.sum(), rel=0.01)
-    assert z.sum() == pytest.approx(y.sum(), rel=0.01)
 
 
 def test_a_contact_is_drawn_in_these_colours() -> None:

@@ -4,7 +4,7 @@ from math import log
 
 import pytest
 
-from studies.advice.ladder import MULTIPLES, is_reference, rungs, unit_of
+from studies.advice.ladder import MULTIPLES, is_reference, unit_of
 
 
 @pytest.mark.parametrize("cells", [(640, 480), (128, 400), (600, 144), (128, 128), (50, 2000)])
@@ -23,12 +23,3 @@ def test_a_unit_has_nearly_the_ratio_of_its_grid_and_no_prime_factor_above_five(
 def test_all_rungs_up_to_a_third_of_a_reference_nest_in_it() -> None:
     for reference in filter(is_reference, MULTIPLES):
         assert all(reference % rung == 0 for rung in MULTIPLES if rung <= reference // 3)
-
-
-def test_plane_strain_keeps_its_one_cell_along() -> None:
-    assert [cells for _, cells in rungs(unit_of((688, 1)), 40)] == [
-        (12, 1),
-        (18, 1),
-        (24, 1),
-        (36, 1),
-    ]

@@ -82,16 +82,6 @@ def test_zero_padding_ends_the_length_and_exact_errs_nowhere() -> None:
     assert (found["converged"] == 1).all()
 
 
-def test_a_padding_errs_as_much_on_a_finer_grid() -> None:
-    """The error is the window's, not the grid's."""
-    coarse, fine = (
-        sweeps_with_estimates(grid=cells).sel(padding=["duplicated", "circular"])
-        for cells in (80, 160)
-    )
-    ratio = coarse["pressure_error_l1"] / fine["pressure_error_l1"]
-    assert (abs(ratio - 1) < 0.05).all()
-
-
 def test_the_surface_is_the_same_in_a_longer_period() -> None:
     """Exact periodicity gives each half of a doubled period the answer of the whole."""
     one, two = (sweeps_with_estimates(period=period).sel(padding="exact") for period in (2.4, 4.8))

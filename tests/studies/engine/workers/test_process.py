@@ -116,14 +116,6 @@ def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
     assert "distribution numpy" in one.loaded
 
 
-def test_a_batch_ends_after_its_time_and_leaves_the_rest(
-    worker: Worker, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "BATCH", 0.0)
-    assert squares(outcomes_of(worker, Trouble(2.0), Trouble(3.0), Trouble(4.0))) == [4]
-    assert squares(outcomes_of(worker, Trouble(4.0))) == [16]
-
-
 @POSIX
 def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: Path) -> None:
     """A module that cannot be preloaded would slow every one of them, without a word."""

@@ -2,7 +2,6 @@
 
 from math import inf
 
-import numpy as np
 import pytest
 
 from studies.report.drawings.comparison import parts
@@ -11,7 +10,6 @@ from tests.studies.advice.test_comparison import COPIED, EXACT, of, one
 
 COARSE = one(EXACT, 32, 0.04, (1e-3,) * 9)
 FINE = one(EXACT, 64, 0.02, (4e-3,) * 9)
-HOLLOW = one(EXACT, 16, 0.1, (5e-4,) * 9, bounded=False)
 OTHER = one(COPIED, 64, 0.025, (6e-3,) * 9)
 
 
@@ -42,23 +40,6 @@ def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> N
     assert not parts(measured)[0].tables
     assert text.startswith("No setting can be shown to meet 3.0\xa0%")
     assert "64 x 64 cells" in text
-
-
-def test_the_front_has_a_ring_at_the_choice_and_hollow_marks_where_nothing_is_bounded() -> None:
-    price, causes, _ = parts(of(HOLLOW, COARSE, FINE, OTHER, floor=0.004))
-    (ax,) = price.figures[0].figure.axes
-    (ring,) = (line for line in ax.lines if line.get_markersize() > 15)
-    assert (ring.get_xdata()[0], ring.get_ydata()[0]) == (4e-3, 0.02)
-    hollow = [
-        line for line in ax.lines if line.get_markerfacecolor() == "white" and len(line.get_xdata())
-    ]
-    assert [line.get_ydata()[0] for line in hollow] == [0.1]
-    thick = max(ax.lines, key=lambda line: line.get_linewidth())
-    assert np.allclose(thick.get_ydata(), [0.04, 0.02])
-    assert (
-        len({figure.figure.get_figwidth() for part in (price, causes) for figure in part.figures})
-        == 1
-    )
 
 
 def test_a_table_of_costs_lists_the_quickest_setting_of_each_error_that_is_reached() -> None:

@@ -2,11 +2,9 @@
 
 import re
 import tomllib
-from math import ceil
 from pathlib import Path
 
 import contactstudy as cs
-from studies.report.chapters import INSTALLATION, MAIN
 
 ROOT = Path(__file__).parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -34,14 +32,6 @@ def test_links_and_pictures_of_the_readme_work_in_a_clone() -> None:
     for link in PROJECT["urls"].values():
         path = link.removeprefix(PROJECT["urls"]["Repository"]).removeprefix("/blob/main/")
         assert (ROOT / path).exists(), link
-
-
-def test_the_readme_is_short_and_counts_what_is_there() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert len(text.split()) <= 1200
-    numbers = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"]
-    minutes = ceil((INSTALLATION + MAIN.seconds) / 60)
-    assert f"in about {numbers[minutes]} minute{'s'[: minutes - 1]} on two cores" in text
 
 
 def test_the_citation_is_of_this_version_and_this_place() -> None:

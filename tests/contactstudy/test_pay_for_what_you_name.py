@@ -15,7 +15,6 @@ from scipy import fft
 
 import contactstudy as cs
 from contactstudy.elasticity.transforms import TRANSFORMS
-from contactstudy.solvers.solve import SolveOptions
 from tests.conftest import LineContact
 
 NOTHING: dict[str, cs.Shape] = {
@@ -100,43 +99,6 @@ def test_a_hardness_that_nothing_reaches_is_none(
         assert difference < 128 * 1e-8 * 10 * without.problem.scales.pressure
 
 
-def test_a_hardness_that_binds_sets_up_the_same_transforms(
-    line_contact: LineContact, counted: Counter[str]
-) -> None:
-    """It costs iterations, each with its convolution and its preconditioning, and nothing besides."""
-    limited = replace(line_contact.scene, hardness=0.8 * line_contact.hertz.peak_pressure)
-    grid = cs.Grid((128, 64), (2.4 * line_contact.hertz.half_width, 9e-5))
-    set_up = []
-    for scene in (line_contact.scene, limited):
-        counted.clear()
-        problem = scene.problem(grid, cs.ExactPeriodicity())
-        set_up.append(Counter(counted))
-        solution = cs.solve(problem)
-        assert solution.status is cs.Status.CONVERGED
-        # one to begin with and one an iteration, also on coarser grids where there are some
-        assert counted["forward"] == counted["backward"] >= 1 + solution.iterations
-    assert set_up[0] == set_up[1]
-    assert set_up[0]["cosines"] == 1
-
-
-def test_all_errors_of_a_contact_share_one_coarser_solution(
-    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    scene, grid = line_contact.scene, line_contact.grid((48, 24), 1.2)
-    roller = cs.FiniteLength(0.7 * grid.extent[1])
-    scene = replace(scene, shapes=(*scene.shapes, roller))
-    solution = cs.solve(scene, grid, cs.ZeroPadding())
-    solved, solve = [], SolveOptions.solved
-
-    def counting(self: SolveOptions, problem: cs.Problem, *given: Any) -> cs.Solution:
-        solved.append(problem.grid.cells)
-        return solve(self, problem, *given)
-
-    monkeypatch.setattr(SolveOptions, "solved", counting)
-    assert solution.error.approach is not None
-    assert solved == [(24, 12)]
-
-
 def test_stress_that_is_not_asked_for_is_not_found(
     line_contact: LineContact, counted: Counter[str]
 ) -> None:
@@ -147,20 +109,6 @@ def test_stress_that_is_not_asked_for_is_not_found(
     assert more == transforms
     assert without.problem.outputs == ()
     np.testing.assert_array_equal(with_it.pressure, without.pressure)
-
-
-def test_one_cell_along_gives_the_pressure_of_many_where_nothing_varies(
-    line_contact: LineContact,
-) -> None:
-    width = 2.4 * line_contact.hertz.half_width
-    line, plane = (
-        cs.solve(
-            line_contact.scene.problem(cs.Grid((512, cells), (width, 9e-5)), cs.ExactPeriodicity()),
-            tolerance=1e-12,
-        ).pressure
-        for cells in (1, 128)
-    )
-    np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-9 * line.max())
 
 
 # One after the other in one process: what is run, and modules that nothing up to then has named.

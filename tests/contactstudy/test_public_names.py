@@ -3,7 +3,6 @@ from public names alone."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -202,18 +201,6 @@ def test_completion_lists_the_public_names_and_nothing_else() -> None:
 def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="solvee"):
         cs.solvee  # noqa: B018
-
-
-def test_functions_do_not_hide_modules() -> None:
-    modules = {path.stem for path in Path(cs.__file__).parent.iterdir()}
-    assert modules & set(cs.__all__) <= {"analytic", "kernels"}
-
-
-def test_a_scene_is_planned_and_solved_at_once(line_contact: LineContact) -> None:
-    solution = cs.solve(line_contact.scene)
-    assert solution.status is cs.Status.CONVERGED
-    assert solution.met
-    assert solution.requested == 1e-2
 
 
 @pytest.mark.parametrize("problem", [3, None, "rough.toml"])

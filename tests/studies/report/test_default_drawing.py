@@ -78,7 +78,7 @@ def test_the_unit_is_the_largest_that_the_largest_number_reaches(
 def test_a_third_axis_has_a_figure_for_each_value_and_says_it() -> None:
     axes = {"rms": RMS, "load_per_length": LOADS, "padding": ["exact", "zero"]}
     dataset = swept(axes)
-    first, second = curves(dataset)
+    _, second = curves(dataset)
     assert second.caption == "Rough contact; padding zero."
     shown = labelled(second.figure.axes[1])["rms height 200 nm"]
     stored = dataset["peak_pressure"].sel(padding="zero", rms=2e-7)

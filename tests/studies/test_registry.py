@@ -1,17 +1,7 @@
 import subprocess
 import sys
 
-import pytest
-
-from studies.registry import BUILT_IN, OPTIONAL, load, load_drawing
-
 DRAWS = ("matplotlib", "studies.report")
-
-
-@pytest.mark.parametrize("name", [*BUILT_IN, *OPTIONAL])
-def test_every_study_has_a_definition_and_a_drawing(name: str) -> None:
-    assert load(name).name == name
-    assert callable(load_drawing(name).figure)
 
 
 def test_neither_listing_studies_nor_a_worker_process_imports_a_plotting_library() -> None:

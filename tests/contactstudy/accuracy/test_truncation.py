@@ -71,15 +71,6 @@ def test_a_free_length_is_a_cut_only_where_contact_reaches_its_ends() -> None:
     assert min(truncation(np.ones((32, 32)), grid, (FREE, FREE))) > 0
 
 
-@pytest.mark.parametrize("padding", [cs.DuplicatedPadding(), cs.Superposition(2)], ids=str)
-def test_axes_may_be_swapped(padding: cs.Padding, line_contact: LineContact) -> None:
-    cut = solved(line_contact, (24, 8), 1.2, padding)
-    grid = cut.problem.grid
-    turned = cs.Grid(cells=grid.cells[::-1], extent=grid.extent[::-1])
-    expected = truncation(cut.pressure, grid, (FREE, padding))
-    assert truncation(cut.pressure.T, turned, (padding, FREE)) == pytest.approx(expected, rel=1e-12)
-
-
 @pytest.mark.parametrize("across", [EXACT, cs.DuplicatedPadding()], ids=str)
 def test_windows_beside_images_are_refused(across: cs.Padding) -> None:
     grid = cs.Grid(cells=(8, 8), extent=(1.0, 1.0))

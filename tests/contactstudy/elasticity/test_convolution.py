@@ -72,14 +72,6 @@ def test_what_is_no_padding_is_refused(padding: object) -> None:
         operator((8, 6), padding)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-def test_operator_leaves_its_pressure_alone(padding: cs.Padding | cs.Paddings) -> None:
-    a, _ = two((8, 6))
-    kept = a.copy()
-    operator((8, 6), padding)(a)
-    assert (a == kept).all()
-
-
 def test_one_cell_along_the_length_is_plane_strain() -> None:
     """The line load's logarithm, averaged over a strip (Johnson 1985, sect. 2.3)."""
     nx, dx = 9, 0.25

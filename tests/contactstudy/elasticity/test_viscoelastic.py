@@ -53,10 +53,6 @@ def test_a_reference_case_has_its_known_terms() -> None:
     assert fast == pytest.approx((0.76959671, 0.75273887), abs=5.1e-9)
 
 
-def test_equal_times_are_one_term() -> None:
-    assert creep(1.0, ((1.0, 2.0), (3.0, 2.0))) == creep(1.0, ((4.0, 2.0),))
-
-
 def test_one_term_is_the_standard_solid() -> None:
     """J = 1 + 1.5 (1 - exp(-t)) is E = 0.4 + 0.6 exp(-2.5 t)."""
     found = creep(0.4, ((0.6, 0.4),))
@@ -69,7 +65,3 @@ def test_one_term_is_the_standard_solid() -> None:
 def test_a_maxwell_fluid_flows() -> None:
     assert creep(0.0, ((2.0, 3.0),)) == Creep(0.5, (), 1 / 6)
     assert creep(0.0, ((2.0, 3.0),)).equilibrium == inf
-
-
-def test_no_terms_are_elastic() -> None:
-    assert creep(4.0, ()) == Creep(0.25)

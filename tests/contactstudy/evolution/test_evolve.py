@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy.answers.evolution import evolution_of
 from contactstudy.evolution import checkpoint
 from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.evolve import _load, evolve
+from contactstudy.evolution.evolve import evolve
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -285,16 +285,6 @@ def test_the_error_of_given_steps_is_bounded_for_any_number_of_them(intervals: i
     found = evolve(scene, GRID, EXACT, times=np.linspace(0, 1, intervals + 1)).frames[-1]
     wrong = np.abs(found.pressure - exact.pressure).sum() / exact.pressure.sum()
     assert wrong <= found.step_error < 0.1
-
-
-@pytest.mark.parametrize(
-    ("times", "start"), [((1.5, 4.0), 0.0), ((-1.5, 4.0), -1.5), ((0.0,), 0.0), (0.5, 0.0)]
-)
-def test_a_load_without_times_is_sudden_at_zero_or_where_the_times_begin(
-    times: object, start: float
-) -> None:
-    load = _load(ELASTIC, GRID, times)  # type: ignore[arg-type]
-    assert load == cs.LoadHistory((start,), (LOAD,))
 
 
 def test_a_march_may_be_told_not_to_iterate() -> None:

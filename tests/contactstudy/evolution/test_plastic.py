@@ -335,36 +335,6 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     assert found.steps < 90
 
 
-def test_a_march_goes_on_from_its_folder(tmp_path: Path) -> None:
-    scene, grid = pressed(3), grid_of(3, 0.2)
-    times = (0.0, 0.25, 0.5, 1.0, 2.0)
-    whole = evolve(scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-7))
-
-    class Killed(Exception):
-        pass
-
-    def kill(time: float, end: float) -> None:
-        if time >= 1:
-            raise Killed
-
-    with pytest.raises(Killed):
-        evolve(
-            scene,
-            grid,
-            EXACT,
-            times=times,
-            options=cs.SolveOptions(1e-7),
-            folder=tmp_path,
-            progress=kill,
-        )
-    resumed = evolve(
-        scene, grid, EXACT, times=times, options=cs.SolveOptions(1e-7), folder=tmp_path
-    )
-    first, second = evolution_of(whole).to_dataset(), evolution_of(resumed).to_dataset()
-    for name in ("pressure", "plastic_strain", "residual_stress", "equivalent_plastic_strain"):
-        np.testing.assert_array_equal(first[name], second[name])
-
-
 @pytest.mark.whole
 def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

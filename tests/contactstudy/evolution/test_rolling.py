@@ -192,3 +192,15 @@ def test_resistance_and_pressure_are_as_far_from_finer_cells_as_they_promise(wav
     means = fine.solution.pressure.reshape(80, 8, 1).mean(axis=1)
     error = np.abs(found.solution.pressure - means).sum() / means.sum()
     assert error <= found.error_estimate().l1.total < 6 * error
+
+
+def test_two_bodies_roll_as_one_that_is_twice_as_compliant() -> None:
+    half = cs.ViscoelasticHalfSpace(0.8, 0.0, ((1.2, 0.4),))
+    grid, scene = cs.Grid((100, 1), (0.6, 1.0)), rolling(SOLID, A)
+    one, both = (
+        solve_rolling(replace(scene, solids=solids), grid, EXACT)
+        for solids in ((SOLID, RIGID), (half, half))
+    )
+    scale = one.solution.pressure.max()
+    np.testing.assert_allclose(both.solution.pressure, one.solution.pressure, atol=1e-5 * scale)
+    assert both.shift == pytest.approx(one.shift, abs=1e-5 * A)

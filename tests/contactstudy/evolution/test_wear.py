@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.state_variables import WearState, explicit_limit
+from contactstudy.evolution.state_variables import explicit_limit
 from contactstudy.evolution.steps import Scheme
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
@@ -241,20 +241,6 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
     found = evolve(scene, grid, (zero, zero), times=[0.0, 1.0], step_error=NONE)
     peaks = [frame.pressure.max() / np.median(frame.pressure[24]) for frame in found.frames]
     assert peaks[1] < peaks[0]
-
-
-@pytest.mark.parametrize("explicit", [0.0, 0.4, 1.0])
-@pytest.mark.parametrize("loads", [(1.0, 1.0), (0.0, 1.0), (1.0, 0.0), (0.2, 1.0), (1.0, 0.2)])
-def test_the_shares_of_a_step_carry_its_mean_load(
-    loads: tuple[float, float], explicit: float
-) -> None:
-    from contactstudy.evolution.state_variables import Step
-
-    step = Step(0.0, 2.0, loads, sum(loads) / 2, explicit)
-    after = WearState(3.0).update(
-        {"worn_depth": np.zeros(())}, np.array(loads[0]), np.array(loads[1]), step
-    )
-    assert after["worn_depth"] == pytest.approx(3.0 * 2.0 * sum(loads) / 2, rel=1e-15)
 
 
 @pytest.mark.parametrize(

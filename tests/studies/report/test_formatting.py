@@ -1,7 +1,7 @@
 import pytest
 import xarray as xr
 
-from studies.report.style import percent, power, variation_text
+from studies.report.style import percent, variation_text
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,3 @@ def test_a_fraction_is_in_per_cent_with_two_digits(fraction: float, text: str | 
 )
 def test_what_varies_by_no_more_than_1e_12_is_rounding(variation: float, text: str) -> None:
     assert variation_text(xr.Dataset({"length_variation": variation})) == text
-
-
-def test_a_power_has_two_digits_unless_told_otherwise() -> None:
-    assert power("N", -1.5) == "N^{−1.50}"

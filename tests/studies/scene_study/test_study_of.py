@@ -1,7 +1,6 @@
 """A study from a scene: any field varied, one grid and one surface for all points."""
 
 from dataclasses import dataclass, replace
-from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -237,21 +236,6 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> dict[float, cs.Grid]:
     return made
 
 
-def test_one_grid_is_as_wide_as_the_widest_and_as_fine_as_the_finest(
-    planned: dict[float, cs.Grid],
-) -> None:
-    # cells of 1/16, 1/32 and 1/20 across, 1/16 and 1/32 along
-    planned |= {
-        1.0: cs.Grid((64, 32), (4.0, 2.0)),
-        2.0: cs.Grid((64, 64), (2.0, 2.0)),
-        3.0: cs.Grid((120, 32), (6.0, 2.0)),
-    }
-    found, notes = grids.posed([point(load) for load in planned])
-    assert {one.grid for one in found} == {cs.Grid((192, 64), (6.0, 2.0))}
-    assert notes == ("grid 192 x 64 cells over 6 m x 2 m, planned once for 3 points",)
-    assert found[0].padding == cs.ExactPeriodicity()
-
-
 def test_a_measured_surface_bounds_the_width_and_the_period(planned: dict[float, cs.Grid]) -> None:
     planned |= {1.0: cs.Grid((64, 32), (4.0, 1.0)), 2.0: cs.Grid((64, 32), (3.0, 2.0))}
     found, notes = grids.posed([point(1.0, SURFACE), point(2.0, SURFACE)])
@@ -296,31 +280,6 @@ def test_random_surfaces_get_the_widest_extent_and_the_part_that_periods_share(
     found, notes = grids.posed(apart)
     assert {one.scene.shapes[1].extent for one in found} == {None}  # type: ignore[attr-defined]
     assert "the periods of the grids have no common part" in notes[-1]
-
-
-@pytest.mark.parametrize(
-    ("shape", "grid", "said"),
-    [
-        (SURFACE, cs.Grid((32, 32), (3.0, 1.0)), ""),
-        (SURFACE, cs.Grid((32, 32), (3.01, 1.0)), "is 3 m wide, and the grid 3.01 m"),
-        # two lengths of a surface that is turned round at its seam
-        (SURFACE, cs.Grid((32, 32), (3.0, 3.0)), "period"),
-        (SURFACE, cs.Grid((32, 2), (3.0, 3.0)), "period"),
-        (SURFACE, cs.Grid((32, 1), (3.0, 3.0)), ""),
-        (replace(ROUGH, extent=(3.0, 1.0)), cs.Grid((32, 32), (4.0, 2.0)), ""),
-        (replace(ROUGH, extent=(3.0, 1.5)), cs.Grid((32, 32), (4.0, 2.0)), "extent"),
-        (replace(ROUGH, rms=0.0, extent=(3.0, 1.5)), cs.Grid((32, 32), (4.0, 2.0)), ""),
-    ],
-)
-def test_a_surface_that_a_grid_cannot_hold_is_refused(
-    shape: cs.Shape, grid: cs.Grid, said: str, planned: dict[float, cs.Grid]
-) -> None:
-    if said:
-        with pytest.raises(cs.InvalidInput, match=said):
-            grids.posed([point(1.0, shape, grid=grid)])
-    else:
-        assert grids.posed([point(1.0, shape, grid=grid)])[0][0].grid == grid
-    assert inf not in planned
 
 
 RUBBER = """

@@ -10,7 +10,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.periodic import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.eigenstrain.wave import Components, Layer, Sources, layer_stresses
+from contactstudy.elasticity.eigenstrain.wave import Components
 from contactstudy.elasticity.eigenstrain.waves import Waves
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.kernels.stress_periodic import stress_cell_periodic
@@ -48,16 +48,6 @@ def test_the_energy_is_symmetric_and_between_zero_and_that_of_a_body_that_cannot
     assert values[-1] < 2 * STEEL.shear * (1 - 1e-4)
 
 
-def test_self_blocks_are_those_of_the_operator() -> None:
-    operator = small()
-    for layer in range(3):
-        for component in range(5):
-            unit = np.zeros((5, *operator.volume.shape))
-            unit[component, layer, 1, 2] = 1
-            found = operator.stress_of_strain(unit)[:, layer, 1, 2]
-            assert found == pytest.approx(operator.self_blocks[layer][:, component], abs=1e-12)
-
-
 def test_the_lift_is_the_transpose_of_the_stress_of_pressure() -> None:
     operator = small()
     strain, grid = noise(operator), operator.volume.grid
@@ -66,18 +56,6 @@ def test_the_lift_is_the_transpose_of_the_stress_of_pressure() -> None:
     assert (
         operator.residual_displacement(strain) * pressure
     ).sum() * grid.cell_area == pytest.approx(work, rel=1e-12)
-
-
-def test_tensors_have_the_deviators_of_the_operator() -> None:
-    operator = small()
-    strain = noise(operator)
-    pressure = np.random.default_rng(1).normal(size=operator.volume.grid.cells)
-    twice = operator.basis * (1, 1, 1, 2, 2, 2)
-    for tensor, deviator in (
-        (operator.tensor_of_strain(strain), -operator.stress_of_strain(strain)),
-        (operator.tensor_of_pressure(pressure), operator.stress_of_pressure(pressure)),
-    ):
-        assert np.abs(np.einsum("ci,i...->c...", twice, tensor) - deviator).max() < 1e-13
 
 
 def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
@@ -200,16 +178,3 @@ def test_a_source_turned_by_a_right_angle_makes_the_field_turned_but_for_its_nei
     # they repeat along y alone, and act like one over their distance cubed: 8, less what is next in order
     assert difference[12] > 5 * difference[24]
     assert difference[24] < 5e-3
-
-
-def test_thin_layers_of_one_strain_are_a_thick_one_at_any_wave_number() -> None:
-    rng = np.random.default_rng(0)
-    for ratio in (1e-8, 1e-4, 0.03, 3.0):
-        q = np.full((1, 1), ratio)
-        strain = tuple(rng.normal(size=(6, 1, 1, 1)))
-        whole = layer_stresses(Sources.from_strain(strain, STEEL), [Layer.from_ratio(q)], 0.3)
-        halves = Layer.from_ratio(q / 2)
-        twice = tuple(np.repeat(one, 2, axis=0) for one in strain)
-        parts = layer_stresses(Sources.from_strain(twice, STEEL), [halves, halves], 0.3)
-        for one, other in zip(whole, parts, strict=True):
-            assert other.mean(axis=0) == pytest.approx(one[0], abs=1e-13)

@@ -57,22 +57,6 @@ def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Datas
     assert DRAWING.tables(made_up)[1].rows[0] == ("c", "pressure in L1", "0.02", "0.01")
 
 
-def test_kinds_are_counted_apart_and_a_bound_that_equals_its_error_holds(
-    made_up: xr.Dataset,
-) -> None:
-    made_up["kind"][:] = [0, 1, 1, 1]
-    made_up["l1_bound"][2] = 0.02
-    made_up["contact_area_error"][0] = UNKNOWN
-    of_first, of_second = DRAWING.tables(made_up)[0].rows
-    assert (of_first[:3], of_second[:3]) == (
-        (KINDS[0], "1", "100.0 %"),
-        (KINDS[1], "3", "100.0 %"),
-    )
-    # two of three peak pressures; of an error that nobody knows nothing is missed
-    assert of_second[5] == "66.7 %"
-    assert of_first[8:] == ("100.0 %", "none", "0")
-
-
 def test_contacts_on_which_margins_are_set_are_not_counted_in_the_finding(
     made_up: xr.Dataset,
 ) -> None:
@@ -80,9 +64,3 @@ def test_contacts_on_which_margins_are_set_are_not_counted_in_the_finding(
     (finding,) = DRAWING.findings(made_up)
     assert "100.0 % of 3 contacts" in finding.claim
     assert "0.0 / 0.0 / 0.0 % of 1 contacts (set)" in finding.measured
-
-
-def test_two_seeds_add_random_contacts_alone(made_up: xr.Dataset) -> None:
-    both = xr.concat([made_up, made_up], "seed").assign_coords(seed=[1, 2])
-    (finding,) = DRAWING.findings(both.transpose("case", "seed"))
-    assert "80.0 % of 5 contacts" in finding.claim

@@ -4,9 +4,13 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
+import pytest
+
 import contactstudy as cs
 
 ROOT = Path(__file__).parent.parent
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 
@@ -40,3 +44,36 @@ def test_the_citation_is_of_this_version_and_this_place() -> None:
     assert fields["version"] == PROJECT["version"] == cs.__version__
     assert fields["repository-code"] == PROJECT["urls"]["Repository"]
     assert fields["license"] == PROJECT["license"]
+
+
+# The one place of the core and the one of the studies that find a module by a name.
+BY_NAME = {"contactstudy/domain/imports.py", "studies/registry.py"}
+
+
+def test_modules_above_are_found_by_name_in_one_place() -> None:
+    """Methods that label or draw a value call upwards, as do studies for their figures; nothing else does."""
+    by_name = re.compile(r'import_(?:module|for)\((?:[^()]*, )?f?"(contactstudy|studies)\.[\w.]*\.')
+    for package in ("contactstudy", "studies"):
+        for file in sorted((ROOT / package).rglob("*.py")):
+            place = file.relative_to(ROOT)
+            for call in by_name.finditer(file.read_text(encoding="utf-8")):
+                below = ".".join(place.parts[:2]).removesuffix(".py")
+                assert below in call[0] or place.as_posix() in BY_NAME, (place, call[0])
+
+
+def test_the_files_that_contributors_are_led_to_are_there() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    paths = re.findall(r"`((?:contactstudy|studies|tests)/[\w/.]+)`", text.replace("NAME.py", ""))
+    for path in paths:
+        assert (ROOT / path).exists(), path
+    for name, path in re.findall(r"`(\w+)` (?:in|of) `([\w/]+\.py)`", text):
+        assert re.search(rf"\b{name}\b", (ROOT / path).read_text(encoding="utf-8")), (name, path)
+
+
+def test_a_small_number_is_compared_to_a_part_of_itself() -> None:
+    assert pytest.approx(2e-13) != 3e-13
+    assert pytest.approx(2e-13, rel=1e-3) == 2.001e-13
+    assert pytest.approx(np.array([1.0, 2e-13])) != np.array([1.0, 3e-13])
+    assert pytest.approx({"length": 2e-13}) != {"length": 3e-13}
+    assert pytest.approx(2e-13, abs=2e-13) == 3e-13
+    assert pytest.approx(0.0) == 1e-13

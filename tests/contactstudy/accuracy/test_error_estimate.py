@@ -3,16 +3,21 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, replace
+from math import inf, pi
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.bounded_solution import cell_errors
 from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.accuracy.expected_error import smooth_l1
 from contactstudy.domain.fields import Array
+from contactstudy.scene.bodies import contact_modulus
 from tests.conftest import STEEL, LineContact
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
+
 MODULUS = cs.Scene(cs.LineLoad(1.0), (STEEL, STEEL)).contact_modulus
 
 
@@ -191,3 +196,55 @@ def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineCo
     solution = replace(solution, pressure=np.where(yields, soft.hardness, 0.0))
     # the place of either end in its cell
     assert 0 < error_estimate(solution).l1.total < 2 / 32
+
+
+def test_the_law_of_the_cells_holds_in_the_mean_over_places_of_the_edge(
+    line_contact: LineContact,
+) -> None:
+    a = line_contact.hertz.half_width
+    found, expected = [], []
+    for width in np.linspace(2.4, 2.47, 20):
+        grid = cs.Grid((60, 1), (width * a, width * a))
+        solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
+        border = np.clip(np.linspace(-width / 2, width / 2, 61), -1, 1)
+        carried = (border * np.sqrt(1 - border**2) + np.arcsin(border)) / 2
+        means = np.diff(carried) / (width / 60) * line_contact.hertz.peak_pressure
+        found.append(np.abs(solution.pressure[:, 0] - means).sum() / means.sum())
+        expected.append(sum(cell_errors(solution)))
+    # second differences beside the edges have their error too
+    assert np.mean(expected) / 2 < np.mean(found) < np.mean(expected)
+
+
+@pytest.mark.parametrize(("ratio", "wide"), [(0.03, 8), (3, 100), (10, 100), (40, 1000)])
+def test_the_bound_holds_under_soft_and_stiff_coats(ratio: float, wide: float) -> None:
+    a = 1e-3
+    coating = cs.HalfSpace(1e11, 0.3)
+    body = cs.CoatedHalfSpace(coating, a / wide, cs.HalfSpace(1e11 / ratio, 0.3))
+    load = pi * contact_modulus((body,), a) * a**2 / 4
+    rigid = cs.HalfSpace(inf, 0.3)
+    scene = cs.Scene(cs.LineLoad(load), (body, rigid), (cs.Cylinder(1.0),))
+
+    def solved(cells: int) -> cs.Solution:
+        grid = cs.Grid((cells, 1), (3.3 * a, 3.3 * a))
+        return cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-9)
+
+    fine, coarse = solved(6144).pressure[:, 0], solved(192)
+    # the finer pressure at the coarser cells' centres
+    true = fine.reshape(192, -1)[:, 15:17].mean(axis=1)
+    estimate = error_estimate(coarse)
+    assert np.abs(coarse.pressure[:, 0] - true).sum() <= estimate.l1.total * true.sum()
+    stiff = ratio > 2
+    assert stiff == any("times as stiff" in said for said in estimate.warnings)
+
+
+def test_wherever_the_edge_falls_the_error_is_below_the_expected(line_contact: LineContact) -> None:
+    worst, hertz = 0.0, line_contact.hertz
+    for cells in (33, 56, 80, 96, 131):
+        for width in np.linspace(2.23, 2.59, 12):
+            grid = line_contact.grid((cells, 1), 1.0, width)
+            solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
+            true = hertz.pressure(grid.x)[:, None]
+            error = np.abs(solution.pressure - true).sum() / solution.pressure.sum()
+            worst = max(worst, float(error) / smooth_l1(grid.cell[0] / hertz.half_width))
+    # a bound, and no larger than the edge at its worst place calls for
+    assert 0.5 < worst <= 1

@@ -15,7 +15,9 @@ from contactstudy.evolution.evolve import evolve
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
+
 GRID = cs.Grid((96, 1), (0.6, 1.0))
+
 ELASTIC = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(1.0, 0.0), RIGID))
 
 

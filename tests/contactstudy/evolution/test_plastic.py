@@ -17,9 +17,13 @@ from contactstudy.evolution.evolve import evolve
 from contactstudy.solvers.plasticity import elastoplastic_step
 
 EXACT = cs.ExactPeriodicity()
+
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9
+
 RADIUS = 0.01
+
 RIGID = cs.HalfSpace(inf, 0.0)
+
 # Over the yield stress, the peak pressure of Hertz at which a body yields first, at z = 0.704292 a.
 FIRST_YIELD = 1.793670
 
@@ -401,8 +405,11 @@ def test_a_body_that_yields_can_wear() -> None:
 
 
 BODY = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD)
+
 LINE = cs.LineLoad(1e5)
+
 SHAPES = (cs.Cylinder(RADIUS),)
+
 STEEL = cs.HalfSpace(YOUNG, NU)
 
 

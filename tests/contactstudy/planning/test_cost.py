@@ -1,10 +1,14 @@
 from dataclasses import replace
 from math import log
 
+import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import CALLS, CostModel, Timing, padded_points
+from contactstudy.planning.cost import CALLS, SPREAD, CostModel, PowerLaw, Timing, padded_points
+from contactstudy.planning.grid_requirements import requirements_of
+from contactstudy.planning.grid_search import forecast
+from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
 
@@ -70,3 +74,53 @@ def test_points_are_those_of_the_operator(
 ) -> None:
     grid = cs.Grid(cells, (1.0, 1.0))
     assert padded_points(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).work
+
+
+def grid(*ranges: tuple[float, float]) -> np.ndarray:
+    """Logarithms of a 5 x 5 ... grid of values."""
+    axes = [np.log(np.geomspace(low, high, 5)) for low, high in ranges]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(ranges))
+
+
+def test_an_exact_power_law_is_found() -> None:
+    seen, asked = grid((10, 1e4), (1, 50)), np.log([[300.0, 7.0], [1e5, 100.0]])
+
+    def law(u: np.ndarray) -> np.ndarray:
+        return np.log(3e-6) + 1.3 * u[:, 0] + 0.6 * u[:, 1]
+
+    found, deviation = PowerLaw.fit(seen, law(seen)).predict(asked)
+    # 27 measurements, two of them assumed: the spread is their fraction of what is assumed of them
+    assert deviation[0] < 1.5 * SPREAD * (2 / 27) ** 0.5
+    assert np.abs(found - law(asked))[0] < deviation[0]
+    assert np.abs(found - law(asked))[1] < 2 * deviation[1]
+
+
+def test_the_spread_is_that_of_the_values() -> None:
+    rng = np.random.default_rng(1)
+    seen = np.repeat(grid((10, 1e4)), 40, axis=0)
+    scatter = 0.3
+    fitted = PowerLaw.fit(seen, seen[:, 0] + scatter * rng.standard_normal(len(seen)))
+    assert fitted.spread == pytest.approx(scatter, rel=3 / (2 * len(seen)) ** 0.5)
+
+
+def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(
+    line_contact: LineContact,
+) -> None:
+    a = line_contact.hertz.half_width
+    length = 60 * a
+    shapes = (
+        *line_contact.scene.shapes,
+        cs.Crown.of_drop(2 * a**2 / line_contact.hertz.radius, length),
+    )
+    scene = replace(line_contact.scene, shapes=(*shapes, cs.FiniteLength(length)))
+    requirements = requirements_of(scene)
+    grid = cs.Grid((32, 64), (4 * a, length))
+    found = forecast(scene, requirements, grid)
+    assert found.errors[0] > 3 * found.errors[1]
+    # against the same on four times as many cells either way
+    fine = cs.solve(
+        scene.problem(cs.Grid((128, 256), grid.extent), requirements.padding()), tolerance=1e-6
+    )
+    means = fine.pressure.reshape(32, 4, 64, 4).mean(axis=(1, 3))
+    pressure = cs.solve(scene.problem(grid, requirements.padding())).pressure
+    assert found.error / 4 <= np.abs(pressure - means).sum() / means.sum() <= found.error

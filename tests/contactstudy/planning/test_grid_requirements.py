@@ -2,12 +2,23 @@
 
 from dataclasses import replace
 from math import acosh, inf, pi, sqrt
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.grid_requirements import requirements_of
-from tests.conftest import LineContact
+from contactstudy.analytic import HertzLine
+from contactstudy.planning.film_requirements import film_requirements
+from contactstudy.planning.grid_requirements import (
+    GridRequirements,
+    _cells_per_wave,
+    requirements_of,
+)
+from contactstudy.planning.transient_requirements import yielding
+from contactstudy.scene.shapes.shape import Detail
+from tests.conftest import STEEL, LineContact
+from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 
 def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
@@ -59,3 +70,127 @@ def test_what_varies_across_alone_needs_one_cell_along(line_contact: LineContact
     a = line_contact.hertz.half_width
     across = cs.Waviness(1e-8, across=0.3 * a, along=inf)
     assert cs.plan(with_shapes(line_contact, across), error=0.1).grid.cells[1] == 1
+
+
+# Half-width 2 m, peak pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
+HERTZ = HertzLine(100 * pi, 10.0, 1000.0)
+
+FINE = Detail(finest=(0.5, 0.25), longest=1.0, height=0.3, slope=0.3, widest=12.0)
+
+COARSE = Detail(finest=(0.3, 0.6), longest=0.75, height=0.1, slope=0.4, widest=9.0)
+
+
+def requirements(*details: Detail, hardness: float = inf, **more: Any) -> GridRequirements:
+    return GridRequirements(HERTZ, details, hardness, **more)
+
+
+BOTH, SMOOTH = requirements(FINE, COARSE), requirements(Detail())
+
+
+WAVES = Detail(finest=(inf, 0.2))
+
+
+def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
+    waves = requirements(replace(WAVES, repeat=0.25, longest=0.125))
+    assert "holds what repeats" in waves.period_check(0.5)
+    assert "no whole number of 0.25 m" in waves.period_check(0.6)
+    assert "holds 2 of the longest wavelength 0.125 m: give 0.5 m" in waves.period_check(0.25)
+    rough = requirements(replace(WAVES, longest=0.25))
+    for fraction, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
+        assert ("holds what repeats" in rough.period_check(fraction)) == enough
+    assert "any period" in SMOOTH.period_check(0.1)
+    assert "from end to end 0.5 m" in requirements(Detail(roller=0.5)).period_check(0.5)
+
+
+def coat(stiffer: float) -> Any:
+    """Of 0.4 m, so many times as stiff as a substrate of 50 Pa."""
+    return SimpleNamespace(
+        thickness=0.4,
+        compliance=1 / (50 * stiffer),
+        compliance_at=lambda half_width: half_width / 200,
+        substrate=SimpleNamespace(compliance=1 / 50),
+    )
+
+
+@pytest.mark.parametrize(
+    ("stiffer", "cells", "warned"),
+    [(4.0, 40, False), (4.0, 39, True), (2.0, 10, False), (2.1, 10, True), (0.25, 10, False)],
+)
+def test_a_coat_more_than_twice_as_stiff_needs_two_cells(
+    stiffer: float,
+    cells: int,
+    warned: bool,  # noqa: FBT001
+) -> None:
+    posed = replace(requirements(coatings=(coat(stiffer),)), hertz=THICK)
+    said = posed.warnings(cs.Grid((cells, 1), (8.0, 4.0)))
+    assert len(said) == warned
+    assert all("give 40 for a bound" in one for one in said)
+
+
+# As wide as a tenth of the radius.
+THICK: Any = SimpleNamespace(half_width=2.0, radius=20.0)
+
+
+def test_a_contact_wider_than_a_tenth_of_the_radius_is_not_one_of_half_spaces() -> None:
+    grid = cs.Grid((64, 1), (8.0, 4.0))
+    assert GridRequirements(THICK, (), inf).warnings(grid) == ()
+    wider: Any = SimpleNamespace(half_width=2.01, radius=20.0)
+    (said,) = GridRequirements(wider, (), inf).warnings(grid)
+    assert "too large a fraction for half-spaces" in said
+
+
+def test_a_wave_needs_two_cells_along_each_axis() -> None:
+    waves = GridRequirements(THICK, (Detail(finest=(0.5, 0.25)),), inf)
+    assert waves.warnings(cs.Grid((32, 32), (8.0, 4.0))) == ()
+    (said,) = waves.warnings(cs.Grid((31, 32), (8.0, 4.0)))
+    assert said.startswith("Grid.cells[0] is 31")
+    assert "give 32 or more" in said
+    (said,) = waves.warnings(cs.Grid((32, 31), (8.0, 4.0)))
+    assert said.startswith("Grid.cells[1] is 31")
+    assert _cells_per_wave(cs.Grid((64, 32), (8.0, 4.0)), (0.5, 0.25)) == 2
+    assert _cells_per_wave(cs.Grid((32, 64), (8.0, 4.0)), (0.5, 0.25)) == 2
+    odd = replace(waves, details=(replace(WAVES, repeat=0.3),))
+    assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
+
+
+def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
+    """Six matrices of numbers of 8 bytes."""
+    scene, given = by_moes(20, 5), grid(100, 4.5)
+    found = film_requirements(scene, requirements_of(scene), 0.01, None, given)
+    assert found.grid == given
+    moes, inlet, cells = found.reasons
+    assert moes.endswith(" at M = 20, L = 5")
+    assert inlet.startswith("the inlet begins 4.5 half-widths from the axis")
+    assert cells.startswith(f"cells of {given.cell[0]:.2g} m across")
+    assert found.bytes == 8 * 6 * 100**2
+    assert "the grid is given" in found.warnings[0]
+
+
+def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:
+    scene, given = by_moes(20, 5), grid(100, 4.5)
+    requirements = requirements_of(scene)
+    steady, few, many = (
+        film_requirements(scene, requirements, 0.01, None, given, n) for n in (0, 2, 101)
+    )
+    assert steady.steps == 1 < few.steps < 101 <= many.steps
+    assert steady.seconds < few.seconds < many.seconds
+
+
+def test_the_body_that_yields_first_counts_and_both_take_memory(
+    line_contact: LineContact,
+) -> None:
+    highest = line_contact.hertz.peak_pressure
+    soft, hard = (
+        cs.ElasticPlasticHalfSpace(STEEL.youngs_modulus, STEEL.poisson_ratio, highest / ratio, 1e9)
+        for ratio in (3.0, 2.0)
+    )
+    found = yielding(replace(line_contact.scene, solids=(hard, soft)))
+    assert found is not None
+    assert found.ratio == pytest.approx(3)
+    assert found.half_width == pytest.approx(line_contact.hertz.half_width)
+    assert found.bodies == 2
+    one = yielding(replace(line_contact.scene, solids=(STEEL, hard)))
+    assert one is not None
+    assert (round(one.ratio, 9), one.bodies) == (2, 1)
+    assert yielding(line_contact.scene) is None
+    assert "2 times the lowest yield stress" in one.reason(line_contact.grid(64, 2.4, 6.0))

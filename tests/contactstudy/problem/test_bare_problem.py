@@ -6,9 +6,12 @@ from typing import cast
 import numpy as np
 import pytest
 
+import contactstudy as cs
+from contactstudy.problem import memory
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Compressive, HardnessLimited, PrescribedLoad
 from contactstudy.problem.operator import Operator
+from tests.conftest import LineContact
 
 HEIGHTS = np.array([[0.0, 1.0, 2.0, 5.0], [3.0, 4.0, 1.0, 2.0]])
 
@@ -50,3 +53,38 @@ def test_where_no_cell_is_free_the_approach_closes_the_widest_gap() -> None:
     found = hard.gap(np.full((2, 4), 4.0), np.full((2, 4), 0.5))
     assert found.approach == 5.5
     np.testing.assert_array_equal(found.height, HEIGHTS - 5.0)
+
+
+PADDINGS = cs.ZeroPadding(), cs.ExactPeriodicity()
+
+GRID = cs.Grid((64, 16), (1.0, 1.0))
+
+# fourteen fields, and two of the padded grid, which is twice as wide
+BYTES = 8 * (14 * 64 * 16 + 2 * 128 * 16)
+
+
+def left(monkeypatch: pytest.MonkeyPatch, amount: float) -> None:
+    monkeypatch.setattr(memory, "ALWAYS_THERE", 0)
+    monkeypatch.setattr(memory, "available_bytes", lambda: amount)
+
+
+def test_a_solve_is_refused_where_a_byte_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert memory.solve_bytes(GRID, PADDINGS) == BYTES
+    left(monkeypatch, BYTES)
+    memory.refuse_too_large(GRID, PADDINGS)
+    left(monkeypatch, BYTES - 1)
+    with pytest.raises(cs.InvalidInput, match=r"a solve needs 0\.000147 GB and this machine has"):
+        memory.refuse_too_large(GRID, PADDINGS)
+
+
+@pytest.mark.parametrize("precision", list(cs.Precision))
+def test_beside_a_problem_its_gap_and_half_a_padded_field_are_there_already(
+    precision: cs.Precision, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((64, 16), 1.0), PADDINGS)
+    more = precision.bytes * (13 * 64 * 16 + 1.5 * 128 * 16)
+    left(monkeypatch, more)
+    memory.refuse_solve(problem, precision)
+    left(monkeypatch, more - 1)
+    with pytest.raises(cs.InvalidInput, match="GB more and this machine has"):
+        memory.refuse_solve(problem, precision)

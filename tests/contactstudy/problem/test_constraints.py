@@ -7,7 +7,13 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.problem.constraint import Compressive, Constraint, HardnessLimited, PrescribedLoad
+from contactstudy.problem.constraint import (
+    Compressive,
+    Constraint,
+    Gap,
+    HardnessLimited,
+    PrescribedLoad,
+)
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
@@ -19,6 +25,7 @@ CONSTRAINTS: list[Constraint] = [
     HardnessLimited(1.0),
     HardnessLimited(10 / 12),
 ]
+
 TOTAL = 10.0
 
 
@@ -149,3 +156,26 @@ def test_where_all_have_yielded_the_approach_leaves_none_open() -> None:
     pressure = np.array([[2.0, 2.0, 0.0]])
     gap = np.array([[0.3, 0.5, 0.9]])
     assert which.approach(pressure, gap) == 0.5
+
+
+WHICH = Compressive()
+
+
+def row(*values: float) -> np.ndarray:
+    return np.array([values])
+
+
+@pytest.mark.parametrize(
+    ("heights", "residual"),
+    [
+        # the mean gap under the pressure, (2 * 0.3 + 0.5 * 0.8) / 2.5
+        ((0.3, -0.8, -0.25, 0.9), 0.4),
+        # the deepest penetration where there is none
+        ((0.3, -0.8, -0.75, 0.9), 0.75),
+    ],
+)
+def test_the_residual_is_of_complementarity_or_penetration(
+    heights: tuple[float, ...], residual: float
+) -> None:
+    gap = Gap(row(*heights), 0.0)
+    assert WHICH.residual(row(2.0, 0.5, 0.0, 0.0), gap, 2.5) == pytest.approx(residual)

@@ -1,10 +1,15 @@
 import math
 from dataclasses import replace
+from itertools import pairwise
+from math import asin, pi, sin
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.elasticity.coefficients import Displacement
+from contactstudy.evolution.evolve import evolve
+from contactstudy.scene.bodies import contact_modulus, response, sudden
 from tests.conftest import STEEL, LineContact
 
 
@@ -80,3 +85,189 @@ def test_what_is_no_grid_is_refused(line_contact: LineContact) -> None:
 
 
 WAVE, LONG = cs.Waviness(1e-6, across=0.5), cs.Waviness(2e-6, across=0.9, along=1.5)
+
+
+def test_a_history_is_linear_jumps_and_is_held() -> None:
+    load = cs.LoadHistory((2.0, 4.0, 4.0, 8.0), (1.0, 5.0, 2.0, 0.0))
+    assert (load.start, load.end, load.largest) == (2.0, 8.0, 5.0)
+    assert [load.at(t) for t in (1.9, 2.0, 3.0, 4.0, 5.0, 8.0, 9.0)] == [0, 1, 3, 2, 1.5, 0, 0]
+    assert [load.before(t) for t in (2.0, 2.5, 4.0, 6.0, 8.0)] == [0, 2, 5, 1, 0]
+    assert load.breaks(5.0) == (2.0, 4.0)
+    assert load.breaks(8.0) == (2.0, 4.0, 8.0)
+    assert load.mean(2.0, 4.0) == 3.0
+    assert load.mean(4.0, 8.0) == 1.0
+
+
+def test_a_sine_load_starts_at_its_phase_and_repeats_after_a_cycle() -> None:
+    load = cs.SineLoad(3.0, 2.0, frequency=0.5, phase=pi / 6)
+    assert (load.start, load.end, load.largest) == (0.0, 2.0, 5.0)
+    assert load.at(0.0) == pytest.approx(4.0)
+    assert load.at(2 / 3) == pytest.approx(3 + 2 * sin(5 * pi / 6))
+    assert load.at(2.5) == pytest.approx(load.at(0.5))
+    assert (load.before(0.0), load.at(-1e-9)) == (0.0, 0.0)
+    assert load.before(1e-9) == pytest.approx(4.0)
+    # never zero: it breaks nowhere
+    assert load.breaks(10.0) == (0.0,)
+    by_points = np.mean([load.at(t) for t in np.linspace(0.2, 1.1, 100_001)])
+    # the ends count whole in the mean of the points: one in 1e5
+    assert load.mean(0.2, 1.1) == pytest.approx(by_points, rel=1e-5)
+    assert load.mean(0.7, 0.7) == load.at(0.7)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3, -2.0, 7.0, pi])
+def test_a_sine_load_that_would_pull_breaks_where_it_reaches_and_leaves_zero(phase: float) -> None:
+    load = cs.SineLoad(0.5, 1.0, frequency=0.25, phase=phase)
+    breaks = load.breaks(9.0)
+    # one half is met at -30 and 210 degrees of every cycle of four seconds
+    known = {0.0}
+    for angle in (-asin(0.5), pi + asin(0.5)):
+        for turn in range(-5, 6):
+            time = (angle + 2 * pi * turn - phase) / (2 * pi * 0.25)
+            known |= {time} if 0 < time <= 9 else set()
+    assert breaks[0] == 0.0
+    inside = [time for time in breaks if 1e-9 < time < 9 - 1e-9]
+    assert inside == pytest.approx(sorted(time for time in known if time > 1e-9))
+    for before, after in pairwise((*breaks, 9.0)):
+        values = [load.at(t) for t in np.linspace(before, after, 12)[1:-1]]
+        # all of it bears, or none
+        assert min(values, default=1.0) > 0 or max(values) == 0
+        by_points = np.mean([load.at(t) for t in np.linspace(before, after, 20_001)])
+        assert load.mean(before, after) == pytest.approx(by_points, rel=1e-4, abs=1e-6)
+
+
+def test_a_zero_is_met_to_rounding() -> None:
+    load = cs.SineLoad(1.0, 1.0, frequency=1.0)
+    assert load.at(0.75) == 0.0
+    assert cs.SineLoad(1.0, 1.0 - 1e-10, frequency=1.0).at(0.75) > 0
+
+
+def test_a_sudden_load_is_there_from_its_start_on() -> None:
+    load = cs.LoadHistory((2.0,), (3.0,))
+    assert (load.largest, load.end, load.breaks(9.0)) == (3.0, 2.0, (2.0,))
+    assert [load.at(t) for t in (1.9, 2.0, 2.1)] == [0, 3, 3]
+    assert [load.before(t) for t in (1.9, 2.0, 2.1)] == [0, 0, 3]
+    assert load.mean(2.0, 5.0) == 3.0
+
+
+LENGTH = 1e-3
+
+ROLLER = (cs.Cylinder(0.01), cs.FiniteLength(LENGTH))
+
+GRID = cs.Grid((48, 40), (4e-4, 1.25 * LENGTH))
+
+
+def scene(load: cs.LineLoad | cs.TotalLoad, *shapes: cs.Shape) -> cs.Scene:
+    return cs.Scene(load, (STEEL, STEEL), shapes or ROLLER)
+
+
+def test_the_pressure_adds_up_to_the_total_load() -> None:
+    solution = cs.solve(scene(cs.TotalLoad(100.0)), GRID, cs.ZeroPadding())
+    assert solution.pressure.sum() * GRID.cell_area == pytest.approx(100.0, rel=1e-7)
+
+
+def test_a_total_load_is_a_load_per_length_of_the_grid() -> None:
+    total, line = (
+        cs.solve(scene(load), GRID, cs.ZeroPadding())
+        for load in (cs.TotalLoad(100.0), cs.LineLoad(100.0 / GRID.period))
+    )
+    scale = line.pressure.max()
+    np.testing.assert_allclose(total.pressure, line.pressure, atol=1e-6 * scale)
+
+
+def test_the_length_is_that_of_the_shortest_roller() -> None:
+    load = scene(cs.TotalLoad(100.0), *ROLLER, cs.LundbergProfile(1e-6, 2e-6, 2 * LENGTH)).load
+    assert load == cs.TotalLoad(100.0, length=LENGTH)
+    assert load.largest == 100.0 / LENGTH
+
+
+def test_a_roller_without_a_length_is_refused() -> None:
+    with pytest.raises(
+        cs.InvalidInput, match=r"Scene\.load is a TotalLoad.* give TotalLoad\.length"
+    ):
+        scene(cs.TotalLoad(100.0), cs.Cylinder(0.01))
+    with pytest.raises(cs.InvalidInput, match=r"TotalLoad\.length is None"):
+        _ = cs.TotalLoad(100.0).largest
+
+
+def test_a_march_carries_the_total_load() -> None:
+    worn = replace(scene(cs.TotalLoad(100.0)), wear=cs.Wear(1e-18, 1.0))
+    evolution = evolve(worn, GRID, cs.ZeroPadding(), times=[0.0])
+    assert evolution.pressure[-1].sum() * GRID.cell_area == pytest.approx(100.0, rel=1e-7)
+
+
+# E / (1 - nu^2): 80, 75 and 64 GPa
+FIRST = cs.HalfSpace(60e9, 0.5)
+
+SECOND = cs.HalfSpace(72e9, 0.2)
+
+YIELDS = cs.ElasticPlasticHalfSpace(60e9, 0.25, 300e6)
+
+CREEPS = cs.ViscoelasticHalfSpace(10e9, 0.5, ((20e9, 1.0), (30e9, 7.0)))
+
+RIGID = cs.HalfSpace(math.inf, -0.5)
+
+
+@pytest.mark.parametrize(
+    ("body", "modulus"),
+    [(FIRST, 80e9), (SECOND, 75e9), (YIELDS, 64e9), (CREEPS, 80e9), (RIGID, math.inf)],
+)
+def test_a_body_gives_way_by_its_plane_modulus(body: cs.Body, modulus: float) -> None:
+    """A viscoelastic one by that of a sudden load; the displacement is that over pi."""
+    assert body.compliance == pytest.approx(1 / modulus, rel=1e-15)
+    weights = body.response(0.5)
+    if modulus == math.inf:
+        assert weights == {}
+    else:
+        assert list(weights) == [Displacement(0.5)]
+        assert weights[Displacement(0.5)] == pytest.approx(1 / (math.pi * modulus), rel=1e-15)
+
+
+def test_compliances_and_responses_add_up() -> None:
+    both = 1 / (1 / 80e9 + 1 / 75e9)
+    assert contact_modulus((FIRST, SECOND)) == pytest.approx(both, rel=1e-15)
+    weights = response((FIRST, SECOND), 0.5)
+    assert weights[Displacement(0.5)] == pytest.approx(1 / (math.pi * both), rel=1e-15)
+
+
+def test_of_a_sudden_load_bodies_are_elastic() -> None:
+    assert sudden((YIELDS, CREEPS)) == (cs.HalfSpace(60e9, 0.25), cs.HalfSpace(60e9, 0.5))
+
+
+@pytest.mark.parametrize("ratio", [-0.99, 0.0, 0.5])
+def test_ratios_from_above_minus_one_to_a_half_are_bodies(ratio: float) -> None:
+    assert cs.HalfSpace(1e9, ratio).compliance == pytest.approx((1 - ratio * ratio) / 1e9)
+
+
+@pytest.mark.parametrize("ratio", [-1.0, 0.5000001])
+def test_ratios_beyond_are_none(ratio: float) -> None:
+    remedy = "give a ratio above -1 and up to 0.5"
+    for body, arguments in (
+        (cs.HalfSpace, (1e9, ratio)),
+        (cs.ElasticPlasticHalfSpace, (1e9, ratio, 1e8)),
+        (cs.ViscoelasticHalfSpace, (1e9, ratio)),
+    ):
+        with pytest.raises(cs.InvalidInput, match=remedy):
+            body(*arguments)
+
+
+@pytest.mark.parametrize(
+    ("relaxation", "said"),
+    [
+        (((1e9, 1.0, 2.0),), r"relaxation\[0\] is .*: give pairs of a modulus"),
+        (((1e9, 1.0), (1e9,)), r"relaxation\[1\] is"),
+        (((1e9, 1.0), (0.0, 1.0)), r"relaxation\[1\]\[0\] is .*: give a modulus above 0 Pa"),
+        (((1e9, 1.0), (1e9, 0.0)), r"relaxation\[1\]\[1\] is .*: give a time above 0 s"),
+        (1e9, "relaxation is .*: give pairs"),
+    ],
+)
+def test_pairs_that_do_not_relax_are_refused(relaxation: object, said: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=said):
+        cs.ViscoelasticHalfSpace(1e9, 0.3, relaxation)  # type: ignore[arg-type]
+
+
+def test_a_maxwell_fluid_needs_what_relaxes() -> None:
+    with pytest.raises(cs.InvalidInput, match="equilibrium_modulus is 0 and there is no"):
+        cs.ViscoelasticHalfSpace(0.0, 0.3)
+    fluid = cs.ViscoelasticHalfSpace(0.0, 0.5, ((3e9, 2.0),))
+    assert (fluid.youngs_modulus, fluid.creeps) == (3e9, True)
+    assert not cs.ViscoelasticHalfSpace(1.0, 0.3).creeps

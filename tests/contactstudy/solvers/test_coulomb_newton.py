@@ -6,13 +6,18 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
+from contactstudy.solvers.friction.disks import Disks
 from contactstudy.solvers.friction.slip import RollingSlip
 
 GRID = cs.Grid((24, 12), (2.2, 2.2))
+
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
+
 # The coefficient of friction times the pressure of a sphere with E* = 1.
 LIMIT = 0.3 * np.sqrt(np.maximum(1 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
+
 RESPONSE = shear_response((cs.HalfSpace(2 * (1 - 0.25**2), 0.25),) * 2, GRID, FREE, 1.0)
+
 RIGID = -np.stack(
     [np.full(GRID.cells, 0.2), 0.1 + 0.3 * np.broadcast_to(GRID.x[:, None], GRID.cells)]
 )
@@ -80,3 +85,48 @@ def test_a_finite_roller_takes_no_more_applications_than_promised(
     state = problem.friction.steady(grid, pressure, cs.SolveOptions(1e-6))
     assert state.residual <= 1e-6
     assert state.convolutions / 2 <= 75
+
+
+CHANCE = np.random.default_rng(3)
+
+RADIUS = CHANCE.uniform(0.01, 1, 40)
+
+TRIAL = CHANCE.normal(size=(2, 40))
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.01, 0.6, 0.999])
+def test_the_projection_is_nearest_among_those_with_the_sum(fraction: float) -> None:
+    total = np.array([fraction * RADIUS.sum(), 0.0])
+    found = Disks(RADIUS, total).project(TRIAL)
+    assert (np.hypot(*found) <= RADIUS * (1 + 1e-14)).all()
+    assert found.sum(axis=1) == pytest.approx(total, abs=1e-9)
+    # no admissible direction comes nearer: others of the same sum, on their disks
+    for _ in range(20):
+        other = Disks(RADIUS, total).project(CHANCE.normal(size=(2, 40)))
+        assert ((TRIAL - found) * (other - found)).sum() <= 1e-7
+
+
+@pytest.mark.parametrize("total", [None, np.array([3.0, -1.0]), np.array([3.0, np.nan])], ids=str)
+def test_the_derivative_is_that_of_differences(total: np.ndarray | None) -> None:
+    disks = Disks(RADIUS, total)
+    disks.project(TRIAL)
+    derivative, stick = disks.derivative(TRIAL)
+    if total is not None:
+        given = ~np.isnan(total)
+        np.testing.assert_allclose(disks.project(TRIAL).sum(axis=1)[given], total[given])
+        np.testing.assert_array_equal(disks.shift[~given], 0)
+    assert stick.any()
+    assert not stick.all()
+    change, part = CHANCE.normal(size=(2, 40)), 1e-6
+    ahead, behind = (disks.project(TRIAL + sign * part * change) for sign in (1, -1))
+    np.testing.assert_allclose(derivative(change), (ahead - behind) / (2 * part), atol=1e-6)
+
+
+def test_a_shift_that_belonged_to_another_trial_does_no_harm() -> None:
+    """The first trial leaves a shift that brings all cells of the second one to their rims, on the wrong side."""
+    radius = np.sqrt(1 - np.linspace(-0.99, 0.99, 60) ** 2)
+    total = np.array([-0.6 * radius.sum(), 0.0])
+    disks = Disks(radius, total)
+    for far in (1e3, -1e3, 1e6, 0.0):
+        found = disks.project(np.stack([radius + far, 0 * radius]))
+        assert found.sum(axis=1) == pytest.approx(total, rel=1e-8)

@@ -20,9 +20,13 @@ from contactstudy.solvers.plasticity.yielding_bodies import (
 from tests.conftest import LineContact
 
 RNG = np.random.default_rng(3)
+
 HALF = RNG.standard_normal((6, 6))
+
 MATRIX = HALF @ HALF.T + np.eye(6)
+
 WANTED = RNG.standard_normal(6)
+
 RIGHT = np.linalg.solve(MATRIX, WANTED)
 
 
@@ -115,7 +119,9 @@ class Local:
 
 
 FIRST, SECOND = Local(1, 4, (0.0, 1.0, 3.0), 200.0), Local(2, 4, (0.0, 2.0), 100.0)
+
 BODIES = YieldingBodies((FIRST, SECOND), (Hardening(3.0, 20.0, 10.0), Hardening(2.0, 0.0, 0.0)))  # type: ignore[arg-type]
+
 PRESSURE = np.array([0, 4.0, 6.0, 1.0, 0, 0])[:, None]
 
 
@@ -133,9 +139,13 @@ def stepped(tolerance: float, before: np.ndarray | None = None, around: Any = No
 
 # |stress| of each cell: two layers of three cells, then two cells; 2 G is 160 and 80
 SIZE = np.array([4, 6, 1, 2, 3, 0.5, 6, 1])
+
 LIMIT = SQRT_TWO_THIRDS * np.array([3.0] * 6 + [2.0] * 2)
+
 TWICE_SHEAR = np.array([160.0] * 6 + [80.0] * 2)
+
 SLOPE = np.array([20.0] * 6 + [0.0] * 2)
+
 FLOW = np.maximum(SIZE - LIMIT, 0) / (0.5 * TWICE_SHEAR + SLOPE)
 
 

@@ -1,16 +1,29 @@
 """The comparison of a scene's settings, on scenes whose answer is known."""
 
-from math import pi
+from math import inf, log, nan, pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import contactstudy as cs
-from studies.advice.comparison import LINE, Comparison
+from studies.advice.comparison import (
+    LINE,
+    Comparison,
+    Measured,
+    PaddingError,
+    label_of,
+    with_envelope,
+)
+from studies.advice.front import pareto_front
+from studies.advice.ladder import MULTIPLES, is_reference, unit_of
 from studies.advice.measuring import Budget, compared
-from studies.advice.stored import store, stored
+from studies.advice.rounds import in_rounds, ratio, sign_test
+from studies.advice.stored import as_text, from_dataset, from_text, store, stored, to_dataset
 from studies.advice.subject import (
+    Setting,
     bounds_of,
     described_in,
     paper_described,
@@ -107,3 +120,160 @@ def test_a_scene_without_a_width_of_its_own_needs_a_grid() -> None:
 def test_a_request_must_be_above_zero(error: float, seconds: float) -> None:
     with pytest.raises(cs.InvalidInput, match="above 0"):
         compared(paper_described().subject(), error, Budget(seconds))
+
+
+@pytest.mark.parametrize("cells", [(640, 480), (128, 400), (600, 144), (128, 128), (50, 2000)])
+def test_a_unit_has_nearly_the_ratio_of_its_grid_and_no_prime_factor_above_five(
+    cells: tuple[int, int],
+) -> None:
+    unit = unit_of(cells)
+    assert abs(log(unit[0] / unit[1] * cells[1] / cells[0])) < 0.1
+    for count in unit:
+        for factor in (2, 3, 5):
+            while count % factor == 0:
+                count //= factor
+        assert count == 1
+
+
+def test_all_rungs_up_to_a_third_of_a_reference_nest_in_it() -> None:
+    for reference in filter(is_reference, MULTIPLES):
+        assert all(reference % rung == 0 for rung in MULTIPLES if rung <= reference // 3)
+
+
+PAIRS = st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=30)
+
+
+@given(PAIRS)
+def test_nothing_on_the_front_is_beaten_and_all_else_is(pairs: list[tuple[float, float]]) -> None:
+    cost, error = np.array(pairs).reshape(-1, 2).T
+    front = pareto_front(cost, error)
+    assert (np.diff(cost[front]) > 0).all()
+    assert (np.diff(error[front]) < 0).all()
+    for c, e in pairs:
+        assert ((cost[front] <= c) & (error[front] <= e)).any()
+
+
+def test_points_without_numbers_are_left_out() -> None:
+    front = pareto_front(np.array([1.0, np.nan, 0.5]), np.array([1.0, 0.0, np.nan]))
+    assert front.tolist() == [0]
+
+
+def test_the_sign_test_counts_the_tosses_of_a_fair_coin() -> None:
+    # all of eight alike: two of 256 outcomes; seven of eight: 2 (1 + 8) of them
+    assert sign_test(8, 0) == 2 / 256
+    assert sign_test(1, 7) == 18 / 256
+    assert sign_test(4, 4) == 1
+    assert sign_test(0, 0) == 1
+
+
+def test_paired_times_are_compared_within_their_round() -> None:
+    # a slow third round slows both: the ratio stays 2
+    found, chance = ratio([2.0, 4.0, 200.0, nan], [1.0, 2.0, 100.0, 1.0])
+    assert found == pytest.approx(2)
+    assert chance == 0.25
+
+
+def test_every_round_takes_each_call_once_and_not_always_in_one_order() -> None:
+    taken: list[int] = []
+    calls = [lambda k=k: taken.append(k) for k in range(5)]
+    rounds = in_rounds(calls, 4, lambda: True)
+    orders = [tuple(taken[5 * k : 5 * k + 5]) for k in range(4)]
+    assert [len(times) for times in rounds] == [5, 5, 5, 5]
+    assert all(sorted(order) == [0, 1, 2, 3, 4] for order in orders)
+    assert len(set(orders)) > 1
+
+
+def test_no_round_begins_without_time_for_it() -> None:
+    left = iter([True, True, False])
+    assert len(in_rounds([lambda: None], 10, lambda: next(left))) == 2
+
+
+EXACT, COPIED, ZERO = cs.ExactPeriodicity(), cs.DuplicatedPadding(), cs.ZeroPadding()
+
+
+def one(
+    padding: cs.Padding, cells: int, error: float, times: tuple[float, ...], *, bounded: bool = True
+) -> Measured:
+    setting = Setting(padding, (cells, cells), 1e-4)
+    return Measured(setting, label_of(padding), error, bounded, times[:1], times)
+
+
+def of(*settings: Measured, floor: float = 0.0, error: float = 0.03) -> Comparison:
+    return Comparison(
+        name="hand", text="", extent=(1e-3, 1e-3), own=EXACT, error=error, floor=floor, reference=(96, 96),
+        bounds={"pressure_l1": floor, "peak_pressure": inf}, paddings=(PaddingError(COPIED, 0.02, {"mean_gap": 0.1}),),
+        paddings_on=(48, 48), tolerances={1e-2: 1e-3}, settings=settings, notes=("A note.",), spent=3.0,
+    )  # fmt: skip
+
+
+def test_a_tie_goes_to_the_boundary_of_the_scene_itself() -> None:
+    # always 5 % quicker, which is clear and not worth it
+    verdict = of(one(EXACT, 32, 0.02, (1.0,) * 15), one(COPIED, 32, 0.02, (0.95,) * 15)).verdict()
+    assert verdict is not None
+    assert verdict.best.label == "exact"
+    (rival,) = verdict.rivals
+    assert rival.is_tie
+    assert rival.ratio == pytest.approx(0.95)
+
+
+def test_another_padding_is_chosen_if_it_is_quicker_by_more_than_a_tenth_in_nearly_all_rounds() -> (
+    None
+):
+    exact = one(EXACT, 32, 0.02, (1.0,) * 15)
+    verdict = of(exact, one(COPIED, 32, 0.02, (0.8,) * 15)).verdict()
+    assert verdict is not None
+    assert verdict.best.label == "duplicated"
+    # the same median ratio from three rounds decides nothing
+    verdict = of(one(EXACT, 32, 0.02, (1.0,) * 3), one(COPIED, 32, 0.02, (0.8,) * 3)).verdict()
+    assert verdict is not None
+    assert verdict.best.label == "exact"
+
+
+def test_the_bound_on_the_reference_is_added_to_every_error() -> None:
+    fine, coarse = one(EXACT, 48, 0.015, (2.0,) * 9), one(EXACT, 32, 0.025, (1.0,) * 9)
+    for floor, cells in ((0.004, 32), (0.006, 48)):
+        verdict = of(coarse, fine, floor=floor).verdict()
+        assert verdict is not None
+        assert verdict.meets
+        assert verdict.best.setting.cells == (cells, cells)
+    assert verdict is not None
+    assert verdict.coarser == coarse
+
+
+def test_a_grid_that_nothing_bounds_is_never_recommended() -> None:
+    hollow = one(EXACT, 16, 0.01, (0.5,) * 9, bounded=False)
+    verdict = of(hollow, one(EXACT, 32, 0.02, (1.0,) * 9)).verdict()
+    assert verdict is not None
+    assert verdict.best.setting.cells == (32, 32)
+
+
+def test_without_a_bound_on_the_reference_nothing_is_said_to_meet_a_request() -> None:
+    verdict = of(one(EXACT, 32, 0.001, (1.0,) * 9), floor=inf).verdict()
+    assert verdict is not None
+    assert not verdict.meets
+
+
+def test_the_error_of_a_grid_is_the_largest_of_it_and_of_all_finer_ones() -> None:
+    assert with_envelope([0.08, 0.14, 0.06]) == [0.14, 0.14, 0.06]
+
+
+def test_a_comparison_is_read_as_it_was_stored(tmp_path: Path) -> None:
+    measured = of(one(EXACT, 32, 0.02, (1.0, 2.0)), one(COPIED, 48, 0.02, (1.5,)))
+    dataset = to_dataset(measured)
+    dataset.to_netcdf(tmp_path / "settings.nc")
+    import xarray as xr
+
+    with xr.open_dataset(tmp_path / "settings.nc") as read:
+        assert from_dataset(read.load()) == measured
+
+
+@pytest.mark.parametrize(
+    "padding", [EXACT, (ZERO, ZERO), cs.CircularSuperposition(6), (EXACT, EXACT)]
+)
+def test_a_padding_survives_as_text(padding: cs.Padding | cs.Paddings) -> None:
+    assert from_text(as_text(padding)) == padding
+
+
+def test_times_outside_of_rounds_count_where_there_are_no_rounds() -> None:
+    assert Measured(Setting(EXACT, (2, 2), 1e-4), "exact", 0.1, True, (1.0, 3.0, 2.0)).time == 2.0  # noqa: FBT003
+    assert one(EXACT, 2, 0.1, (nan, 4.0, 6.0)).time == 5.0

@@ -5,18 +5,26 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from types import SimpleNamespace
 
+import click
 import pytest
 import xarray as xr
 from click.testing import CliRunner, Result
 
+import contactstudy as cs
 from contactstudy import InvalidInput
+from studies.cli import commands
+from studies.cli import main as module
 from studies.cli.commands import cli, main
+from studies.cli.new import new, templates
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
 from tests.studies.conftest import POSIX
+from tests.studies.scene_study.conftest import SMOOTH
 
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
+
 SMALL = [
     "--padding", "exact", "--period", "2.4", "--grid", "16,24", "--images", "6", "--workers", "0", "--repeats", "1",
 ]  # fmt: skip
@@ -266,3 +274,138 @@ def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_m
     wrong = CliRunner().invoke(cli, ["run", "peroid", "--help"])
     assert isinstance(wrong.exception, InvalidInput)
     assert "did you mean 'period'" in str(wrong.exception)
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (cs.InvalidInput("radius is 0."), 2, "contactstudy: radius is 0.\n"),
+        (click.ClickException("no"), 1, "Error: no\n"),
+        (KeyboardInterrupt(), 130, "contactstudy: stopped; what a study had stored is kept.\n"),
+        (click.Abort(), 130, "contactstudy: stopped; what a study had stored is kept.\n"),
+        (BrokenPipeError(), 141, ""),
+        (ModuleNotFoundError("No module named 'x'", name="x"), 1, "contactstudy: "),
+        (OSError(28, "No space left on device", "a.nc"), 1, "No space left on device: a.nc\n"),
+        (MemoryError(), 1, "contactstudy: there is not enough memory"),
+    ],
+    ids=lambda part: type(part).__name__,
+)
+def test_each_way_to_end_has_its_exit_code(
+    error: BaseException,
+    code: int,
+    said: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def fails(**_: object) -> None:
+        raise error
+
+    monkeypatch.setattr(commands.cli, "main", fails)
+    # the last thing that a broken pipe does is to leave its output
+    monkeypatch.setattr("sys.stdout", SimpleNamespace())
+    with pytest.raises(SystemExit) as ended:
+        commands.main()
+    assert ended.value.code == code
+    assert said in capsys.readouterr().err
+
+
+def test_a_command_ends_with_one_where_a_solve_did_not_converge(tmp_path: Path) -> None:
+    path = tmp_path / "smooth.toml"
+    path.write_text(SMOOTH + "\n[solve]\nmax_iterations = 1\ntolerance = 1e-12\n", encoding="utf-8")
+    result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 1
+    assert "ITERATION_LIMIT" in result.output
+    assert (tmp_path / "out" / "smooth.nc").is_file()
+
+
+def ended(raised: BaseException, monkeypatch: pytest.MonkeyPatch) -> SystemExit:
+    from studies.cli import commands
+
+    def run() -> None:
+        raise raised
+
+    monkeypatch.setattr(commands, "main", run)
+    with pytest.raises(SystemExit) as found:
+        module.main()
+    return found.value
+
+
+def test_ctrl_c_before_the_command_started_ends_as_by_a_signal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With 128 and the number of the signal, which is 2."""
+    assert ended(KeyboardInterrupt(), monkeypatch).code == 128 + 2
+    assert capsys.readouterr().err == "contactstudy: stopped before the command started.\n"
+
+
+def test_a_package_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    missing = ModuleNotFoundError("No module named 'xarray'", name="xarray")
+    code = ended(missing, monkeypatch).code
+    assert isinstance(code, str)
+    assert code.startswith("contactstudy: ")
+    assert "xarray" in code
+
+
+@pytest.mark.parametrize(
+    ("period", "sentence"),
+    [
+        ("10 mm", "no FiniteLength is needed"),
+        ("12.5 mm", "add the shape FiniteLength(length=0.01)"),
+    ],
+)
+def test_a_plan_says_whether_a_profiled_roller_needs_an_end(
+    period: str, sentence: str, tmp_path: Path
+) -> None:
+    example = Path(__file__).parents[3] / "examples" / "edge-stress.toml"
+    text = example.read_text(encoding="utf-8").replace(
+        '["0.6 mm", "10 mm"]', f'["0.6 mm", "{period}"]'
+    )
+    (tmp_path / "roller.toml").write_text(text, encoding="utf-8")
+    shown = CliRunner().invoke(cli, ["plan", str(tmp_path / "roller.toml")])
+    assert shown.exit_code == 0, shown.output
+    assert sentence in shown.output
+
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+
+# Examples that are called by another name than their kind.
+NAMES = {"film": "oil"}
+
+
+def said(*words: str) -> Result:
+    return CliRunner().invoke(new, words)
+
+
+@pytest.mark.parametrize("kind", templates())
+def test_a_scene_to_begin_with_is_an_example_that_plans(kind: str, tmp_path: Path) -> None:
+    path = tmp_path / f"{NAMES.get(kind, kind)}.toml"
+    assert said(kind, "--out", str(path)).exit_code == 0
+    assert path.read_text(encoding="utf-8") == (EXAMPLES / path.name).read_text(encoding="utf-8")
+    assert cs.read_scene(path).plan().grid.cells[0] > 1
+
+
+@pytest.mark.parametrize("kind", ["coated", "fretting"])
+def test_a_scene_to_begin_with_solves(kind: str, tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(templates()[kind], encoding="utf-8")
+    done = CliRunner().invoke(cli, ["solve", str(tmp_path / "scene.toml"), "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+
+
+def test_the_kinds_are_listed_with_what_they_are() -> None:
+    lines = said("--list").output.splitlines()
+    assert [line.split()[0] for line in lines] == list(templates())
+    described = dict(line.split(maxsplit=1) for line in lines)
+    assert described["film"].startswith("Steel cylinders in mineral oil")
+
+
+def test_no_file_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert said("rough").exit_code == 0
+    again = said("rough")
+    assert isinstance(again.exception, cs.InvalidInput)
+    assert "is there already: give another file" in str(again.exception)
+
+
+def test_another_kind_is_answered_with_a_known_one() -> None:
+    assert "did you mean 'roller'" in str(said("rollers").exception)
+    assert "choose from coated, film" in str(said().exception)

@@ -1,15 +1,26 @@
 """Each number that a sweep stores, against a value found by hand."""
 
 from dataclasses import dataclass, replace
+from math import inf
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.special import erf
 
 import contactstudy as cs
+from studies.definitions import stability
+from studies.definitions.effect_cost import P_H, YIELD, scene_at
+from studies.definitions.speed import SLOPE, self_affine
+from studies.engine.run import run
 from studies.model.case import OperatorCase
 from studies.reference.line_contact import HERTZ, SCENE
-from studies.registry import load
+from studies.registry import load, load_drawing
+from studies.report import page as report
+from tests.studies.conftest import quiet
 
 LINE = cs.Grid(cells=(64, 4), extent=(2.4 * HERTZ.half_width, HERTZ.half_width))
 
@@ -126,3 +137,167 @@ def test_a_free_length_is_compared_with_an_endless_one() -> None:
     assert float(zero["peak_pressure_error"]) == pytest.approx(highest, rel=1e-6)
     largest = max(abs(alone - endless).ravel()) / HERTZ.peak_pressure
     assert float(zero["pressure_error_max"]) == pytest.approx(largest, rel=1e-6)
+
+
+def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
+    whole = scene_at({"effect": YIELD, "grid": 128})
+    assert whole.grid.cells == (32, 1)
+    half, full = whole.run(whole.prepare()).frames
+    # Hertz's peak is 1.77 and 2.5 times the yield stress: first yield is at 1.794
+    assert not (half.coupled_state["equivalent0"] > 0).any()
+    assert (full.coupled_state["equivalent0"] > 0).any()
+    assert full.peak_pressure < P_H
+
+
+@pytest.mark.whole
+def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Path) -> None:
+    study = load("creep").override({"steps": "10,20,40", "grid": "64,512"})
+    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet)
+    assert (dataset["solver_status"] == 0).all()
+    fine = dataset.sel(grid=512)
+    error = fine["pressure_error_l1"].values
+    # by the 1.5th power at least, until the cells count
+    assert (error[:-1] / error[1:] > 2).all()
+    # the estimate is of the steps alone; 512 cells leave 0.35 (dx / a)^1.5 = 2e-4
+    assert (fine["step_error"].values + 3e-4 > error).all()
+    # creep multiplies compliance by 1 + 1.5 (1 - exp(-2))
+    widest = float(fine["half_width"].isel(steps=-1, time=-1))
+    assert abs(widest - np.sqrt(1 + 1.5 * (1 - np.exp(-2)))) < 0.36 / 512 / 0.1
+    report.draw(study, load_drawing("creep"), tmp_path)
+    assert (tmp_path / "creep" / "creep.png").is_file()
+    assert load_drawing("creep").findings(dataset)
+
+
+@pytest.mark.whole
+def test_explicit_wear_breaks_before_its_limit_and_implicit_never(tmp_path: Path) -> None:
+    study = load("wear").override({"steps": "16,32,128"})
+    stored = run(study, tmp_path, workers=0, repeats=0, log=quiet)
+    dataset = stored.isel(grid=0)
+    error = dataset["pressure_error_l1"]
+    stable = dataset["longest_explicit"].sel(scheme="explicit") > 1
+    assert stable.values.tolist() == [False, False, True]
+    assert (error.sel(scheme="explicit")[:2] > 0.5).all()
+    assert error.sel(scheme="explicit")[2] < 1e-2
+    assert (error.sel(scheme="implicit") < 2e-2).all()
+    assert (error.sel(scheme="two-stage") < error.sel(scheme="implicit")).all()
+    assert float(dataset["volume_error"].max()) < 1e-13
+    # between the rigid law and that of the cubes added, and a little above: 2 and 9^(1/3) = 2.08
+    last = float(dataset["half_width"].sel(scheme="two-stage").isel(steps=-1, distance=-1))
+    assert 2 < last < 2.2
+    report.draw(study, load_drawing("wear"), tmp_path)
+    assert (tmp_path / "wear" / "wear.png").is_file()
+    assert load_drawing("wear").findings(stored)
+
+
+@pytest.mark.whole
+def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not(tmp_path: Path) -> None:
+    """Errors are of first order in the steps: 0.75 % of the pressure with 8, by finite elements too."""
+    study = load("plastic").override({"pressure": "1.5,3", "steps": "4,8", "grid": "48"})
+    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet).isel(grid=0, hardening=0)
+    assert (dataset["solver_status"] == 0).all()
+    known = dataset.sel(pressure=3.0)
+    error = known["peak_pressure_error"].values
+    assert error[1] < 1.5e-2
+    assert 1.4 < error[0] / error[1] < 2.5
+    # a cell is a seventh of the half-width, a layer down there two of them
+    assert float(known["half_width_error"][1]) < 0.1
+    assert float(known["plastic_depth_error"][1]) < 0.1
+    assert float(known["dent_error"][1]) < 0.03
+    elastic = dataset.sel(pressure=1.5).isel(steps=-1)
+    assert float(elastic["plastic_depth"]) == 0.0
+    assert float(elastic["dent"]) == 0.0
+    assert float(elastic["cap_difference"]) < 1e-6
+    # 2.8 Y over 3 Y, not 0.787
+    assert float(known["cap_pressure"][1]) == pytest.approx(2.8 / 3, abs=1e-9)
+    assert float(known["cap_difference"][1]) > 0.1
+    report.draw(study, load_drawing("plastic"), tmp_path)
+    assert (tmp_path / "plastic" / "plastic.png").is_file()
+    assert load_drawing("plastic").findings(dataset.expand_dims(("grid", "hardening")))
+
+
+POINT = {
+    "surface": "self-affine",
+    "hurst": 0.5,
+    "cut_off": 4.0,
+    "fraction": 0.3,
+    "precision": "double",
+    "device": "cpu",
+    "threads": 1,
+    "grid": 32,
+}
+
+
+def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_cells() -> None:
+    """Persson (2001): the fraction is erf(sqrt(2) p / (E* slope)), p the mean pressure."""
+    grid = cs.Grid((64, 64), (3e-3, 3e-3))
+    scene = self_affine(grid, 0.5, 4.0, 0.3)
+    mean = scene.load.largest / 3e-3
+    shape = scene.shapes[0]
+    assert isinstance(shape, cs.Roughness)
+    assert shape.rms == cs.RmsSlope(0.1)
+    assert shape.roll_off == pytest.approx(3e-3 / 4)
+    assert erf(np.sqrt(2) * mean / (SCENE.contact_modulus * SLOPE)) == pytest.approx(0.3)
+    waves = np.abs(np.fft.rfft2(scene.shapes[0].gap(grid)))  # type: ignore[union-attr]
+    index = np.hypot(*np.meshgrid(np.fft.fftfreq(64), np.fft.rfftfreq(64), indexing="ij"))
+    assert waves[index > 1.001 / 4].max() < 1e-12 * waves.max() < waves[index > 0.9 / 4].max()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"fraction": 1.0}, r"^fraction is 1\.0: give a fraction between 0 and 1\."),
+        ({"cut_off": 0.0}, r"^cut_off is 0\.0: give a number of cells above 0\."),
+        ({"threads": 0}, r"^threads is 0: must be a whole number of threads, at least 1\."),
+        ({"device": "gpu"}, "^Gpu "),
+        ({"surface": "smoth"}, "^surface is 'smoth': did you mean 'smooth'"),
+        ({"precision": "half"}, "^precision is 'half': give 'single' or 'double'"),
+    ],
+)
+def test_a_point_that_is_none_is_refused_with_a_remedy(
+    change: dict[str, object], message: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=message):
+        load("speed").scene_at(POINT | change)
+
+
+DONE, LIMIT, STALLED = cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT, cs.Status.STALLED
+
+RIGHT, EXPLAINED, WRONG, NOT = range(4)
+
+
+@pytest.mark.parametrize(
+    ("status", "residual", "padding", "error", "verdict"),
+    [
+        (DONE, 1e-6, "exact", 0.02, RIGHT),
+        (DONE, 1e-6, "exact", 0.021, WRONG),
+        # it claims nothing
+        (DONE, 1.1e-6, "exact", 0.01, EXPLAINED),
+        # no more can be had of its numbers, and that is a claim
+        (LIMIT, 1e-3, "exact", 0.01, RIGHT),
+        (STALLED, 1e-3, "exact", 0.01, WRONG),
+        (STALLED, 1e-7, "exact", 0.01, WRONG),
+        (DONE, 1e-7, "zero", 0.01, NOT),
+    ],
+)
+def test_a_case_is_right_within_its_stated_error_and_else_must_say_why(
+    status: cs.Status,
+    residual: float,
+    padding: str,
+    error: float,
+    verdict: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = SimpleNamespace(
+        options=cs.SolveOptions(1e-6),
+        paddings=("exact",),
+        may_end=lambda _: {DONE, LIMIT},
+        judge=lambda *_: (error, 0.02),
+    )
+    monkeypatch.setattr(stability, "CASES", {"made up": case})
+    one = stability.HardCaseRun("made up", padding, "Polonsky-Keer")
+    solution: Any = SimpleNamespace(status=status, residual=residual)
+    found = {name: float(of) for name, of in load("stability").measures(one, solution).items()}
+    assert found["verdict"] == verdict
+    judged = padding == "exact" and (residual <= 1e-6 or status is LIMIT)
+    assert found["pressure_error"] == (error if judged else 0)
+    assert found["stated_error"] == (0.02 if judged else inf)

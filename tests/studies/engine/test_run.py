@@ -1,20 +1,28 @@
 import re
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import contactstudy as cs
-from studies.engine.run import run
+from contactstudy.domain.checks import InvalidInput
+from studies.engine.executors import InProcess
+from studies.engine.options import RunOptions
+from studies.engine.run import estimate_cost, run
+from studies.engine.stop import Stop
 from studies.model.case import Case, Solved
+from studies.model.outcome import Outcome, Work
 from studies.model.study import Study
 from studies.reference.line_contact import HERTZ, measures
 from studies.registry import load
 from studies.store.netcdf import read
 from tests.studies.conftest import quiet
+from tests.studies.engine import trouble
 
 NUMBERS = [
     "axis_pressure_error", "pressure_error_max", "pressure_error_l1", "half_width_error",
@@ -142,3 +150,52 @@ def test_a_case_that_another_study_in_the_folder_holds_is_not_computed_again(
     for name in (*NUMBERS, "setup_time_all"):  # to the last bit, and the very same times
         np.testing.assert_array_equal(second[name].isel(grid=[0, 1]), first[name])
     assert np.isfinite(second["solve_time"]).all()
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, float("nan")])
+def test_a_time_limit_is_above_zero(seconds: float) -> None:
+    with pytest.raises(InvalidInput, match="give seconds above 0"):
+        RunOptions(time_limit=seconds)
+    assert RunOptions(time_limit=0.5).time_limit == 0.5
+
+
+@dataclass(frozen=True)
+class Threads:
+    """The largest number of threads of any library for linear algebra."""
+
+    def prepare(self) -> None:
+        np.ones((2, 2)) @ np.ones((2, 2))
+
+    def run(self, prepared: None) -> int:
+        return max(library["num_threads"] for library in threadpool_info())
+
+    def record(self, result: int) -> Mapping[str, xr.Variable]:
+        return {}
+
+
+def test_a_case_has_one_thread_whatever_the_process_had() -> None:
+    outcomes: dict[str, Outcome] = {}
+    work = Work(lambda case, result: {"threads": xr.Variable((), result)})
+    with threadpool_limits(2), Stop() as stop:
+        assert Threads().run(None) == 2
+        InProcess().run({"a": Threads()}, work, outcomes.__setitem__, stop)
+        assert Threads().run(None) == 2
+    assert int(outcomes["a"].variables["threads"]) == 1
+
+
+def test_computations_without_a_plan_are_said_to_be_unknown(tmp_path: Path) -> None:
+    said: list[str] = []
+    found = estimate_cost(trouble.study([1, 2]), tmp_path, options=RunOptions(), log=said.append)
+    assert (found.cases, found.runs, found.seconds) == (2, 4, None)
+    assert "how long is not known" in said[-1]
+    assert not any(tmp_path.iterdir())
+
+
+def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None:
+    study = load("grid").override({"padding": "exact,zero", "grid": "16,24"})
+    run(study, tmp_path, workers=0, repeats=0, log=quiet)
+    grown = study.override({"grid": "16,24,32"})
+    found = estimate_cost(grown, tmp_path, options=RunOptions(repeats=0), log=quiet)
+    assert found.cases == 2
+    assert found.seconds is not None
+    assert 0 < found.seconds < 10

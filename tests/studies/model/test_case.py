@@ -1,10 +1,22 @@
 """What a case is solved with, and what is recorded of it."""
 
+from dataclasses import dataclass
+
 import numpy as np
+import pytest
+import xarray as xr
 
 import contactstudy as cs
 from contactstudy.io.dataset import flags
 from studies.model.case import contact_fraction, solver_status
+from studies.model.outcome import (
+    CONTENDED,
+    CaseStatus,
+    Sample,
+    is_contended,
+    summary_messages,
+    timing_variables,
+)
 
 GRID = cs.Grid((8, 4), (1e-4, 1e-4))
 
@@ -25,3 +37,75 @@ def test_every_cell_that_bears_is_in_contact_however_little() -> None:
     fraction = contact_fraction(np.array([[0.0, 1e-9], [0.5, 2e9]]))
     assert float(fraction) == 0.75
     assert fraction.attrs["units"] == "1"
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A stored case whose solve ended in a status."""
+
+    status: cs.Status
+    case_status: CaseStatus = CaseStatus.OK
+    error: str = ""
+
+    def variable(self, name: str) -> xr.Variable | None:
+        return (
+            solver_status(self.status, "how the solver ended") if name == "solver_status" else None
+        )
+
+
+def test_a_run_names_the_statuses_of_solves_that_did_not_converge() -> None:
+    ended = [
+        cs.Status.CONVERGED,
+        cs.Status.CONTACT_AT_EDGE,
+        cs.Status.STALLED,
+        cs.Status.CONTACT_AT_EDGE,
+    ]
+    assert list(summary_messages(map(Solved, ended))) == [
+        "2 of 4 solves ended with CONTACT_AT_EDGE; see 'solver_status'",
+        "1 of 4 solves ended with STALLED; see 'solver_status'",
+    ]
+    assert not list(summary_messages([Solved(cs.Status.CONVERGED)]))
+
+
+def sample(wall: float, cpu: float | None = None, pace: float = 0.0) -> Sample:
+    """A quarter of it to set up."""
+    cpu = wall if cpu is None else cpu
+    return Sample(wall / 4, 3 * wall / 4, cpu / 4, 3 * cpu / 4, 1, pace)
+
+
+@pytest.mark.parametrize(
+    ("samples", "pace", "contended"),
+    [
+        ([sample(1.0), sample(1.1)], np.inf, False),
+        ([sample(1.0), sample(1.11)], np.inf, True),
+        ([sample(1.0), sample(5.0), sample(1.05)], np.inf, False),
+        ([sample(1.0)], np.inf, True),
+        ([sample(1.0, 0.951), sample(1.0)], np.inf, False),
+        ([sample(1.0, 0.949), sample(1.05)], np.inf, True),
+        ([sample(2.0), sample(1.95, 1.0)], np.inf, True),
+        ([sample(1.0, pace=1.09), sample(1.0, pace=1.0)], 1.0, False),
+        ([sample(1.0, pace=1.11), sample(1.01, pace=1.0)], 1.0, True),
+    ],
+)
+def test_a_time_counts_that_is_confirmed_and_had_the_processor_at_its_best(
+    samples: list[Sample], pace: float, *, contended: bool
+) -> None:
+    assert is_contended(samples, pace) is contended
+
+
+def test_the_least_and_the_median_of_each_case_stand_at_its_points() -> None:
+    cases = [[sample(4.0), sample(8.0, 7.8), sample(40.0)], [sample(2.0, 1.96), sample(2.1)], []]
+    found = timing_variables(("x",), np.array([1, 0, 0, 2]), cases)
+    nan = np.nan
+    for name, expected in {
+        "setup_time": [0.5, 1, 1, nan],
+        "solve_time": [1.5, 3, 3, nan],
+        "solve_time_median": [1.5375, 6, 6, nan],
+        "solve_time_cpu": [1.47, 3, 3, nan],
+    }.items():
+        np.testing.assert_allclose(found[name].values, expected, rtol=1e-12)
+        assert found[name].attrs["units"] == "s"
+    every = [[1.5, 1.575, nan], [3, 6, 30], [3, 6, 30], [nan] * 3]
+    np.testing.assert_allclose(found["solve_time_all"].values, every, rtol=1e-12)
+    marks = [CONTENDED[number] for number in found["contended"].values]
+    assert marks == ["no", "yes", "yes", "not_timed"]

@@ -24,15 +24,19 @@ from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
 from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapters, single
-from studies.report.style import marked, plain
+from studies.report.style import marked, percent, plain, variation_text
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
+
 # a rough surface has a length of its own, and waves that a grid must show
 ROUGH = {"rms": "0,0.1", "peklenik": "1", "hurst": "0.8", "seed": "1", "grid": "80"}
+
 # of the accuracy cases every fortieth, and some of the hard ones
 SOME = {"case": ",".join(list(matrix())[::40])}
+
 HARD = {"case": "faint load,a scene in nm,one iteration,hardness 0.3 p_H"}
+
 OWN: Mapping[str, Mapping[str, str]] = {
     "roughness": ROUGH,
     "accuracy": SOME,
@@ -280,3 +284,32 @@ def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
 ) -> None:
     assert marked(text) == html
     assert plain(text) == unmarked
+
+
+@pytest.mark.parametrize(
+    ("fraction", "text"),
+    [
+        (0.0, "0"),
+        (0.0123, "1.2"),
+        (-0.0123, "1.2"),
+        (0.123, "12"),
+        (1.23, "123"),
+        (1.23e-7, "0.000012"),
+        (1.23e-8, "1.2e-06"),
+        (float("nan"), None),
+    ],
+)
+def test_a_fraction_is_in_per_cent_with_two_digits(fraction: float, text: str | None) -> None:
+    assert percent(fraction) == ("not known" if text is None else f"{text}\u00a0%")
+
+
+@pytest.mark.parametrize(
+    ("variation", "text"),
+    [
+        (0.012, "1.2\u00a0% of p_{H}"),
+        (1.5e-12, "1.5e-10\u00a0% of p_{H}"),
+        (1e-12, "rounding only"),
+    ],
+)
+def test_what_varies_by_no_more_than_1e_12_is_rounding(variation: float, text: str) -> None:
+    assert variation_text(xr.Dataset({"length_variation": variation})) == text

@@ -1,6 +1,7 @@
 """The file of a study and the fields in it: damaged ones are made again."""
 
 import json
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,8 @@ from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.registry import load
-from studies.store.netcdf import read
+from studies.store import provenance
+from studies.store.netcdf import interrupts_deferred, open_folder, read
 from studies.store.result_file import load_fields, save_fields
 from tests.studies.conftest import quiet
 
@@ -108,3 +110,43 @@ def test_a_cf_checker_finds_nothing(out: Path) -> None:
     for priority in ("high_priorities", "medium_priorities"):
         problems = [message for check in found[priority] for message in check["msgs"]]
         assert problems == [], priority
+
+
+def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InvalidInput, match=r"^Output folder .* cannot be written to .*--out\.$"):
+        open_folder(tmp_path / "file" / "below")
+
+
+@pytest.mark.parametrize("content", [None, b"no netCDF"])
+def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path, content: bytes | None) -> None:
+    if content is not None:
+        (tmp_path / "a.nc").write_bytes(content)
+    with pytest.raises(InvalidInput, match=r"^Study file .* cannot be read"):
+        read(tmp_path / "a.nc")
+
+
+def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
+    done = []
+
+    def work() -> None:
+        with interrupts_deferred():
+            signal.raise_signal(signal.SIGINT)
+            done.append("whole")
+        done.append("beyond")
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        assert done == ["whole"]
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_the_history_is_the_command_as_a_shell_takes_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(provenance.sys, "argv", ["/opt/bin/contactstudy", "run", "my study.py"])
+    attributes = provenance.provenance()
+    assert attributes["history"].partition(" ")[2] == "contactstudy run 'my study.py'"
+    assert attributes["threads"] == "1"

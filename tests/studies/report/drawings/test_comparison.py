@@ -6,7 +6,7 @@ import pytest
 
 from studies.report.drawings.comparison import parts
 from studies.report.wording import rivals_text, title_text, verdict_text
-from tests.studies.advice.test_comparison import COPIED, EXACT, of, one
+from tests.studies.advice.test_measuring import COPIED, EXACT, of, one
 
 COARSE = one(EXACT, 32, 0.04, (1e-3,) * 9)
 FINE = one(EXACT, 64, 0.02, (4e-3,) * 9)

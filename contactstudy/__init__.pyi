@@ -61,10 +61,10 @@ from .scene.lubrication import (
 )
 from .scene.motion import Rolling, RollingPressure, Wear
 from .scene.scene import Output, Scene
-from .scene.shapes.carried import Carried
+from .scene.shapes.moving_shape import MovingShape
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from .scene.shapes.roughness import Ra, RmsSlope, Roughness
-from .scene.shapes.shape import Detail, Shape
+from .scene.shapes.shape import LengthScales, Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
 from .scene.shapes.tilt import Tilt
 from .scene.sought_load import Approach, PullOff
@@ -99,7 +99,6 @@ __all__ = [
     "Body",
     "Boundary",
     "Carreau",
-    "Carried",
     "ChangingSpeed",
     "CircularSuperposition",
     "CoatedHalfSpace",
@@ -114,7 +113,6 @@ __all__ = [
     "Cpu",
     "Crown",
     "Cylinder",
-    "Detail",
     "Dimple",
     "DowsonHigginson",
     "DuplicatedPadding",
@@ -138,6 +136,7 @@ __all__ = [
     "HarmonicFill",
     "InvalidInput",
     "Iterate",
+    "LengthScales",
     "LimitingShear",
     "LineLoad",
     "LoadHistory",
@@ -147,6 +146,7 @@ __all__ = [
     "LundbergProfile",
     "MeasuredSurface",
     "Mirrored",
+    "MovingShape",
     "Newtonian",
     "NotDefined",
     "Operator",

@@ -14,10 +14,10 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.steps import TimeSteps
 from contactstudy.io.document import (
     KINDS,
-    CarriedFile,
     CrownFile,
     Document,
     MeasuredFile,
+    MovingShapeFile,
     PlanSettings,
     ProfileFile,
 )
@@ -29,8 +29,8 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import contact_modulus
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.carried import Carried
-from contactstudy.scene.shapes.shape import Detail, Shape
+from contactstudy.scene.shapes.moving_shape import MovingShape
+from contactstudy.scene.shapes.shape import LengthScales, Shape
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 
@@ -177,8 +177,8 @@ def scene_file_from(document: Document, folder: Path = Path()) -> SceneFile:
     curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
 
     def read(shape: Any) -> Shape:
-        if isinstance(shape, CarriedFile):
-            return Carried(read(shape.shape), shape.body)
+        if isinstance(shape, MovingShapeFile):
+            return MovingShape(read(shape.shape), shape.body)
         if isinstance(shape, MeasuredFile | CrownFile | ProfileFile):
             return shape.shape(folder, (curvature, modulus))
         described: Shape = shape
@@ -233,7 +233,9 @@ def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
 def _with_length(document: Document, shapes: Iterable[Shape]) -> ConstantLoad | ChangingLoad:
     """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
     load = document.load
-    has_length = any(0 < getattr(shape, "detail", Detail()).roller < inf for shape in shapes)
+    has_length = any(
+        0 < getattr(shape, "length_scales", LengthScales()).roller < inf for shape in shapes
+    )
     period = document.grid.period if document.grid else document.plan.period
     if isinstance(load, TotalLoad) and load.length is None and not has_length and period:
         return replace(load, length=period)

@@ -267,11 +267,11 @@ class _Request:
 
     def contact(self) -> Contact:
         """Solve a static contact."""
-        from contactstudy.planning.grid_requirements import measured_detail
+        from contactstudy.planning.grid_requirements import measured_length_scales
 
         requested = self.requested
         own_points = self.error is None or self.scene.hertz is None
-        on_its_points = own_points and measured_detail(self.scene) is not None
+        on_its_points = own_points and measured_length_scales(self.scene) is not None
         # the law of a short attraction is that of its grid
         if self.grid is not None or on_its_points or self.scene.adhesion is not None:
             problem = self.scene.problem(

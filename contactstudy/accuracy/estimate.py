@@ -56,7 +56,7 @@ UNKNOWN_HEIGHTS = (
 )
 PROTRUDING = (
     "No bound for the discretisation error: between the cell centres the surface protrudes further than "
-    "the contact flattens it; give more cells, or the shape's length scales in its `detail`."
+    "the contact flattens it; give more cells, or the shape's `length_scales`."
 )
 
 
@@ -97,7 +97,8 @@ def error_estimate(
     heights
         The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
     confidence
-        Probability, between 0 and 1, with which a feature over 3 % of a cell is found in a shape without a ``detail``.
+        Probability, between 0 and 1, with which a feature over 3 % of a cell is found in a
+        shape without ``length_scales``.
         It sets the number of points examined in each cell.
 
     Returns

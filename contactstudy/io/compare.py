@@ -62,7 +62,7 @@ class Comparison:
     time: float | None = None
 
     def __str__(self) -> str:
-        x, y = (readable(place, "m") for place in self.at)
+        x, y = (readable(coordinate, "m") for coordinate in self.at)
         lines = [
             f"pressure in L1: {100 * self.l1:.3g} %",
             f"peak pressure: {100 * self.peak_pressure:+.3g} %",
@@ -126,7 +126,7 @@ def compare(a: Any, b: Any) -> Comparison:
         )
     change = p_b - p_a
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
-    place = np.unravel_index(int(np.abs(change).argmax()), change.shape)
+    index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
     touching = [float(((p > 0) * area).sum()) for p in (p_a, p_b)]
     difference = xr.Dataset(
         {
@@ -143,8 +143,8 @@ def compare(a: Any, b: Any) -> Comparison:
         contact_area=touching[1] / touching[0] - 1,
         load=float((p_b * area).sum()) / total - 1,
         approach=float(second.get("approach", np.nan) - first.get("approach", np.nan)),
-        largest=float(np.abs(change[place])),
-        at=(float(centres[0][place[0]]), float(centres[1][place[1]])),
+        largest=float(np.abs(change[index])),
+        at=(float(centres[0][index[0]]), float(centres[1][index[1]])),
         difference=difference,
         differing=_differing(*tables),
         quantities=_quantities(first, second),
@@ -283,14 +283,14 @@ def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tu
 def _union(a: Array, b: Array) -> Array:
     """Return the edges of both grids; edges that differ only by rounding are merged."""
     edges = np.unique(np.concatenate([a, b]))
-    near = np.diff(edges) > 1e-9 * (edges[-1] - edges[0])
-    return np.asarray(edges[np.concatenate([[True], near])])
+    is_separate = np.diff(edges) > 1e-9 * (edges[-1] - edges[0])
+    return np.asarray(edges[np.concatenate([[True], is_separate])])
 
 
 def _on(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
     """Return the pressure on finer cells, zero beyond the grid."""
-    rows, row_on_grid = _places(x, to_x)
-    columns, column_on_grid = _places(y, to_y)
+    rows, row_on_grid = _cell_indices(x, to_x)
+    columns, column_on_grid = _cell_indices(y, to_y)
     on_grid = row_on_grid[:, None] & column_on_grid[None, :]
     return np.where(on_grid, pressure[np.ix_(rows, columns)], 0.0)
 
@@ -298,15 +298,15 @@ def _on(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
 def _sums(values: Array, edges: Array, a: Array, b: Array, axis: int = 0) -> Array:
     """Return the sums of `values` on fine cells over the larger cells of the grids with the edges `a` and `b`."""
     coarse = a if np.diff(a).max() >= np.diff(b).max() else b
-    near = 1e-9 * (edges[-1] - edges[0])
-    starts = np.abs(edges[:-1, None] - coarse[None, :]).min(axis=1) <= near
-    beyond = (edges[:-1] < coarse[0] - near) | (edges[:-1] >= coarse[-1] - near)
+    rounding = 1e-9 * (edges[-1] - edges[0])
+    starts = np.abs(edges[:-1, None] - coarse[None, :]).min(axis=1) <= rounding
+    beyond = (edges[:-1] < coarse[0] - rounding) | (edges[:-1] >= coarse[-1] - rounding)
     starts |= beyond
     return np.asarray(np.add.reduceat(values, np.flatnonzero(starts), axis=axis))
 
 
-def _places(edges: Array, finer: Array) -> tuple[np.ndarray, np.ndarray]:
+def _cell_indices(edges: Array, finer: Array) -> tuple[np.ndarray, np.ndarray]:
     centres = (finer[1:] + finer[:-1]) / 2
-    places = np.searchsorted(edges, centres) - 1
-    on_grid = (places >= 0) & (places < len(edges) - 1)
-    return np.clip(places, 0, len(edges) - 2), on_grid
+    cell_indices = np.searchsorted(edges, centres) - 1
+    on_grid = (cell_indices >= 0) & (cell_indices < len(edges) - 1)
+    return np.clip(cell_indices, 0, len(edges) - 2), on_grid

@@ -65,18 +65,18 @@ def contact_quantities(
     length = own_length(scene)
     area = float(np.count_nonzero(touching) * grid.cell_area)
     total = float(pressure.sum() * grid.cell_area)
-    peak, peak_place = _largest(pressure, {"x": grid.x, "y": grid.y})
+    peak, peak_position = _largest(pressure, {"x": grid.x, "y": grid.y})
     half_width = _half_width(touching, grid.cell[0])
     solved = ErrorParts(residual=solution.residual)
     wide = "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
-    label = f"peak pressure{_mirrored(pressure, grid.y, peak_place)}"
+    label = f"peak pressure{_mirrored(pressure, grid.y, peak_position)}"
     numbers = {
         "peak_pressure": bounded(
-            Quantity(peak, "Pa", label, place=peak_place), estimate.peak_pressure, why
+            Quantity(peak, "Pa", label, position=peak_position), estimate.peak_pressure, why
         )
     }
-    places = {"x": grid.x, "y": grid.y}
-    numbers |= _of_stress(scene, derived, places, estimate)
+    coordinates = {"x": grid.x, "y": grid.y}
+    numbers |= _of_stress(scene, derived, coordinates, estimate)
     if rolling is not None:
         numbers |= _of_rolling(rolling, estimate)
     if solution.traction is not None:
@@ -260,7 +260,7 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
 def _of_stress(
     scene: Scene | None,
     derived: Mapping[str, Field],
-    places: Mapping[str, Array],
+    coordinates: Mapping[str, Array],
     estimate: ErrorEstimate,
 ) -> dict[str, Quantity]:
     """Return the largest von Mises stress below the surface with its depth, and the margin to yield where known."""
@@ -268,15 +268,15 @@ def _of_stress(
         return {}
     stress = derived["von_mises"]
     axes = {
-        **places,
+        **coordinates,
         **{axis: derived[axis].values for axis in stress.dimensions if axis in derived},
     }
-    largest, place = _largest(stress.values, axes, stress.dimensions)
+    largest, position = _largest(stress.values, axes, stress.dimensions)
     why = estimate.warnings
-    value = Quantity(largest, "Pa", "largest von Mises stress", place=place)
+    value = Quantity(largest, "Pa", "largest von Mises stress", position=position)
     numbers = {"largest_von_mises": bounded(value, estimate.largest_von_mises, why)}
-    if "z" in place:
-        depth = Quantity(place["z"], "m", "depth of the largest von Mises stress")
+    if "z" in position:
+        depth = Quantity(position["z"], "m", "depth of the largest von Mises stress")
         numbers["largest_von_mises_depth"] = bounded(depth, estimate.largest_von_mises_depth, why)
     solids = (scene.solids[out.solid] for out in scene.outputs if hasattr(out, "solid"))
     strength = min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
@@ -303,20 +303,20 @@ def _largest(
 ) -> tuple[float, dict[str, float]]:
     """Return the largest value and where it is, of equal ones the one nearest to the middle; one cell has no place."""
     largest = values.max()
-    places = np.argwhere(values >= largest * (1 - 1e-9) if largest > 0 else values == largest)
+    indices = np.argwhere(values >= largest * (1 - 1e-9) if largest > 0 else values == largest)
     middle = np.array([(size - 1) / 2 for size in values.shape])
-    index = places[np.abs(places - middle).sum(axis=1).argmin()]
-    place = {
+    index = indices[np.abs(indices - middle).sum(axis=1).argmin()]
+    position = {
         name: float(axes[name][at])
         for name, at in zip(dimensions, index, strict=True)
         if name in axes and len(axes[name]) > 1
     }
-    return float(largest), place
+    return float(largest), position
 
 
-def _mirrored(values: Array, y: Array, place: Mapping[str, float]) -> str:
+def _mirrored(values: Array, y: Array, position: Mapping[str, float]) -> str:
     """Return the mirrored place along the length where a largest value stands again, within a thousandth, as text."""
-    if abs(at := place.get("y", 0.0)) <= 0.1 * float(np.ptp(y)):
+    if abs(at := position.get("y", 0.0)) <= 0.1 * float(np.ptp(y)):
         return ""
     mirrored = values[:, int(np.abs(y + at).argmin())].max()
     return f", as high at y = {readable(-at, 'm', 3)}" if mirrored > 0.999 * values.max() else ""

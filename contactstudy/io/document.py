@@ -45,7 +45,7 @@ from contactstudy.scene.lubrication import (
 )
 from contactstudy.scene.motion import Rolling, Wear
 from contactstudy.scene.scene import Output
-from contactstudy.scene.shapes.carried import Carried
+from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import (
     Crown,
     Cylinder,
@@ -182,7 +182,7 @@ class ProfileFile:
 
 
 @dataclass(frozen=True)
-class CarriedFile:
+class MovingShapeFile:
     """Shape that a body carries, which may be given by a file."""
 
     shape: Shape
@@ -221,7 +221,7 @@ class Document:
 
 # Classes that describe a shape in a file, where these differ from the shape itself.
 DESCRIPTIONS: Mapping[type, type] = {
-    Carried: CarriedFile,
+    MovingShape: MovingShapeFile,
     Crown: CrownFile,
     LundbergProfile: ProfileFile,
     MeasuredSurface: MeasuredFile,
@@ -246,7 +246,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
         Roughness,
         MeasuredSurface,
         Sphere,
-        Carried,
+        MovingShape,
     ),
     Padding: _kinds(
         ZeroPadding, DuplicatedPadding, Superposition, CircularSuperposition, ExactPeriodicity

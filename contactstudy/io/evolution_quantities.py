@@ -58,15 +58,17 @@ def evolution_quantities(
         if name in frames[0]:
             values = [frame[name].value for frame in frames]
             number = values.index(extreme(values))
-            place = {"time": float(times[number])}
-            numbers[name] = replace(frames[number][name], label=words, place=place)
+            position = {"time": float(times[number])}
+            numbers[name] = replace(frames[number][name], label=words, position=position)
     reported = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
     peak = frames[-1].get("peak_pressure")
     is_apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
     for name in (*reported, "friction_coefficient"):
         if name in frames[-1] and not (is_apart and name == "approach"):
             final = frames[-1][name]
-            numbers[f"final_{name}"] = replace(final, label=f"{final.label} at the end", place=None)
+            numbers[f"final_{name}"] = replace(
+                final, label=f"{final.label} at the end", position=None
+            )
     fields = {} if last is None else last.fields
     if "worn_depth" in fields:
         worn, (area, period) = fields["worn_depth"].values, cell
@@ -144,7 +146,7 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     displacement = float(rolled.forward_displacement[-1])
     return {
         "lowest_residual_stress": Quantity(
-            float(stress[lowest]), "Pa", "lowest residual stress along the travel", place=depth
+            float(stress[lowest]), "Pa", "lowest residual stress along the travel", position=depth
         ),
         "equivalent_plastic_strain": Quantity(
             float(rolled.equivalent_plastic_strain[-1].max()),

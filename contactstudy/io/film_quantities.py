@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.io.quantities import FORMULA, Quantity, bounded, readable
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -93,4 +93,7 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
 
 def _rough(shape: object) -> bool:
     """Return whether a shape is roughness, a texture or a measurement, with heights of its own on either body."""
-    return not getattr(shape, "curvature", 1.0) and getattr(shape, "detail", Detail()).height > 0
+    return (
+        not getattr(shape, "curvature", 1.0)
+        and getattr(shape, "length_scales", LengthScales()).height > 0
+    )

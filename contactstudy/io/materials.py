@@ -94,13 +94,13 @@ def _named(field: str, name: object) -> Material:
 def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return tables of a scene file with the constants of each ``material`` beside the keys given there."""
 
-    def solid(value: Any, place: str) -> Any:
+    def solid(value: Any, path: str) -> Any:
         if not isinstance(value, Mapping):
             return value
-        inner = {key: solid(entry, f"{place}.{key}") for key, entry in value.items()}
+        inner = {key: solid(entry, f"{path}.{key}") for key, entry in value.items()}
         if "material" not in inner:
             return inner
-        constants = _named(f"{place}.material", inner.pop("material"))
+        constants = _named(f"{path}.material", inner.pop("material"))
         return constants.as_body(inner.get("kind")) | inner
 
     solids = table.get("solids")

@@ -44,7 +44,7 @@ class Quantity:
         Upper estimate of the absolute error, in the same unit; infinite where it is not known.
     reason
         Sentence on why the bound is infinite; empty where it is finite.
-    place
+    position
         Coordinates [m] at which the value is found, by the names of the axes; empty where it has none.
     """
 
@@ -53,7 +53,7 @@ class Quantity:
     label: str
     bound: float = inf
     reason: str = NO_ESTIMATE
-    place: Mapping[str, float] | None = None
+    position: Mapping[str, float] | None = None
 
     @property
     def relative_bound(self) -> float:
@@ -109,8 +109,10 @@ def own_length(scene: Scene | None) -> float | None:
         return None
     if isinstance(scene.load, TotalLoad):
         return scene.load.length
-    details = (shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
-    lengths = [detail.roller for detail in details if 0 < detail.roller < inf]
+    length_scales = (
+        shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
+    )
+    lengths = [scales.roller for scales in length_scales if 0 < scales.roller < inf]
     return min(lengths, default=None)
 
 
@@ -130,16 +132,16 @@ def as_text(quantities: Quantities) -> str:
             quantity.label,
             readable(quantity.value, quantity.unit),
             _percent(quantity),
-            ", ".join(_place(axis, at) for axis, at in (quantity.place or {}).items()),
+            ", ".join(_position_text(axis, at) for axis, at in (quantity.position or {}).items()),
         )
         for quantity in quantities.values()
         if quantity.reason != FORMULA
     ]
     widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
     lines = []
-    for label, value, error, place in rows:
+    for label, value, error, position_text in rows:
         line = f"  {label:<{widths[0]}}  {value:>{widths[1]}}  {error:<{widths[2]}}"
-        lines.append(f"{line}  at {place}" if place else line.rstrip())
+        lines.append(f"{line}  at {position_text}" if position_text else line.rstrip())
     formulas = [
         f"{quantity.label} {readable(quantity.value, quantity.unit)}"
         for quantity in quantities.values()
@@ -149,7 +151,7 @@ def as_text(quantities: Quantities) -> str:
     return "\n".join(lines)
 
 
-def _place(axis: str, at: float) -> str:
+def _position_text(axis: str, at: float) -> str:
     return f"{at:.3g} s" if axis == "time" else f"{axis} = {readable(at, 'm', 3)}"
 
 
@@ -169,7 +171,7 @@ def as_json(quantities: Quantities) -> dict[str, dict[str, object]]:
             "bound": quantity.bound if isfinite(quantity.bound) else None,
             **({"reason": quantity.reason} if quantity.reason else {}),
             "label": quantity.label,
-            **({"at": dict(quantity.place)} if quantity.place else {}),
+            **({"at": dict(quantity.position)} if quantity.position else {}),
         }
         for name, quantity in quantities.items()
     }

@@ -245,8 +245,8 @@ def _sentences(source: str, error: cattrs.BaseValidationError) -> str:
     """Return a line for every key that cannot be used."""
     lines = []
     for line in cattrs.transform_error(error, path="", format_exception=_sentence):
-        sentence, _, place = line.rpartition(" @ ")
-        lines.append(f"{source}: {place.lstrip('.') or 'all of it'}: {sentence}")
+        sentence, _, path = line.rpartition(" @ ")
+        lines.append(f"{source}: {path.lstrip('.') or 'all of it'}: {sentence}")
     return "\n".join(lines)
 
 

@@ -388,9 +388,9 @@ class FactorStage:
             rows.append(index[inside])
             columns.append(neighbour(index, offset)[inside])
             values.append(coefficient[inside])
-        places = np.concatenate(rows), np.concatenate(columns)
+        indices = np.concatenate(rows), np.concatenate(columns)
         size = cavitated.size
-        return cls(splu(csc_matrix((np.concatenate(values), places), shape=(size, size))))
+        return cls(splu(csc_matrix((np.concatenate(values), indices), shape=(size, size))))
 
     def solve(self, right: Array) -> Array:
         """Return the solution by the factors."""

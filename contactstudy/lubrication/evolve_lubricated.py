@@ -29,7 +29,7 @@ from contactstudy.lubrication.steady_film import (
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.lubrication import ChangingSpeed
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.carried import Carried
+from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.solvers.solution import Status, worst
 
 
@@ -131,7 +131,7 @@ def evolve_lubricated(
     Parameters
     ----------
     scene
-        A lubricated scene. Its load and its mean speed may have a history, and :class:`~contactstudy.Carried` shapes
+        A lubricated scene. Its load and its mean speed may have a history, and :class:`~contactstudy.MovingShape` shapes
         move with a body.
     grid, padding
         As for :func:`~contactstudy.solve`.
@@ -376,16 +376,16 @@ class _FilmStepper:
         slide = scales.lubrication.slide_roll_ratio / 2
         gap = np.zeros(self.grid.cells)
         for shape in self.scene.shapes:
-            if isinstance(shape, Carried):
+            if isinstance(shape, MovingShape):
                 shift = distance * (1 + slide * (1 - 2 * shape.body))
                 gap += shape.gap_after(self.grid, shift)
             else:
                 gap += shape.gap(self.grid)
         posed = self.posed.with_gap(gap)
-        carried = load.at(time) if isinstance(load, ChangingLoad) else load.largest
+        present_load = load.at(time) if isinstance(load, ChangingLoad) else load.largest
         equation = replace(
             posed.equation,
-            load=self.posed.equation.load * carried / load.largest,
+            load=self.posed.equation.load * present_load / load.largest,
             speed=scales.lubrication.speed_at(time) / scales.lubrication.largest_speed,
         )
         return replace(posed, equation=equation)

@@ -114,13 +114,13 @@ def moving_source(grid: Grid, body: ThermalBody, speed: float) -> Array:
     return np.asarray(toeplitz(between[nx - 1 :], between[nx - 1 :: -1]))
 
 
-def _source_integral(place: Array) -> Array:
+def _source_integral(distance: Array) -> Array:
     """Return ``int_0^z exp(t) K0(|t|) dt`` in closed form."""
-    size = np.abs(place)
+    size = np.abs(distance)
     downstream = size * (k0e(size) + k1e(size)) - 1
     # exp(-s) K0(s) = exp(-2 s) k0e(s)
     upstream = 1 + size * np.exp(-2 * size) * (k0e(size) - k1e(size))
-    return np.asarray(np.where(place > 0, downstream, -upstream))
+    return np.asarray(np.where(distance > 0, downstream, -upstream))
 
 
 def _of_heat(influence: list[Array], conductance: Array) -> tuple[Array, Array]:

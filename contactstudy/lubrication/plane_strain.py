@@ -49,15 +49,18 @@ class DirectStep:
         change = linear.change(pressure[:, None], void[:, None], 0.0)
         balance = -(linear.residual + change)[:, 0]
         load_residual -= width * pressure.sum()
-        contact, places = None, np.empty(0, dtype=int)
+        contact, touching_cells = None, np.empty(0, dtype=int)
         if film.contact is not None and active.touching is not None:
             touching = active.touching[:, 0]
-            contact, places = np.where(touching, 0.0, -film.contact[:, 0]), np.flatnonzero(touching)
+            contact, touching_cells = (
+                np.where(touching, 0.0, -film.contact[:, 0]),
+                np.flatnonzero(touching),
+            )
             balance -= self.last.by_film @ contact
             load_residual -= width * contact.sum()
         balance[fixed] = 0
 
-        size = n + len(places) + 1
+        size = n + len(touching_cells) + 1
         system = np.zeros((size, size))
         system[:n, :n] = self.last.by_pressure
         system[:n, :n][:, empty] = self.last.by_void[:, empty]
@@ -65,15 +68,15 @@ class DirectStep:
         system[-1, :n] = width * bears
         right = np.zeros(size)
         right[:n], right[-1] = balance, load_residual
-        if len(places):
+        if len(touching_cells):
             assert contact is not None
-            system[:n, n:-1] = self.last.by_film[:, places]
-            system[n:-1, :n] = self.influence[places] * bears
-            system[n:-1, n:-1] = self.influence[np.ix_(places, places)]
+            system[:n, n:-1] = self.last.by_film[:, touching_cells]
+            system[n:-1, :n] = self.influence[touching_cells] * bears
+            system[n:-1, n:-1] = self.influence[np.ix_(touching_cells, touching_cells)]
             system[n:-1, -1] = 1
             system[-1, n:-1] = width
             distance = equation.boundary - film.film[:, 0] - self.influence @ (pressure + contact)
-            right[n:-1] = distance[places]
+            right[n:-1] = distance[touching_cells]
         system[:n][fixed] = np.eye(n, size)[fixed]
         scale = np.abs(system).max(axis=1)
         system /= scale[:, None]
@@ -83,7 +86,7 @@ class DirectStep:
             return FilmStep(film.pressure, film.void, 0.0, self, solved=False)
         unknown = solution[:n]
         if contact is not None:
-            contact[places] = solution[n:-1]
+            contact[touching_cells] = solution[n:-1]
             contact = contact[:, None]
         return FilmStep(
             np.where(empty, pressure, unknown)[:, None],

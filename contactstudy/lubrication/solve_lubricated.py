@@ -190,9 +190,9 @@ def _with_error(
 
 
 def varies_along(shape: object) -> bool:
-    """Return whether a shape varies along the length, as far as its detail says."""
-    detail = getattr(shape, "detail", None)
-    return detail is None or detail.finest[1] < inf or detail.roller > 0
+    """Return whether a shape varies along the length, as far as its length scales say."""
+    scales = getattr(shape, "length_scales", None)
+    return scales is None or scales.finest[1] < inf or scales.roller > 0
 
 
 def film_error(contact: FilmSolution) -> ErrorEstimate:

@@ -21,7 +21,7 @@ from contactstudy.domain.grid import (
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 
 # Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^ROUGH_ORDER: ROUGH_ERROR times the
 # fraction of the area in contact to the power AREA_POWER, fitted to 9 %, 30 % and 80 % in contact.
@@ -47,7 +47,7 @@ class GridRequirements:
     ----------
     hertz
         Hertz's contact of the mean load.
-    details
+    length_scales
         Wavelengths and heights of each shape.
     hardness
         Largest pressure of the softer body [Pa].
@@ -58,7 +58,7 @@ class GridRequirements:
     """
 
     hertz: HertzLine
-    details: tuple[Detail, ...]
+    length_scales: tuple[LengthScales, ...]
     hardness: float
     coatings: tuple[Layered, ...] = ()
     shear: str = ""
@@ -66,7 +66,9 @@ class GridRequirements:
     @property
     def points(self) -> tuple[float, float] | None:
         """Spacing (across, along) of the points of a measured surface [m]; None without one."""
-        return next((detail.spacing for detail in self.details if detail.spacing is not None), None)
+        return next(
+            (scales.spacing for scales in self.length_scales if scales.spacing is not None), None
+        )
 
     def grid_of_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
@@ -83,8 +85,8 @@ class GridRequirements:
     def finest(self) -> tuple[float, float]:
         """The shortest wavelengths (across, along) of all shapes [m]; infinite where there are none."""
         return (
-            min((detail.finest[0] for detail in self.details), default=inf),
-            min((detail.finest[1] for detail in self.details), default=inf),
+            min((scales.finest[0] for scales in self.length_scales), default=inf),
+            min((scales.finest[1] for scales in self.length_scales), default=inf),
         )
 
     @property
@@ -100,7 +102,7 @@ class GridRequirements:
     @property
     def roller(self) -> float:
         """The shortest length of a roller that a shape names [m]; infinite if one has no length, 0 without rollers."""
-        return min((detail.roller for detail in self.details if detail.roller), default=0.0)
+        return min((scales.roller for scales in self.length_scales if scales.roller), default=0.0)
 
     @property
     def varies(self) -> bool:
@@ -110,17 +112,17 @@ class GridRequirements:
     @property
     def height(self) -> float:
         """The largest height of all shapes together [m]."""
-        return sum(detail.height for detail in self.details)
+        return sum(scales.height for scales in self.length_scales)
 
     @property
     def longest(self) -> float:
         """The longest wavelength along the length [m]."""
-        return max((detail.longest for detail in self.details), default=0.0)
+        return max((scales.longest for scales in self.length_scales), default=0.0)
 
     @property
     def widest(self) -> float:
         """The width over which all shapes are known [m]."""
-        return min((detail.widest for detail in self.details), default=inf)
+        return min((scales.widest for scales in self.length_scales), default=inf)
 
     @property
     def half_width(self) -> float:
@@ -146,7 +148,7 @@ class GridRequirements:
 
     def coefficient(self) -> float:
         """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
-        slope = sqrt(sum(detail.slope**2 for detail in self.details))
+        slope = sqrt(sum(scales.slope**2 for scales in self.length_scales))
         if slope == 0:
             return ROUGH_ERROR
         # the mean pressure over the rms slope gives the fraction in contact (Persson 2001)
@@ -219,7 +221,7 @@ class GridRequirements:
             return self.roller
         if not self.varies:
             return width
-        repeats = {detail.repeat for detail in self.details if detail.repeat}
+        repeats = {scales.repeat for scales in self.length_scales if scales.repeat}
         unit = _common_period(repeats) if repeats else max(self.longest, width) / WAVES_PER_PERIOD
         return unit * max(1, int(np.ceil(WAVES_PER_PERIOD * self.longest / unit * (1 - 1e-12))))
 
@@ -234,9 +236,9 @@ class GridRequirements:
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
         broken = [
-            detail.repeat
-            for detail in self.details
-            if detail.repeat and _whole_parts(period, detail.repeat) is None
+            scales.repeat
+            for scales in self.length_scales
+            if scales.repeat and _whole_parts(period, scales.repeat) is None
         ]
         if broken:
             return (
@@ -351,16 +353,18 @@ def requirements_of(scene: Scene) -> GridRequirements:
             "give a Cylinder, a MeasuredSurface with its extent, or choose the grid yourself."
         )
     for number, shape in enumerate(scene.shapes):
-        if not hasattr(shape, "detail"):
+        if not hasattr(shape, "length_scales"):
             raise InvalidInput(
-                f"Scene.shapes[{number}] is {shape!r}, which does not say how fine it is: give it a "
-                "`detail`, or choose the grid yourself."
+                f"Scene.shapes[{number}] is {shape!r}, which does not say how fine it is: give it "
+                "`length_scales`, or choose the grid yourself."
             )
-    details = tuple(shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
-    if isinstance(scene.load, TotalLoad) and any(detail.roller for detail in details):
-        details += (Detail(roller=scene.load.length or inf),)
+    length_scales = tuple(
+        shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
+    )
+    if isinstance(scene.load, TotalLoad) and any(scales.roller for scales in length_scales):
+        length_scales += (LengthScales(roller=scene.load.length or inf),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
-    requirements = GridRequirements(scene.hertz, details, scene.hardness, coatings)
+    requirements = GridRequirements(scene.hertz, length_scales, scene.hardness, coatings)
     if scene.friction is None:
         return requirements
     shear = scene.friction.explanation(
@@ -369,26 +373,28 @@ def requirements_of(scene: Scene) -> GridRequirements:
     return replace(requirements, shear=shear)
 
 
-def measured_detail(scene: Scene) -> Detail | None:
-    """Return the detail of the first measured surface of `scene` that has a size of its own; None without one."""
-    details = (shape.detail for shape in scene.shapes if hasattr(shape, "detail"))
-    return next((detail for detail in details if detail.spacing is not None), None)
+def measured_length_scales(scene: Scene) -> LengthScales | None:
+    """Return the length scales of the first measured surface of `scene` that has a size of its own; None without one."""
+    length_scales = (
+        shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
+    )
+    return next((scales for scales in length_scales if scales.spacing is not None), None)
 
 
-def grid_of_flat(detail: Detail, period: float | None) -> Grid:
+def grid_of_flat(scales: LengthScales, period: float | None) -> Grid:
     """Return the points of a measured surface as cells, over its whole width and a period of its length.
 
     Parameters
     ----------
-    detail
+    scales
         Length scales of the surface.
     period
         Length of the grid [m]; that after which the surface repeats if None.
     """
-    assert detail.spacing is not None
-    length = period or detail.repeat or detail.widest
-    along = round(length / detail.spacing[1]) if detail.repeat else 1
-    return Grid((round(detail.widest / detail.spacing[0]), along), (detail.widest, length))
+    assert scales.spacing is not None
+    length = period or scales.repeat or scales.widest
+    along = round(length / scales.spacing[1]) if scales.repeat else 1
+    return Grid((round(scales.widest / scales.spacing[0]), along), (scales.widest, length))
 
 
 def _cells_per_wave(grid: Grid, finest: tuple[float, float]) -> float:

@@ -17,7 +17,7 @@ from contactstudy.planning.grid_requirements import (
     CELL_FRACTION,
     GridRequirements,
     grid_of_flat,
-    measured_detail,
+    measured_length_scales,
     requirements_of,
 )
 from contactstudy.planning.grid_search import (
@@ -30,7 +30,7 @@ from contactstudy.planning.grid_search import (
 )
 from contactstudy.planning.refinement import forecast_of_refinement
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:
     from contactstudy.evolution.steps import TimeSteps
@@ -170,9 +170,9 @@ def plan_grid(
     checked(on, "plan.on")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
-    detail = measured_detail(scene)
-    if scene.hertz is None and detail is not None and scene.changing is None and grid is None:
-        return _plan_of_flat(detail, period, on)
+    scales = measured_length_scales(scene)
+    if scene.hertz is None and scales is not None and scene.changing is None and grid is None:
+        return _plan_of_flat(scales, period, on)
     if scene.lubrication is not None:
         return _plan_of_film(scene, error or FILM_ERROR, period, grid, end, times)
     if scene.adhesion is not None:
@@ -193,9 +193,9 @@ def _time_steps(end: float | None, times: "ArrayLike | TimeSteps | None") -> "Ti
     return TimeSteps(end=end) if times is None else TimeSteps(times)  # type: ignore[arg-type]
 
 
-def _plan_of_flat(detail: Detail, period: float | None, on: Device) -> Plan:
+def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Plan:
     """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
-    grid, padding = grid_of_flat(detail, period), (ExactPeriodicity(), ExactPeriodicity())
+    grid, padding = grid_of_flat(scales, period), (ExactPeriodicity(), ExactPeriodicity())
     seconds = CostModel().seconds(grid, padding, ROUGH_CONVOLUTIONS)
     return Plan(
         grid=grid,

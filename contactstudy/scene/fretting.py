@@ -130,11 +130,11 @@ class Fretting:
         if self.times is not None:
             self._check_forces(scene)
             return
-        most = self.coefficient * scene.load.largest
+        limit = self.coefficient * scene.load.largest
         for number, force in enumerate(self.forces or ()):
-            if not abs(force) < most:
+            if not abs(force) < limit:
                 raise InvalidInput(
-                    f"Fretting.forces[{number}] is {force!r}: friction bears less than {most:g} N/m, beyond which "
+                    f"Fretting.forces[{number}] is {force!r}: friction bears less than {limit:g} N/m, beyond which "
                     "the bodies slide without end, give less."
                 )
 

@@ -197,10 +197,10 @@ class PartialSlip:
         check_still(scene, "PartialSlip")
         check_sheared(scene, "PartialSlip", ", or Sliding")
         check_alike(scene, "PartialSlip", ", or Sliding")
-        most = self.coefficient * scene.load.largest
-        if not abs(self.tangential) < most:
+        limit = self.coefficient * scene.load.largest
+        if not abs(self.tangential) < limit:
             raise InvalidInput(
-                f"PartialSlip.tangential is {self.tangential!r}: friction bears less than {most:g} N/m, give "
+                f"PartialSlip.tangential is {self.tangential!r}: friction bears less than {limit:g} N/m, give "
                 "less, or Sliding."
             )
 

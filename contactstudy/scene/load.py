@@ -236,14 +236,14 @@ class LoadHistory:
         """Return the load [N/m] from `time` [s] on; zero before the first instant."""
         return self._between(bisect_right(self.times, time), time)
 
-    def _between(self, place: int, time: float) -> float:
-        """Return the load [N/m] at `time` [s], after `place` instants."""
-        if place == 0:
+    def _between(self, index: int, time: float) -> float:
+        """Return the load [N/m] at `time` [s], after `index` instants."""
+        if index == 0:
             return 0.0
-        if place == len(self.times):
+        if index == len(self.times):
             return self.per_length[-1]
-        t0, t1 = self.times[place - 1 : place + 1]
-        p0, p1 = self.per_length[place - 1 : place + 1]
+        t0, t1 = self.times[index - 1 : index + 1]
+        p0, p1 = self.per_length[index - 1 : index + 1]
         weight = (time - t0) / (t1 - t0)
         return p0 * (1 - weight) + p1 * weight
 

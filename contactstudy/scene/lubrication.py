@@ -452,7 +452,7 @@ class Lubricant:
 class Lubrication:
     """Lubricant that floods a contact, and the motion of the surfaces to larger x that draws it in.
 
-    Heights stand still in the contact, unless they are :class:`~contactstudy.Carried`. See
+    Heights stand still in the contact, unless they are :class:`~contactstudy.MovingShape`. See
     :func:`~contactstudy.solve`.
 
     Parameters

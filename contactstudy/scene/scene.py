@@ -38,7 +38,7 @@ from contactstudy.scene.bodies import (
     response,
 )
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
-from contactstudy.scene.shapes.shape import Detail, Shape, gap_of
+from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of
 from contactstudy.scene.sought_load import Approach, PullOff
 
 AnyLoad = ConstantLoad | ChangingLoad | Approach | PullOff
@@ -88,14 +88,14 @@ class ShapesSource:
     @property
     def finest(self) -> tuple[float, float]:
         """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
-        details = _details(self.shapes)
-        across, along = zip((inf, inf), *(detail.finest for detail in details), strict=True)
-        return min(across), min(*along, *(detail.roller or inf for detail in details), inf)
+        length_scales = _length_scales(self.shapes)
+        across, along = zip((inf, inf), *(scales.finest for scales in length_scales), strict=True)
+        return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
 
     @property
     def names_scales(self) -> bool:
-        """True if every shape has a ``detail``."""
-        return all(hasattr(shape, "detail") for shape in self.shapes)
+        """True if every shape has ``length_scales``."""
+        return all(hasattr(shape, "length_scales") for shape in self.shapes)
 
     def gap(self, grid: Grid) -> Array:
         """Return the summed gap [m] of all shapes, of shape (x, y) or (x, 1) if nothing varies along the length."""
@@ -104,8 +104,10 @@ class ShapesSource:
         return summed_gap(self.shapes, grid)
 
     def gap_without_scales(self, grid: Grid) -> Array:
-        """Return the summed gap [m] of the shapes without a ``detail``, as :meth:`gap`."""
-        return summed_gap([shape for shape in self.shapes if not hasattr(shape, "detail")], grid)
+        """Return the summed gap [m] of the shapes without ``length_scales``, as :meth:`gap`."""
+        return summed_gap(
+            [shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid
+        )
 
     def row_lengths(self, grid: Grid) -> Array | None:
         """Return the length of both bodies that each row of `grid` stands for, in cells; None where none ends."""
@@ -136,12 +138,12 @@ def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
 
 def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
     """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
-    return any(0 < detail.roller <= grid.period * (1 + 1e-9) for detail in _details(shapes))
+    return any(0 < scales.roller <= grid.period * (1 + 1e-9) for scales in _length_scales(shapes))
 
 
-def _details(shapes: tuple[Shape, ...]) -> list[Detail]:
+def _length_scales(shapes: tuple[Shape, ...]) -> list[LengthScales]:
     """Return the length scales of the shapes that name theirs."""
-    return [shape.detail for shape in shapes if hasattr(shape, "detail")]
+    return [shape.length_scales for shape in shapes if hasattr(shape, "length_scales")]
 
 
 # Approach over the width of the grid that the scales take at least, where nothing else has a scale.
@@ -244,7 +246,7 @@ class Scene:
             if hasattr(self.load, "refuse_tension"):
                 self.load.refuse_tension()
         if isinstance(self.load, TotalLoad) and self.load.length is None:
-            lengths = [d.roller for d in _details(self.shapes) if 0 < d.roller < inf]
+            lengths = [d.roller for d in _length_scales(self.shapes) if 0 < d.roller < inf]
             if not lengths:
                 raise InvalidInput(
                     "Scene.load is a TotalLoad, and no shape has the length of a roller: give "
@@ -464,8 +466,8 @@ class Scene:
             return None
         if not isinstance(self.lubrication.mean_speed, float):
             return "Scene.lubrication.mean_speed"
-        carried = [hasattr(shape, "gap_after") for shape in self.shapes]
-        return f"Scene.shapes[{carried.index(True)}]" if any(carried) else None
+        moving = [hasattr(shape, "gap_after") for shape in self.shapes]
+        return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
 
     @property
     def keeps_frames(self) -> bool:

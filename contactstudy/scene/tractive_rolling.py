@@ -100,13 +100,13 @@ class TractiveRolling:
         for number, shape in enumerate(scene.shapes):
             if hasattr(shape, "gap_after"):
                 raise InvalidInput(
-                    f"Scene.shapes[{number}] is carried by a body together with TractiveRolling: heights that travel "
+                    f"Scene.shapes[{number}] moves with a body together with TractiveRolling: heights that travel "
                     "through the contact make no steady state, give heights that stand still in it."
                 )
-        most = self.coefficient * scene.load.largest
-        if self.tangential is not None and not abs(self.tangential) < most:
+        limit = self.coefficient * scene.load.largest
+        if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(
-                f"TractiveRolling.tangential is {self.tangential!r}: friction bears less than {most:g} N/m, give "
+                f"TractiveRolling.tangential is {self.tangential!r}: friction bears less than {limit:g} N/m, give "
                 "less, or a longitudinal creepage."
             )
 
@@ -142,8 +142,10 @@ class TractiveRolling:
     @staticmethod
     def _travels(scene: FrictionContact) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
-        details = [shape.detail for shape in scene.shapes if hasattr(shape, "detail")]
-        return any(not isinf(detail.finest[0]) for detail in details)
+        length_scales = [
+            shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
+        ]
+        return any(not isinf(scales.finest[0]) for scales in length_scales)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""

@@ -138,7 +138,7 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
         return []
     notes = []
     for number, shape in enumerate(scene.shapes):
-        length = shape.detail.roller if hasattr(shape, "detail") else 0.0
+        length = shape.length_scales.roller if hasattr(shape, "length_scales") else 0.0
         if not 0 < length < inf:
             continue
         if length < grid.period * (1 - 1e-9):

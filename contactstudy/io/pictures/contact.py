@@ -136,9 +136,9 @@ def compare_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
         if fields.sizes["y"] > 1:
             length, along = scaled(fields["y"], LENGTHS)
             change = fields["difference"] / size
-            most = float(np.abs(change).max()) or 1.0
+            largest = float(np.abs(change).max()) or 1.0
             mesh = axes[0].pcolormesh(
-                fields["y"] / length, fields["x"] / width, change, cmap="RdBu_r", vmin=-most, vmax=most,
+                fields["y"] / length, fields["x"] / width, change, cmap="RdBu_r", vmin=-largest, vmax=largest,
                 shading="nearest", rasterized=True,
             )  # fmt: skip
             axes[0].set(

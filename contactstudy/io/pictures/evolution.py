@@ -128,8 +128,8 @@ def _instants(evolved: xr.Dataset, values: Any) -> list[int]:
         rises, falls = np.diff(load, prepend=-np.inf) > 0, np.diff(load, append=-np.inf) < 0
         required |= set(np.flatnonzero(rises & falls).tolist()) & set(drawn.tolist())
     if len(required) > PROFILES:  # the first peaks and the last
-        places = np.linspace(0, len(required) - 1, PROFILES).round().astype(int)
-        required = {sorted(required)[place] for place in places}
+        indices = np.linspace(0, len(required) - 1, PROFILES).round().astype(int)
+        required = {sorted(required)[index] for index in indices}
     for number in sorted(required - even):
         filling = sorted(even - required)
         if len(even) >= PROFILES and filling:  # in the place of the nearest one

@@ -18,7 +18,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 
 
 @suggest_fields
@@ -50,9 +50,9 @@ class Cylinder:
         return 1 / self.radius
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales of a smooth shape."""
-        return Detail()
+        return LengthScales()
 
     def gap(self, grid: Grid) -> Array:
         """Return ``x^2 / (2 R)`` [m], of shape (nx, 1)."""
@@ -88,9 +88,9 @@ class Sphere:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales of a roller whose length is not known."""
-        return Detail(roller=inf)
+        return LengthScales(roller=inf)
 
     def gap(self, grid: Grid) -> Array:
         """Return ``(x^2 + y^2) / (2 R)`` [m], of shape (x, y)."""
@@ -146,9 +146,9 @@ class Crown:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales of the roller."""
-        return Detail(roller=self.length if self.radius < inf else 0.0)
+        return LengthScales(roller=self.length if self.radius < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
         """Return ``y^2 / (2 R)`` [m], of shape (1, length), or (nx, 1) without a crown."""
@@ -268,9 +268,9 @@ class LundbergProfile:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales of the roller that the profile is made for."""
-        return Detail(roller=self.length)
+        return LengthScales(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
         """Return the profile at the cell centres [m], of shape (1, length), or (nx, 1) without a profile."""
@@ -324,9 +324,9 @@ class FiniteLength:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales of the roller."""
-        return Detail(roller=self.length)
+        return LengthScales(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
         """Return zero on the roller and `length` beyond it [m], of shape (1, length), or (nx, 1) without an end."""

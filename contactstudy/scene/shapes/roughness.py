@@ -21,7 +21,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.reuse import cached_array
 from contactstudy.domain.units import Metres, Number
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 
 # The highest of a surface, in its rms heights.
 HEIGHT_OVER_RMS = 4.0
@@ -158,13 +158,13 @@ class Roughness:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales; the height is four times the rms, as in any Gaussian surface of some ten thousand waves."""
         if not self.rms:
-            return Detail()
+            return LengthScales()
         across, along = max(self.peklenik, 1), max(1 / self.peklenik, 1)
         rms, slope = self._rms_height_and_slope()
-        return Detail(
+        return LengthScales(
             finest=(self.cut_off * across, self.cut_off * along),
             repeat=self.extent[1] if self.extent else 0.0,
             longest=self.roll_off * along,
@@ -223,14 +223,14 @@ class Roughness:
 
     def _wave_numbers(self, extent: tuple[float, float]) -> tuple[Array, Array]:
         """Return the wave numbers [1/m] of half the plane of waves, across (x, 1) and along (1, y)."""
-        most = [int(side / self.cut_off) for side in extent]
-        if (2 * most[0] + 1) * (most[1] + 1) > MAX_WAVES:
+        counts = [int(side / self.cut_off) for side in extent]
+        if (2 * counts[0] + 1) * (counts[1] + 1) > MAX_WAVES:
             raise InvalidInput(
                 f"Roughness.cut_off is {self.cut_off!r}: give a wavelength nearer to the extent {extent!r} m, "
                 f"or there are more than {MAX_WAVES:g} waves."
             )
-        kx = np.arange(-most[0], most[0] + 1)[:, None] / extent[0]
-        return kx, np.arange(most[1] + 1)[None, :] / extent[1]
+        kx = np.arange(-counts[0], counts[0] + 1)[:, None] / extent[0]
+        return kx, np.arange(counts[1] + 1)[None, :] / extent[1]
 
     def _amplitudes(self, extent: tuple[float, float]) -> np.ndarray:
         """Return complex amplitudes [m] of half the plane of waves on a surface of that `extent` [m]."""
@@ -259,9 +259,9 @@ class Roughness:
 def _folded(waves: np.ndarray, numbers: np.ndarray, count: int) -> np.ndarray:
     """Return the rows of `waves` summed by their wave `numbers` on `count` points: short ones look like longer ones."""
     folded = np.zeros((count, waves.shape[1]), dtype=complex)
-    places = np.round(numbers).astype(int).ravel() % count
-    if np.bincount(places).max() == 1:  # an assignment takes a fifth of the time
-        folded[places] = waves
+    indices = np.round(numbers).astype(int).ravel() % count
+    if np.bincount(indices).max() == 1:  # an assignment takes a fifth of the time
+        folded[indices] = waves
     else:
-        np.add.at(folded, places, waves)
+        np.add.at(folded, indices, waves)
     return folded

@@ -30,7 +30,7 @@ class Shape(Protocol):
 
 @suggest_fields
 @dataclass(frozen=True)
-class Detail:
+class LengthScales:
     """Length scales of a shape that decide which grid resolves it.
 
     Parameters

@@ -21,7 +21,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Radians
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 
 
 class Profile(Protocol):
@@ -210,16 +210,16 @@ class Texture:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales, since features, and the lands between them, are as fine as they are wide."""
         if self.feature.depth == 0:
-            return Detail()
+            return LengthScales()
         size, (across, along) = self.feature.size, self.pitch
         finest = _narrowest(size, across), _narrowest(size, along)
         repeat = along if along < inf else 0.0
         # a depth over half the size, on the textured fraction of the surface
         slope = 2 * self.feature.depth / size * self.area_density**0.5
-        return Detail(finest, repeat, slope=slope)
+        return LengthScales(finest, repeat, slope=slope)
 
     def gap(self, grid: Grid) -> Array:
         """Return depths [m] at the cell centres, of shape (x, y), or (nx, 1) for grooves along the length."""
@@ -300,13 +300,13 @@ class Waviness:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales of the wave."""
         if self.amplitude == 0:
-            return Detail()
+            return LengthScales()
         repeat = self.along if self.along < inf else 0.0
         slope = np.sqrt(2) * np.pi * abs(self.amplitude) * np.hypot(1 / self.across, 1 / self.along)
-        return Detail(
+        return LengthScales(
             (self.across, self.along), repeat, 0.0, height=abs(self.amplitude), slope=float(slope)
         )
 

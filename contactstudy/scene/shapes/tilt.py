@@ -9,7 +9,7 @@ from contactstudy.domain.checks import InvalidInput, finite, set_fields, suggest
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Radians
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 
 # Angle [rad] of a roller beyond which its ends leave the half-space.
 MAX_ANGLE = 0.1
@@ -51,9 +51,9 @@ class Tilt:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales of a roller whose length is not known."""
-        return Detail(roller=inf if self.angle else 0.0)
+        return LengthScales(roller=inf if self.angle else 0.0)
 
     def gap(self, grid: Grid) -> Array:
         """Return ``y tan(angle)`` [m], of shape (1, length), or (nx, 1) without a tilt."""

@@ -21,7 +21,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement
 from contactstudy.scene.surfaces.preparation import (
     AsMeasured,
@@ -210,7 +210,7 @@ class MeasuredSurface:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
+    def length_scales(self) -> LengthScales:
         """Length scales, from the spacing of the points and the highest of them."""
         heights = self._complete()
         extent = self.extent or heights.shape
@@ -225,9 +225,9 @@ class MeasuredSurface:
             slope = float(np.sqrt((across**2).mean() + (along**2).mean()))
             height = float(heights.max() - heights.mean())
         if self.extent is None:  # cell for cell: sizes are the grid's
-            return Detail(height=height)
+            return LengthScales(height=height)
         period = self.seam.lengths * extent[1]
-        return Detail(
+        return LengthScales(
             finest=(2 * steps[0], 2 * steps[1] if along.any() else inf),
             repeat=period if along.any() else 0.0,
             height=height,

@@ -171,18 +171,18 @@ def _gridded(name: str, columns: Array) -> Measurement:
     remedy = "give columns x, y and height of points on a rectangular grid"
     if columns.shape[1] != 3 or len(columns) < 4 or np.isnan(columns[:, :2]).any():
         raise InvalidInput(f"path is {name!r}, of {columns.shape[1]} columns: {remedy}.")
-    places, sizes = [], []
+    indices, sizes = [], []
     for positions in columns[:, :2].T:
         span = float(np.ptp(positions)) or 1.0
         values = np.unique(np.round(positions / span, 6)) * span
         step = span / max(len(values) - 1, 1)
-        place = (positions - positions.min()) / step
-        if np.abs(place - np.round(place)).max() > 0.01:
+        index = (positions - positions.min()) / step
+        if np.abs(index - np.round(index)).max() > 0.01:
             raise InvalidInput(f"path is {name!r}, whose points are not equidistant: {remedy}.")
-        places.append(np.round(place).astype(int))
+        indices.append(np.round(index).astype(int))
         sizes.append(step * len(values))
-    heights = np.full((places[0].max() + 1, places[1].max() + 1), np.nan)
-    heights[places[0], places[1]] = columns[:, 2]
+    heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
+    heights[indices[0], indices[1]] = columns[:, 2]
     return heights, (sizes[0], sizes[1])
 
 

@@ -127,7 +127,7 @@ def errors(solution: cs.Solution, truth: Truth) -> Errors:
 
 @dataclass(frozen=True)
 class Shifted:
-    """A cylinder whose axis lies ``aside`` [m]: a shape of a user's own, which says nothing of its detail."""
+    """A cylinder whose axis lies ``aside`` [m]: a shape of a user's own, without length scales."""
 
     aside: float
     radius: float = HERTZ.radius

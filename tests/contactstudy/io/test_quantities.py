@@ -63,7 +63,7 @@ def test_numbers_are_those_of_the_fields(line_contact: LineContact) -> None:
     )
     assert numbers["contact_area"].unit == "m2 m-1"
     assert "over the grid's width of 4 mm" in numbers["mean_gap"].label
-    assert numbers["peak_pressure"].place == pytest.approx({"x": 0.5e-3, "y": 1.5e-3})
+    assert numbers["peak_pressure"].position == pytest.approx({"x": 0.5e-3, "y": 1.5e-3})
 
 
 def test_bounds_are_those_of_the_error_and_hold(line_contact: LineContact) -> None:
@@ -106,10 +106,10 @@ def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
     von_mises = contact.to_dataset()["von_mises"]
     number = contact.quantities["largest_von_mises"]
     assert number.value == float(von_mises.max())
-    assert number.place is not None
-    at = von_mises.sel(x=number.place["x"], z=number.place["z"])
+    assert number.position is not None
+    at = von_mises.sel(x=number.position["x"], z=number.position["z"])
     assert float(at.max()) == pytest.approx(number.value, rel=1e-9)
-    assert contact.quantities["largest_von_mises_depth"].value == number.place["z"]
+    assert contact.quantities["largest_von_mises_depth"].value == number.position["z"]
 
 
 ROWS = {

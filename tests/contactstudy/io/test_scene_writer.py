@@ -25,7 +25,7 @@ SHAPES: tuple[cs.Shape, ...] = (
     cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), cs.Trend.PLANE, cs.Mirrored()),
     cs.MeasuredSurface(SURFACE),
     cs.Sphere(0.02),
-    cs.Carried(cs.Waviness(1e-7, along=5e-5), body=1),
+    cs.MovingShape(cs.Waviness(1e-7, along=5e-5), body=1),
 )
 PADDINGS: tuple[cs.Padding | cs.Paddings, ...] = (
     cs.ExactPeriodicity(),

@@ -91,7 +91,7 @@ kind = "Cylinder"
 radius = "10 mm"
 
 [[shapes]]
-kind = "Carried"
+kind = "MovingShape"
 body = 1
 shape = {kind = "Waviness", amplitude = "10 nm", across = "0.2 mm", along = "inf"}
 
@@ -139,6 +139,6 @@ def test_a_file_may_carry_a_measured_surface(tmp_path: Path) -> None:
     wave = MARCH[MARCH.index("shape = ") : MARCH.index("\n\n[lubrication]")]
     (tmp_path / "march.toml").write_text(MARCH.replace(wave, f"shape = {shape}"))
     carried = cs.read_scene(tmp_path / "march.toml").scene.shapes[1]
-    assert isinstance(carried, cs.Carried)
+    assert isinstance(carried, cs.MovingShape)
     assert isinstance(carried.shape, cs.MeasuredSurface)
     assert carried.body == 1

@@ -53,7 +53,7 @@ def test_a_wave_that_passes_is_reduced_as_known(
 ) -> None:
     smooth = rolling(load, viscosity)
     height = 0.1 * solve_lubricated(smooth, grid(cells, 3.0)).central_film
-    passing = cs.Carried(cs.Waviness(height, across=wave * A, along=np.inf))
+    passing = cs.MovingShape(cs.Waviness(height, across=wave * A, along=np.inf))
     scene = rolling(load, viscosity, passing)
     period = wave * A / speed_of(scene)
     evolution = evolve_lubricated(
@@ -105,7 +105,7 @@ def test_a_load_that_grows_squeezes_the_film_to_that_of_the_larger_load() -> Non
 def test_smaller_errors_take_more_steps_and_agree() -> None:
     smooth = rolling(20, 5)
     height = 0.2 * solve_lubricated(smooth, grid(160, 4.0)).central_film
-    scene = rolling(20, 5, cs.Carried(cs.Waviness(height, across=A, along=np.inf)))
+    scene = rolling(20, 5, cs.MovingShape(cs.Waviness(height, across=A, along=np.inf)))
     times = np.linspace(0, 4 * A / speed_of(scene), 9)
     coarse, fine = (
         evolve_lubricated(scene, grid(160, 4.0), times=times, error=error) for error in (1e-3, 1e-5)
@@ -120,7 +120,7 @@ def test_rough_heights_on_either_body_pass_through() -> None:
     smooth = solve_lubricated(by_moes(20, 5), grid(96, 3.0))
     for body in (0, 1):
         waves = cs.Waviness(0.2 * smooth.central_film, across=A, along=A / 2)
-        scene = by_moes(20, 5, cs.Carried(waves, body=body))
+        scene = by_moes(20, 5, cs.MovingShape(waves, body=body))
         times = np.linspace(0, A / speed_of(scene), 3)
         evolution = evolve_lubricated(scene, grid(96, 3.0, 16), times=times, error=1e-2)
         assert evolution.status is not cs.Status.FILM_NOT_CONVERGED
@@ -128,7 +128,7 @@ def test_rough_heights_on_either_body_pass_through() -> None:
 
 
 def test_what_moves_or_changes_is_refused_by_the_steady_solve() -> None:
-    moving = by_moes(20, 5, cs.Carried(cs.Waviness(1e-8, across=A, along=np.inf)))
+    moving = by_moes(20, 5, cs.MovingShape(cs.Waviness(1e-8, across=A, along=np.inf)))
     with pytest.raises(cs.InvalidInput, match=r"contactstudy\.evolve"):
         solve_lubricated(moving, grid(100, 4.5))
     load = cs.LoadHistory((0.0, 1.0), (1e5, 2e5))
@@ -229,7 +229,7 @@ def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
     """Twelve steps a wave beside ninety-six, of the film on the axis."""
     smooth = rolling(20, 5)
     height = 0.2 * solve_lubricated(smooth, grid(96, 3.0)).central_film
-    scene = rolling(20, 5, cs.Carried(cs.Waviness(height, across=A, along=np.inf)))
+    scene = rolling(20, 5, cs.MovingShape(cs.Waviness(height, across=A, along=np.inf)))
     period = A / speed_of(scene)
     coarse, fine = (
         evolve_lubricated(

@@ -108,8 +108,10 @@ def test_the_default_grid_and_period_show_every_surface() -> None:
     for case in set(load("roughness").cases()):
         plan = cs.plan(case.scene, grid=case.grid)
         # what is resolved is resolved by three cells in the finest wavelength or more
-        for cell, finest in zip(case.grid.cell, case.scene.shapes[-1].detail.finest, strict=True):
-            assert finest / cell >= 3 or case.scene.shapes[-1].detail.height == 0
+        for cell, finest in zip(
+            case.grid.cell, case.scene.shapes[-1].length_scales.finest, strict=True
+        ):
+            assert finest / cell >= 3 or case.scene.shapes[-1].length_scales.height == 0
         assert plan.error < float("inf")
         assert ": give" not in plan.period_check
         assert not [said for said in plan.warnings if "Grid.cells" in said]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 from tests.conftest import LineContact
 
 GRID = cs.Grid(cells=(16, 8), extent=(1e-3, 5e-4))
@@ -30,15 +30,15 @@ FINE = cs.Grid((512, 512), (2.0, 3.0))
 def test_a_wave_has_its_lengths_its_amplitude_and_its_slope(across: float, along: float) -> None:
     wave = cs.Waviness(0.01, across=across, along=along, phase=0.3)
     height, slope = measured(wave, FINE)
-    detail = wave.detail
-    assert detail.finest == (across, along)
-    assert detail.repeat == (along if along < inf else 0.0)
+    scales = wave.length_scales
+    assert scales.finest == (across, along)
+    assert scales.repeat == (along if along < inf else 0.0)
     # a difference over a step is less than a slope by (2 pi step / length)^2 / 24
-    assert detail.height == pytest.approx(height, rel=1e-3)
-    assert detail.slope == pytest.approx(slope, rel=2e-3)
-    assert (detail.longest, detail.roller, detail.widest) == (0.0, 0.0, inf)
+    assert scales.height == pytest.approx(height, rel=1e-3)
+    assert scales.slope == pytest.approx(slope, rel=2e-3)
+    assert (scales.longest, scales.roller, scales.widest) == (0.0, 0.0, inf)
     assert wave.curvature == 0
-    assert cs.Waviness(0.0, across=across).detail == Detail()
+    assert cs.Waviness(0.0, across=across).length_scales == LengthScales()
 
 
 def test_a_wave_s_heights_are_those_of_its_cosine() -> None:
@@ -69,11 +69,11 @@ def test_a_wave_s_heights_are_those_of_its_cosine() -> None:
 def test_a_texture_is_as_fine_as_its_features_and_lands(
     feature: Any, pitch: tuple[float, float], finest: tuple[float, float], slope: float
 ) -> None:
-    detail = cs.Texture(feature, pitch).detail
-    assert detail.finest == pytest.approx(finest)
-    assert detail.repeat == (pitch[1] if pitch[1] < inf else 0.0)
-    assert detail.slope == pytest.approx(slope)
-    assert (detail.height, detail.roller) == (0.0, 0.0)
+    scales = cs.Texture(feature, pitch).length_scales
+    assert scales.finest == pytest.approx(finest)
+    assert scales.repeat == (pitch[1] if pitch[1] < inf else 0.0)
+    assert scales.slope == pytest.approx(slope)
+    assert (scales.height, scales.roller) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("peklenik", [0.5, 1.0, 2.0])
@@ -81,49 +81,52 @@ def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float)
     shape = cs.Roughness(
         0.01, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik, extent=(2.0, 3.0)
     )
-    detail = shape.detail
+    scales = shape.length_scales
     wide, long = max(peklenik, 1), max(1 / peklenik, 1)
-    assert detail.finest == pytest.approx((0.05 * wide, 0.05 * long))
-    assert (detail.repeat, detail.longest) == pytest.approx((3.0, 0.5 * long))
+    assert scales.finest == pytest.approx((0.05 * wide, 0.05 * long))
+    assert (scales.repeat, scales.longest) == pytest.approx((3.0, 0.5 * long))
     # four times the rms height, of some hundred waves a side
     height, slope = measured(shape, FINE)
-    assert detail.height == pytest.approx(0.04)
-    assert 0.5 * detail.height < height < 1.25 * detail.height
+    assert scales.height == pytest.approx(0.04)
+    assert 0.5 * scales.height < height < 1.25 * scales.height
     if peklenik == 1:
         # one sample, of which a difference over a tenth of the finest wave sees all but a few hundredths
-        assert detail.slope == pytest.approx(slope, rel=0.1)
+        assert scales.slope == pytest.approx(slope, rel=0.1)
     by_slope = cs.Roughness(
-        cs.RmsSlope(detail.slope), hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik
-    ).detail
+        cs.RmsSlope(scales.slope), hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik
+    ).length_scales
     assert by_slope.height == pytest.approx(0.04)
     assert by_slope.repeat == 0
-    assert cs.Roughness(0.0, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3).detail == Detail()
+    assert (
+        cs.Roughness(0.0, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3).length_scales
+        == LengthScales()
+    )
 
 
 def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> None:
     heights = np.random.default_rng(0).standard_normal((8, 6))
     surface = cs.MeasuredSurface(heights, extent=(4.0, 1.5), seam=cs.Mirrored())
-    detail = surface.detail
-    assert detail.finest == (1.0, 0.5)
-    assert (detail.repeat, detail.widest) == (3.0, 4.0)
-    assert detail.height == pytest.approx(heights.max() - heights.mean())
+    scales = surface.length_scales
+    assert scales.finest == (1.0, 0.5)
+    assert (scales.repeat, scales.widest) == (3.0, 4.0)
+    assert scales.height == pytest.approx(heights.max() - heights.mean())
     across, along = np.diff(heights, axis=0) / 0.5, np.diff(heights, axis=1) / 0.25
-    assert detail.slope == pytest.approx(np.sqrt((across**2).mean() + (along**2).mean()))
-    bare = cs.MeasuredSurface(heights).detail
-    assert bare == Detail(height=detail.height)
-    profile = cs.MeasuredSurface(heights[:, :1], extent=(4.0, 1.5)).detail
+    assert scales.slope == pytest.approx(np.sqrt((across**2).mean() + (along**2).mean()))
+    bare = cs.MeasuredSurface(heights).length_scales
+    assert bare == LengthScales(height=scales.height)
+    profile = cs.MeasuredSurface(heights[:, :1], extent=(4.0, 1.5)).length_scales
     assert (profile.finest, profile.repeat) == ((1.0, inf), 0.0)
 
 
 def test_rollers_say_their_length() -> None:
-    assert cs.FiniteLength(2.0).detail == Detail(roller=2.0)
-    assert cs.Crown(5.0).detail == Detail(roller=inf)
-    assert cs.Crown(5.0, 0.01).detail == Detail(roller=0.01)
-    assert cs.Tilt(1e-3).detail == Detail(roller=inf)
-    assert cs.Tilt(0.0).detail == Detail()
-    assert cs.Crown(inf).detail == Detail()
-    assert cs.Sphere(1.0).detail == Detail(roller=inf)
-    assert cs.LundbergProfile(1e-6, 1e-5, 2.0).detail == Detail(roller=2.0)
+    assert cs.FiniteLength(2.0).length_scales == LengthScales(roller=2.0)
+    assert cs.Crown(5.0).length_scales == LengthScales(roller=inf)
+    assert cs.Crown(5.0, 0.01).length_scales == LengthScales(roller=0.01)
+    assert cs.Tilt(1e-3).length_scales == LengthScales(roller=inf)
+    assert cs.Tilt(0.0).length_scales == LengthScales()
+    assert cs.Crown(inf).length_scales == LengthScales()
+    assert cs.Sphere(1.0).length_scales == LengthScales(roller=inf)
+    assert cs.LundbergProfile(1e-6, 1e-5, 2.0).length_scales == LengthScales(roller=2.0)
 
 
 def test_round_bodies_and_ends_have_their_heights() -> None:

@@ -1,4 +1,4 @@
-"""Heights that a body carries through a lubricated contact."""
+"""Heights that move with a body through a lubricated contact."""
 
 from dataclasses import dataclass
 
@@ -8,27 +8,27 @@ from scipy import ndimage
 from contactstudy.domain.checks import InvalidInput, body_index, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.scene.shapes.shape import Detail, Shape
+from contactstudy.scene.shapes.shape import LengthScales, Shape
 
 
 @dataclass(frozen=True)
-class MovedGrid(Grid):
-    """The cells of a grid as a body sees them that has moved by ``moved`` [m] across."""
+class ShiftedGrid(Grid):
+    """The cells of a grid in the frame of a body that has moved by ``shift`` [m] across."""
 
-    moved: float
+    shift: float
 
     @property
     def x(self) -> Array:
         """Cell centres across the width in the body's own frame, shape (nx,) [m]."""
-        return np.asarray(super().x - self.moved)
+        return np.asarray(super().x - self.shift)
 
 
 @suggest_fields
 @dataclass(frozen=True)
-class Carried:
+class MovingShape:
     """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.
 
-    At time zero it is where the shape is. Heights of a measured surface repeat across with the width of the grid.
+    At time zero it is not shifted. Heights of a measured surface repeat across with the width of the grid.
 
     Parameters
     ----------
@@ -47,14 +47,14 @@ class Carried:
     body: int = 0
 
     def __post_init__(self) -> None:
-        body_index("Carried.body", self.body)
+        body_index("MovingShape.body", self.body)
         if (
             isinstance(self.shape, type)
             or not isinstance(self.shape, Shape)
             or self.shape.curvature
         ):
             raise InvalidInput(
-                f"Carried.shape is {self.shape!r}: give heights without curvature, such as Roughness."
+                f"MovingShape.shape is {self.shape!r}: give heights without curvature, such as Roughness."
             )
 
     @property
@@ -63,19 +63,19 @@ class Carried:
         return 0.0
 
     @property
-    def detail(self) -> Detail:
-        """Detail of the shape."""
-        return getattr(self.shape, "detail", Detail())
+    def length_scales(self) -> LengthScales:
+        """Length scales of the shape."""
+        return getattr(self.shape, "length_scales", LengthScales())
 
     def gap(self, grid: Grid) -> Array:
         """Return the contribution to the gap [m] at time zero."""
         return self.shape.gap(grid)
 
-    def gap_after(self, grid: Grid, moved: float) -> Array:
-        """Return the contribution to the gap [m] after the body has moved by a distance [m]."""
+    def gap_after(self, grid: Grid, shift: float) -> Array:
+        """Return the contribution to the gap [m] after the body has moved by ``shift`` [m]."""
         if hasattr(self.shape, "seam"):  # heights that stand on the grid
             heights = np.broadcast_to(self.shape.gap(grid), grid.cells)
             return np.asarray(
-                ndimage.shift(heights, (moved / grid.cell[0], 0), order=3, mode="grid-wrap")
+                ndimage.shift(heights, (shift / grid.cell[0], 0), order=3, mode="grid-wrap")
             )
-        return self.shape.gap(MovedGrid(grid.cells, grid.extent, moved))
+        return self.shape.gap(ShiftedGrid(grid.cells, grid.extent, shift))

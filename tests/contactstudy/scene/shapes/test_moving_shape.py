@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.shapes.carried import Carried
+from contactstudy.scene.shapes.moving_shape import MovingShape
 
 GRID = cs.Grid((16, 3), (4.0, 3.0))
 
 
-def measured(heights: np.ndarray) -> Carried:
+def measured(heights: np.ndarray) -> MovingShape:
     shape: Any = SimpleNamespace(
-        curvature=0.0, seam=None, detail=cs.Detail(), gap=lambda _: heights
+        curvature=0.0, seam=None, length_scales=cs.LengthScales(), gap=lambda _: heights
     )
-    return Carried(shape)
+    return MovingShape(shape)
 
 
 def test_measured_heights_move_to_larger_x_and_come_in_again_at_the_other_end() -> None:

@@ -70,8 +70,8 @@ def module_in(path: Path) -> ModuleType:
 def study_in(path: Path) -> Study:
     """Return the study in ``path``."""
     module = module_in(path)
-    words = module.__doc__ if isinstance(module.__doc__, str) else path.stem
-    title = one_line(words.strip().split("\n")[0], 300)
+    description = module.__doc__ if isinstance(module.__doc__, str) else path.stem
+    title = one_line(description.strip().split("\n")[0], 300)
     times = getattr(module, "times", "taken")
     depends = [*_names(path, module, "depends"), *_names(path, module, "files")]
     try:

@@ -31,13 +31,13 @@ def unit_of(cells: tuple[int, int]) -> tuple[int, int]:
     return best if along >= across else (best[1], best[0])
 
 
-def rungs(unit: tuple[int, int], most: int) -> Sequence[tuple[int, tuple[int, int]]]:
-    """Return every multiple of the unit with its cells (across, along), up to `most` cells in all."""
+def rungs(unit: tuple[int, int], max_cells: int) -> Sequence[tuple[int, tuple[int, int]]]:
+    """Return every multiple of the unit with its cells (across, along), up to `max_cells` cells in all."""
     return [
         (multiple, cells)
         for multiple in MULTIPLES
         for cells in [cells_at(unit, multiple)]
-        if cells[0] * cells[1] <= most
+        if cells[0] * cells[1] <= max_cells
     ]
 
 

@@ -154,8 +154,8 @@ class _Comparing:
         """Run all steps."""
         subject = self.subject
         self.notes += subject.notes
-        most = MIDDLE if subject.unit[1] > 1 else MIDDLE_OF_LINE
-        self._climb(lambda multiple: prod(self._cells(multiple)) <= most, NEXT)
+        max_cells = MIDDLE if subject.unit[1] > 1 else MIDDLE_OF_LINE
+        self._climb(lambda multiple: prod(self._cells(multiple)) <= max_cells, NEXT)
         middle = self._middle()
         paddings = self._paddings(middle)
         tolerances = self._tolerances(middle)
@@ -396,20 +396,22 @@ class _Comparing:
             settings = settings + self._solved(line, cs.ExactPeriodicity(), rungs, None, LINE)
         # first those of which one may be chosen
         untimed = []
-        most = max(TIMED)
+        max_images = max(TIMED)
         short = any(
             measured.l1 > TOLERANCE_SHARE * self.error
             for measured in paddings
-            if getattr(measured.padding, "images", 0) == most
+            if getattr(measured.padding, "images", 0) == max_images
         )
         for measured in sorted(
             paddings, key=lambda measured: measured.l1 > max(WORTH * least, self.error)
         ):
-            images = getattr(measured.padding, "images", most)
+            images = getattr(measured.padding, "images", max_images)
             if images not in TIMED and not (short and images == max(CIRCULAR)):
                 continue
-            so_far = sum(measured.time for measured in settings) / len(scene_settings) * len(rungs)
-            if (1 + REPEATS) * so_far > self.budget.left - FOR_ROUNDS * self.budget.seconds:
+            mean_time = (
+                sum(measured.time for measured in settings) / len(scene_settings) * len(rungs)
+            )
+            if (1 + REPEATS) * mean_time > self.budget.left - FOR_ROUNDS * self.budget.seconds:
                 untimed.append(label_of(measured.padding))
                 continue
             settings = settings + self._solved(self.subject, measured.padding, rungs, reference)
@@ -418,11 +420,11 @@ class _Comparing:
                 f"Not timed, since the seconds did not suffice: {'; '.join(untimed)}."
             )
         self.log(f"{len(settings)} settings solved: {self.budget.spent:.0f} s")
-        a_turn = 1.2 * sum(measured.time for measured in settings)
+        turn_time = 1.2 * sum(measured.time for measured in settings)
         turns = in_rounds(
             [partial(self.subject.solve, measured.setting) for measured in settings],
             REPEATS,
-            lambda: self.budget.left - FOR_ROUNDS / 2 * self.budget.seconds > a_turn,
+            lambda: self.budget.left - FOR_ROUNDS / 2 * self.budget.seconds > turn_time,
         )
         return [
             replace(measured, seconds=tuple(turn[k] for turn in turns) or measured.seconds)
@@ -497,11 +499,11 @@ class _Comparing:
         )
         if not chosen:
             return measured
-        a_round = sum(setting.time for setting in chosen)
+        round_time = sum(setting.time for setting in chosen)
         rounds = in_rounds(
             [partial(self.subject.solve, setting.setting) for setting in chosen],
             ROUNDS,
-            lambda: self.budget.left > 1.2 * a_round,
+            lambda: self.budget.left > 1.2 * round_time,
         )
         if len(rounds) < ROUNDS:
             self.notes.append(

@@ -42,8 +42,8 @@ def in_rounds(
     while len(rounds) < count and goes_on():
         shuffle(order)
         times = [0.0] * len(runs)
-        for place in order:
-            times[place] = seconds_of(runs[place])[0]
+        for index in order:
+            times[index] = seconds_of(runs[index])[0]
         rounds.append(times)
     return rounds
 

@@ -186,10 +186,10 @@ def _split(text: str) -> tuple[str, int]:
 
 def _times(rows: list[tuple[float, ...]], dim: str) -> xr.Variable:
     """Return times of all settings, filled with nan."""
-    most = max((len(row) for row in rows), default=0)
-    values = np.full((len(rows), max(most, 1)), np.nan)
-    for place, row in enumerate(rows):
-        values[place, : len(row)] = row
+    length = max((len(row) for row in rows), default=0)
+    values = np.full((len(rows), max(length, 1)), np.nan)
+    for index, row in enumerate(rows):
+        values[index, : len(row)] = row
     return xr.Variable(("setting", dim), values, {"units": "s", "long_name": "processor time"})
 
 

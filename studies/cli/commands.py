@@ -210,10 +210,10 @@ def run(
     from studies.model.outcome import CaseStatus
     from studies.store.table import points_of
 
-    most = None if yes else MOST_POINTS
+    max_points = None if yes else MOST_POINTS
     chosen = load_scene_study(study, vary, context.args)
     if chosen is None:
-        chosen = _named(study, scene).override(_axes(context.args), most=most)
+        chosen = _named(study, scene).override(_axes(context.args), most=max_points)
     elif scene is not None:
         raise InvalidInput(f"--scene is given beside the scene {study!r}: leave it out.")
     else:
@@ -228,7 +228,7 @@ def run(
         out, drawing = out / scene.stem, partial(load_drawing, "pareto")
     statuses_again = frozenset(status for name in retry for status in RETRIES[name])
     options = RunOptions(
-        repeats=0 if no_times else repeats, retry=statuses_again, most_points=most, **settings
+        repeats=0 if no_times else repeats, retry=statuses_again, most_points=max_points, **settings
     )
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)

@@ -97,7 +97,7 @@ def _csv(dataset: "xr.Dataset") -> str:
         for name, variable in dataset.data_vars.items()
         if set(variable.dims) <= set(axes) and bool(variable.dims) == bool(axes)
     ]
-    names.sort(key=_place)
+    names.sort(key=_rank)
     timed = "contended" in dataset and bool((_in_words(dataset["contended"]) != "not_timed").any())
     names = [name for name in names if timed or not _is_time(name)]
     flat = dataset[names].assign({name: _in_words(dataset[name]) for name in names})
@@ -118,7 +118,7 @@ def _csv(dataset: "xr.Dataset") -> str:
 LAST = ("status", "iterations", "convolutions", "residual", "case_", "contended", "_time")
 
 
-def _place(name: str) -> int:
+def _rank(name: str) -> int:
     """Return the place of a column among :data:`LAST`, 0 for one that is not there."""
     return max((place for place, word in enumerate(LAST, start=1) if word in name), default=0)
 

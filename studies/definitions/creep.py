@@ -45,8 +45,8 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     """Return half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
     # records at the same times for every number of steps, without the first step, which follows a jump
-    places = np.unique(np.linspace(0, len(result.frames) - 1, RECORDS + 1).round().astype(int))
-    frames = [result.frames[place] for place in places]
+    indices = np.unique(np.linspace(0, len(result.frames) - 1, RECORDS + 1).round().astype(int))
+    frames = [result.frames[index] for index in indices]
     time = np.linspace(0, END, RECORDS + 1)
     padded = (0, RECORDS + 1 - len(frames))
 

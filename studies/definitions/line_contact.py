@@ -59,11 +59,11 @@ def paper_measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable
     assert hertz is not None
     pressure = solution.pressure / hertz.peak_pressure
     across = {"long_name": "pressure over Hertz peak pressure", "units": "1"}
-    place = {"long_name": "position across the contact over Hertz half-width", "units": "1"}
+    x_label = {"long_name": "position across the contact over Hertz half-width", "units": "1"}
     return {
         **measures(case, solution),
         **point_displacement(case.padding),
-        "x": xr.Variable("x", cells.x / hertz.half_width, place),
+        "x": xr.Variable("x", cells.x / hertz.half_width, x_label),
         "pressure": xr.Variable(
             "x",
             pressure[:, pressure.shape[1] // 2],
@@ -86,9 +86,9 @@ def point_displacement(along: cs.Padding | cs.Paddings) -> Mapping[str, xr.Varia
     displacement = cs.convolution(hertz.contact_modulus, cells, along, datum=a)(pressure)
     displacement /= hertz.approach
     label = {"units": "1", "long_name": "displacement over Hertz central displacement"}
-    place = {"units": "1", "long_name": "distance from the centre over contact radius"}
+    distance_label = {"units": "1", "long_name": "distance from the centre over contact radius"}
     return {
-        "offset": xr.Variable("offset", cells.x / a, place),
+        "offset": xr.Variable("offset", cells.x / a, distance_label),
         "displacement_x": xr.Variable("offset", displacement[:, POINT_CELLS // 2], label),
         "displacement_y": xr.Variable("offset", displacement[POINT_CELLS // 2], label),
     }

@@ -69,8 +69,8 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     peak = case.scene.load.largest * 2 / pi
     x = case.grid.x
     loaded, last = result.frames[-2:]
-    deep = last.coupled_state["equivalent0"]
-    yielded = np.flatnonzero((deep > 0).any(axis=(1, 2)))
+    equivalent_strain = last.coupled_state["equivalent0"]
+    yielded = np.flatnonzero((equivalent_strain > 0).any(axis=(1, 2)))
     surface = last.fields["residual_displacement"].values[:, 0]
     answers = {
         "peak_pressure": (loaded.peak_pressure / peak, "peak pressure over Hertz's"),
@@ -81,7 +81,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
             "depth down to which it has yielded over Hertz's half-width",
         ),
         "plastic_strain": (
-            float(deep.max()) / STRAIN,
+            float(equivalent_strain.max()) / STRAIN,
             "largest equivalent plastic strain over Y / E",
         ),
     }

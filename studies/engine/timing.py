@@ -29,7 +29,7 @@ def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str]
                if expected[name] < WARM_UP}  # fmt: skip
     # every case once, then every case again
     turns = sorted(
-        (turn, place) for place, name in enumerate(counts) for turn in range(counts[name])
+        (turn, index) for index, name in enumerate(counts) for turn in range(counts[name])
     )
     names = list(counts)
     without_times = set()
@@ -39,7 +39,7 @@ def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str]
     ):
         for counted, name in (
             *((False, name) for name in longest.values()),
-            *((True, names[place]) for _, place in turns),
+            *((True, names[index]) for _, index in turns),
         ):
             if name in without_times:
                 continue

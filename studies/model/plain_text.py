@@ -75,8 +75,11 @@ def place_of(error: BaseException, *libraries: str) -> str:
     ]
     if not study:
         return ""
-    place = study[-1]
-    return one_line(f" in {place.name} ({Path(place.filename).name}, line {place.lineno})", 300)
+    innermost = study[-1]
+    return one_line(
+        f" in {innermost.name} ({Path(innermost.filename).name}, line {innermost.lineno})",
+        300,
+    )
 
 
 @cache

@@ -60,14 +60,14 @@ def answer(
     matrix = factor * influence_matrix(grid, paddings, scales.length)
     gap = (solution.problem.undeformed_gap.ravel() - solution.problem.datum) / scales.gap
     total = scene.load.largest * grid.period / grid.cell_area / scales.pressure
-    most = scene.hardness / scales.pressure
+    limit = scene.hardness / scales.pressure
     before = solution.pressure.ravel() / scales.pressure
     diagonal = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative
-    yielding = before >= most
+    yielding = before >= limit
     free = (before > 0) & ~yielding
     started = free.copy()
     for _ in range(PIVOTS):
-        pressure = np.where(yielding, most, 0.0)
+        pressure = np.where(yielding, limit, 0.0)
         displacement = matrix @ pressure if yielding.any() else np.zeros_like(gap)
         free_load = total - pressure.sum()
         pressure[free], approach = _on(matrix, free, -(gap + displacement)[free], free_load)
@@ -77,7 +77,7 @@ def answer(
         deformed_gap -= approach
         deformed_gap[free] = 0.0
         predicted = pressure - deformed_gap / diagonal
-        sets = predicted >= most, (predicted > 0) & (predicted < most)
+        sets = predicted >= limit, (predicted > 0) & (predicted < limit)
         if (sets[0] == yielding).all() and (sets[1] == free).all():
             sizes = gap[pressure > 0].max(), (np.abs(matrix) @ pressure).max()
             return DenseAnswer(

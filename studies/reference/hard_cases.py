@@ -199,7 +199,7 @@ def _solver() -> dict[str, HardCase]:
     # heights of 0.1 flatten at four times their load
     pressed = replace(bumpy(ROUGH), load=cs.LineLoad(16 * SCENE.load.largest))
     capped = replace(bumpy(ROUGH, FLAT), hardness=1.0001 * SCENE.load.largest / (2.4 * A))
-    near = bumpy(0.2 * ROUGH, FLAT)
+    near_start = bumpy(0.2 * ROUGH, FLAT)
     return {
         "tolerance 1e-14": replace(
             rough,
@@ -228,7 +228,7 @@ def _solver() -> dict[str, HardCase]:
         "cap at near-full contact": replace(
             rough, hard="a hardness one in 10^4 above the mean pressure", scene=capped
         ),
-        "near-full rough contact": replace(rough, hard="the last deep valleys", scene=near),
+        "near-full rough contact": replace(rough, hard="the last deep valleys", scene=near_start),
         "overloaded rough contact": replace(
             rough, hard="16 times the load on the same width", scene=pressed
         ),

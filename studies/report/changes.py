@@ -39,9 +39,9 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         if not np.nan_to_num(change).any():
             continue
         scale = float(np.nanmax(np.abs(before)))
-        place = np.unravel_index(int(np.nanargmax(change)), change.shape)
-        at = {axis: a[axis].values[k] for axis, k in zip(axes, place, strict=True)}
-        x, y = float(before[place]), float(after[place])
+        index = np.unravel_index(int(np.nanargmax(change)), change.shape)
+        at = {axis: a[axis].values[k] for axis, k in zip(axes, index, strict=True)}
+        x, y = float(before[index]), float(after[index])
         where = ", ".join(f"{axis} {value}" for axis, value in at.items())
         relative = abs(y - x) / scale if scale else np.inf
         changed.append(

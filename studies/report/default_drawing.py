@@ -81,7 +81,9 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
     points = product(*(dataset[axis].values for axis in further))
     for number, point in enumerate(islice(points, MOST_FIGURES), 1):
         at = dict(zip(further, point, strict=True))
-        place = ", ".join(f"{_name(dataset[axis])} {_short(value)}" for axis, value in at.items())
+        selection_text = ", ".join(
+            f"{_name(dataset[axis])} {_short(value)}" for axis, value in at.items()
+        )
         figure, panes = panels(len(names), columns=min(3, len(names)))
         for name, ax in zip(names, panes, strict=True):
             selected = good.sel(at)
@@ -95,7 +97,11 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
                 size, _ = _scale(good.sel(at)[name])
                 law = good.sel(at)[formula] / size
                 ax.plot(x, law, color="black", linestyle=dashes, label=author)
-        parts = [str(dataset.attrs.get("title", "Study")), place, _constants(dataset, axes)]
+        parts = [
+            str(dataset.attrs.get("title", "Study")),
+            selection_text,
+            _constants(dataset, axes),
+        ]
         caption = f"{'; '.join(part for part in parts if part)}."
         figures.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
     return [*figures, *against_reference.figures(dataset, names)]

@@ -124,7 +124,7 @@ def make(
     if SETTINGS in (part.name for part in chapter.parts):
         # its times are taken when nothing else runs
         measured = comparison_of(paper_described(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
-        sections[SETTINGS] = scene_sections(measured, out, formats, most=1)
+        sections[SETTINGS] = scene_sections(measured, out, formats, max_parts=1)
         datasets[SETTINGS] = read(path_in(out))
     ordered = [one for part in chapter.parts for one in sections[part.name]]
     return write_page(chapter, ordered, datasets, out)
@@ -149,7 +149,7 @@ def write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path
                     f"Comparison {str(path_in(out))!r} is not there: run contactstudy report first."
                 )
             datasets[SETTINGS] = read(path_in(out))
-            sections += scene_sections(from_dataset(datasets[SETTINGS]), out, formats, most=1)
+            sections += scene_sections(from_dataset(datasets[SETTINGS]), out, formats, max_parts=1)
             continue
         datasets[part.name] = stored(part.study(), out)
         sections.append(section(part, datasets[part.name], out, formats))

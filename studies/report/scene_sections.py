@@ -49,9 +49,9 @@ def comparison_of(
 
 
 def scene_sections(
-    measured: Comparison, out: Path, formats: Sequence[str] = FORMATS, most: int | None = None
+    measured: Comparison, out: Path, formats: Sequence[str] = FORMATS, max_parts: int | None = None
 ) -> Sequence[Section]:
-    """Draw a comparison into a folder, and return it, or the first `most` parts of it, as sections of a page."""
+    """Draw a comparison into a folder, and return it, or the first `max_parts` of it, as sections of a page."""
     return [
         Section(
             name=part.name,
@@ -62,7 +62,7 @@ def scene_sections(
             tables=part.tables,
             file=SETTINGS,
         )
-        for part in parts(measured)[:most]
+        for part in parts(measured)[:max_parts]
     ]
 
 

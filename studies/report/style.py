@@ -84,12 +84,12 @@ def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:
     return CaptionedFigure(name, figure, caption)
 
 
-def select_evenly(values: Iterable[float], most: int = 3) -> list[float]:
-    """Return at most `most` of the values, evenly spaced, including the first and the last."""
+def select_evenly(values: Iterable[float], count: int = 3) -> list[float]:
+    """Return at most `count` of the values, evenly spaced, including the first and the last."""
     chosen = list(values)
-    if len(chosen) <= most:
+    if len(chosen) <= count:
         return chosen
-    return [chosen[round(k * (len(chosen) - 1) / (most - 1))] for k in range(most)]
+    return [chosen[round(k * (len(chosen) - 1) / (count - 1))] for k in range(count)]
 
 
 def percent(value: SupportsFloat) -> str:

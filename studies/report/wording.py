@@ -151,4 +151,4 @@ def title_text(measured: Comparison, verdict: Verdict) -> str:
 def reported_quantities(measured: Comparison) -> Sequence[tuple[str, str]]:
     """Return the numbers whose change by a padding is known, each with its name for people."""
     names = {name for padding in measured.paddings for name in padding.changes}
-    return [(name, words) for name, words in REPORTED.items() if name in names]
+    return [(name, long_name) for name, long_name in REPORTED.items() if name in names]

@@ -186,8 +186,8 @@ def replaced(value: Any, path: Sequence[str], new: object) -> Any:
     if isinstance(value, tuple | list):
         number = int(first)
         return tuple(
-            replaced(entry, below, new) if place == number else entry
-            for place, entry in enumerate(value)
+            replaced(entry, below, new) if index == number else entry
+            for index, entry in enumerate(value)
         )
     return replace(value, **{first: replaced(getattr(value, first), below, new)})
 

@@ -125,16 +125,18 @@ def common_datum(contact: cs.Contact) -> float | None:
     return contact.grid.extent[0] / 2
 
 
-def _compliance_between(contact: cs.Contact, near: float | None, far: float | None) -> float:
+def _compliance_between(
+    contact: cs.Contact, near_datum: float | None, far_datum: float | None
+) -> float:
     """Return the further approach [m] from a farther datum [m], per load per length [N/m].
 
     The far displacement of a line load q is ``-2 q / (pi E*) ln r`` (Johnson 1985, eq. 2.20).
     """
-    if near is None or far is None:
+    if near_datum is None or far_datum is None:
         return 0.0
     assert contact.scene is not None
     compliance = sum(getattr(body, "substrate", body).compliance for body in contact.scene.solids)
-    return 2 * compliance / pi * log(far / near)
+    return 2 * compliance / pi * log(far_datum / near_datum)
 
 
 def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None) -> float:

@@ -59,7 +59,7 @@ def parse_values(field: str, text: str, *, whole: bool) -> list[object]:
 def _split(field: str, text: str) -> Iterator[str]:
     """Yield the parts of a text between commas that are in no bracket and no quotation."""
     depth, quote, begin = 0, "", 0
-    for place, letter in enumerate(text):
+    for index, letter in enumerate(text):
         if quote:
             quote = "" if letter == quote else quote
         elif letter in "\"'":
@@ -69,8 +69,8 @@ def _split(field: str, text: str) -> Iterator[str]:
         elif letter in CLOSED:
             depth -= 1
         elif letter == "," and depth == 0:
-            yield text[begin:place]
-            begin = place + 1
+            yield text[begin:index]
+            begin = index + 1
     if depth or quote:
         raise InvalidInput(f"{field} is {text!r}: close its brackets and quotation marks.")
     yield text[begin:]
@@ -343,17 +343,17 @@ def _long_name(document: Document, field: SceneField) -> str:
 
 def _only_surface(document: Document, what: str) -> str:
     """Return the index of the only measured surface of the scene, as text."""
-    places = [
+    indices = [
         str(number)
         for number, shape in enumerate(document.shapes)
         if isinstance(shape, MeasuredSurface)
     ]
-    if len(places) != 1:
+    if len(indices) != 1:
         raise InvalidInput(
-            f"{what} are varied, but the scene has {len(places)} shapes of the kind MeasuredSurface: give it one"
-            + (f", or vary one by its path, such as shapes.{places[0]}.file." if places else ".")
+            f"{what} are varied, but the scene has {len(indices)} shapes of the kind MeasuredSurface: give it one"
+            + (f", or vary one by its path, such as shapes.{indices[0]}.file." if indices else ".")
         )
-    return places[0]
+    return indices[0]
 
 
 def _surfaces(
@@ -396,13 +396,13 @@ def _resolved(items: Iterable[Any], folder: Path) -> list[Any]:
             continue
         pattern = str(item).strip()
         # relative to the working directory, then to the scene
-        places = [Path(pattern), folder / pattern]
+        paths = [Path(pattern), folder / pattern]
         if has_magic(pattern):
             # not Path.glob, which has no absolute patterns
-            lists = (sorted(glob(str(place))) for place in places)  # noqa: PTH207
-            matched = next((place for place in lists if place), [])
+            lists = (sorted(glob(str(path))) for path in paths)  # noqa: PTH207
+            matched = next((path for path in lists if path), [])
         else:
-            matched = [str(place) for place in places if place.is_file()][:1]
+            matched = [str(path) for path in paths if path.is_file()][:1]
         if not matched:
             raise InvalidInput(
                 f"surfaces has {pattern!r}, which no file matches: give files that are there."

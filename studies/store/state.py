@@ -113,9 +113,9 @@ class States:
             return f"{getattr(value, '__module__', '')}.{name}"  # of compiled code
         return None
 
-    def _once(self, value: object, how: str, state: Callable[[], Tree]) -> Tree:
+    def _once(self, value: object, kind: str, state: Callable[[], Tree]) -> Tree:
         """Return the state of an object that may name itself."""
-        identity = id(value), how
+        identity = id(value), kind
         if identity not in self._taken:
             self._taken[identity] = value, len(self._taken)
             self._taken[identity] = value, state()

@@ -39,17 +39,17 @@ def numerical_part(source: bytes) -> str:
     is_reflective = any(map(_is_reflective, body))
     defined = [_defined(statement, pure) for statement in body]
     selected = {
-        place
-        for place, names in enumerate(defined)
+        index
+        for index, names in enumerate(defined)
         if names is None or names & ROOTS or is_reflective
     }
     reached: set[int] = set()
     while selected != reached:
         reached = set(selected)
-        used_names = frozenset().union(*(words[place] for place in selected))
-        selected |= {place for place, names in enumerate(defined) if names and names & used_names}
+        used_names = frozenset().union(*(words[index] for index in selected))
+        selected |= {index for index, names in enumerate(defined) if names and names & used_names}
     return digest(
-        "\n".join([PYTHON, *(ast.dump(body[place]) for place in sorted(selected))]).encode()
+        "\n".join([PYTHON, *(ast.dump(body[index]) for index in sorted(selected))]).encode()
     )
 
 

@@ -232,17 +232,17 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
     memory, states = CanonicalMemo(), CaseStates()
     keys: list[str] = []
     is_kept = np.zeros(prod(shape), dtype=bool)
-    for place, values in enumerate(product(*(axis.values for axis in axes))):
+    for index, values in enumerate(product(*(axis.values for axis in axes))):
         name = requested.get(values, "")
         if name:
-            is_kept[place] = True
+            is_kept[index] = True
         else:
-            name, is_kept[place] = _stored(study, values, contents, memory, states)
+            name, is_kept[index] = _stored(study, values, contents, memory, states)
         keys.append(name)
-    chosen = [np.unique(places) for places in is_kept.reshape(shape).nonzero()]
+    chosen = [np.unique(indices) for indices in is_kept.reshape(shape).nonzero()]
     axes_in_use = tuple(
-        Axis(axis.name, tuple(axis.values[place] for place in places), axis.long_name, axis.units)
-        for axis, places in zip(axes, chosen, strict=True)
+        Axis(axis.name, tuple(axis.values[index] for index in indices), axis.long_name, axis.units)
+        for axis, indices in zip(axes, chosen, strict=True)
     )
     keys_in_use = np.array(keys, dtype=object).reshape(shape)[np.ix_(*chosen)]
     return PointTable(axes_in_use, keys_in_use.ravel().tolist())

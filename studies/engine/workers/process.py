@@ -160,34 +160,34 @@ class Worker:
         After the end of a process the remaining cases go to a new one. A case whose process was ended from outside is
         sent again, once.
         """
-        place, retried = 0, -1
-        while place < len(batch.names) and self._is_ready():
+        index, retried = 0, -1
+        while index < len(batch.names) and self._is_ready():
             try:
-                self._connection.send(replace(batch, first=place))
+                self._connection.send(replace(batch, first=index))
             except OSError:  # it had been idle for long, and ended
                 self._discard()
                 continue
             follows = True
             while follows:
-                answer, follows, ending = self._receive(place, batch.limit)
+                answer, follows, ending = self._receive(index, batch.limit)
                 if self._over.is_set():
                     return
-                if ending in FROM_OUTSIDE and retried < place:
-                    retried = place
+                if ending in FROM_OUTSIDE and retried < index:
+                    retried = index
                     break
-                place += 1
+                index += 1
                 yield answer
             if self._process is not None:
                 return
 
     def _receive(
-        self, place: int, limit: float | None
+        self, index: int, limit: float | None
     ) -> tuple[Outcome | Sample | Failure, bool, str]:
         """Return the answer for a case, whether another one follows, and the signal that ended the process, if any."""
         start = perf_counter()
         # the worker's own alarm comes first, and spares it; the deadline is for what the alarm cannot reach
         answer = self._next(deadline(limit))
-        if isinstance(answer, tuple) and answer[1] == place:
+        if isinstance(answer, tuple) and answer[1] == index:
             return answer[2], answer[3], ""
         code = self._discard(wait=2.0 if answer is EOFError else 0.0)
         seconds = perf_counter() - start

@@ -122,32 +122,32 @@ class _Worker:
             cases = pickle.loads(batch.cases)
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
             content: Any = failed(error, "setup" if batch.first + 1 == count else UNREAD, 0.0)
-        follows, place = True, batch.first
+        follows, index = True, batch.first
         while follows:
-            self._interpreter_state.restore(batch.names[place])
+            self._interpreter_state.restore(batch.names[index])
             if cases is not None and batch.task == "clock":
-                content = timed(cases[place], batch.limit)
+                content = timed(cases[index], batch.limit)
             elif cases is not None:
-                content = compute(cases[place], self._work)
+                content = compute(cases[index], self._work)
             if os.getpid() != self._number:
                 # a case has forked, and this is its child, which must not answer
                 os._exit(0)
-            follows = place + 1 < count and perf_counter() - begun < batch.seconds
-            self._send(place, content, follows=follows)
-            place += 1
+            follows = index + 1 < count and perf_counter() - begun < batch.seconds
+            self._send(index, content, follows=follows)
+            index += 1
 
-    def _send(self, place: int | None, content: Any, *, follows: bool = False) -> None:
+    def _send(self, index: int | None, content: Any, *, follows: bool = False) -> None:
         """Send an answer, or a failure where it cannot be pickled."""
         loaded = LOADED.scan()
         news = None if loaded is self._loaded else loaded
         try:
-            self._connection.send((self._number, place, content, follows, news))
+            self._connection.send((self._number, index, content, follows, news))
         except OSError:
             raise
         except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
             seconds = content.seconds if isinstance(content, Outcome) else 0.0
             failure = failed(error, "measure", seconds)
-            self._connection.send((self._number, place, failure, follows, news))
+            self._connection.send((self._number, index, failure, follows, news))
         self._loaded = loaded
 
 

@@ -162,8 +162,10 @@ def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], scene_paddin
             groups.append([end])
     low, high = np.log(ax.get_ylim())
     rows = [len(group) for group in groups]
-    places = [(np.log(np.mean([end[1] for end in group])) - low) / (high - low) for group in groups]
-    centres = list(places)
+    heights = [
+        (np.log(np.mean([end[1] for end in group])) - low) / (high - low) for group in groups
+    ]
+    centres = list(heights)
     for _ in range(50):  # push overlapping labels apart
         for k, (below, above) in enumerate(pairwise(range(len(groups)))):
             least = APART * (rows[below] + rows[above]) / 2
@@ -191,14 +193,14 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
     for item in measured.paddings:
         mode, images = mode_of(item.padding)
         modes.setdefault(mode, []).append((images, item.l1))
-    most = max((images for points in modes.values() for images, _ in points), default=1)
+    max_images = max((images for points in modes.values() for images, _ in points), default=1)
     for mode, points in modes.items():
         n, errors = np.array(sorted(points)).T
         if len(points) > 1:
             padding_panel.loglog(n + 0.5, errors, label=mode, **padding_style(mode))
         else:
             style = padding_style(mode) | {"marker": "none", "ls": "-."}
-            padding_panel.loglog([1, most + 0.5], 2 * [errors[0]], label=mode, **style)
+            padding_panel.loglog([1, max_images + 0.5], 2 * [errors[0]], label=mode, **style)
     scene_settings = [item for item in measured.of(measured.own_label) if item.is_bounded]
     labelled = inf
     for grid in scene_settings:
@@ -263,8 +265,8 @@ def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
     elif counted:
         claim = f"If images must be counted, n = {counted[0]} in a moving window suffices."
     else:
-        most = max((mode_of(item.padding)[1] for item in measured.paddings), default=0)
-        claim = f"No n that was tried suffices, up to {most}."
+        max_images = max((mode_of(item.padding)[1] for item in measured.paddings), default=0)
+        claim = f"No n that was tried suffices, up to {max_images}."
     beyond = "" if is_free or not worst else (
         f" Above the request of {percent(verdict.error)} on any grid: {', '.join(worst)}."
     )  # fmt: skip
@@ -366,11 +368,11 @@ def _changes(measured: Comparison) -> Table:
         )
         for item in measured.paddings
     )
-    no_bound = [words for name, words in names if measured.bounds.get(name) == inf]
+    no_bound = [long_name for name, long_name in names if measured.bounds.get(name) == inf]
     text = f" No grid bounds the {' and the '.join(no_bound)} of this scene." if no_bound else ""
     return Table(
         f"What each padding alone does, against {padding_name(measured.own_label)} on "
         f"{cells_text(measured.paddings_on)}: the L1 error of the pressure, and the change of each number.{text}",
-        ("padding", "pressure in L1", *(words for _, words in names)),
+        ("padding", "pressure in L1", *(long_name for _, long_name in names)),
         rows,
     )

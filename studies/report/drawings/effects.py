@@ -128,14 +128,14 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     steel, cork = finest.sel(poisson_ratio=0.3), finest.sel(poisson_ratio=0.0)
     stress, depth = steel["von_mises"], steel["depth"]
     surface = depth.where(depth < 0.01, drop=True)["coefficient"]
-    low, most = stress.isel(coefficient=0), stress.isel(coefficient=-1)
+    low, high = stress.isel(coefficient=0), stress.isel(coefficient=-1)
     deviation = float(abs(steel["stick"] - np.sqrt(1 - steel["fraction"])).max())
     return (
         Finding(
             "Friction brings the highest stress to the surface at a coefficient of about 0.3; sticking zones are "
             "those of Cattaneo, but the superposition that gives them is inexact on rough surfaces.",
             f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_H without friction and "
-            f"{float(most):.3f} p_H at a coefficient of {float(most['coefficient']):g}; it lies at the surface from "
+            f"{float(high):.3f} p_H at a coefficient of {float(high['coefficient']):g}; it lies at the surface from "
             f"{float(surface.min()):g} on. A cylinder sticks over a zone within {deviation:.3f} half-widths of "
             "Cattaneo's. On a rough contact two normal solves make up the shear to "
             f"{percent(cork['superposition_error'])} in L1 at nu = 0, and miss "

@@ -86,7 +86,7 @@ def _build_time(dataset: xr.Dataset) -> CaptionedFigure:
     half = longest["images"].values + 0.5
     for name, part in _each(longest):
         ax.loglog(half, part["setup_time"], label=name, **style_over_images(name))
-    words = ""
+    text = ""
     if "superposed" in paddings(longest):
         superposed = longest.sel(padding="superposed")
         last = float(superposed["setup_time"][-1])
@@ -94,14 +94,14 @@ def _build_time(dataset: xr.Dataset) -> CaptionedFigure:
         if "exact" in paddings(longest):
             six = superposed.sel(images=6, method="nearest")
             ratio = float(six["setup_time"] / longest["setup_time"].sel(padding="exact")[0])
-            words = f" {setting_label(six).capitalize()}, takes {ratio:.2g} times as long as exact periodicity."
+            text = f" {setting_label(six).capitalize()}, takes {ratio:.2g} times as long as exact periodicity."
     ax.set(xlabel=IMAGES_LABEL, ylabel="time to build the operator [s]")
     return captioned(
         "build_time",
         fig,
         f"Time to build the operator (coefficients and transform) for {int(longest['grid'])} x "
         f"{int(longest['grid'])} cells and L = {float(longest['period']):g} a. Beyond a few images the cost of a sum "
-        f"is proportional to their number; exact periodicity has no such number.{words}",
+        f"is proportional to their number; exact periodicity has no such number.{text}",
     )
 
 

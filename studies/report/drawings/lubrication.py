@@ -134,8 +134,8 @@ def _cavitation(dataset: xr.Dataset) -> CaptionedFigure:
 
 def select_pairs(cases: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return at most as many cases as there are colours, evenly."""
-    places = select_evenly(np.arange(len(cases)), len(COLORS))
-    return [cases[int(place)] for place in places]
+    indices = select_evenly(np.arange(len(cases)), len(COLORS))
+    return [cases[int(index)] for index in indices]
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:

@@ -125,11 +125,11 @@ def law_of(dataset: xr.Dataset) -> float:
 def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
     """Draw the median and the span of all surfaces at each rms, at equal distances, since one rms may be zero."""
     surfaces = [name for name in values.dims if name != "rms"]
-    place = np.arange(values.sizes["rms"])
-    ax.plot(place, values.median(surfaces), label=label, **style)
+    positions = np.arange(values.sizes["rms"])
+    ax.plot(positions, values.median(surfaces), label=label, **style)
     low, high = values.min(surfaces), values.max(surfaces)
-    ax.fill_between(place, low, high, color=style["color"], alpha=0.15, linewidth=0)
-    ax.set_xticks(place, [f"{rms:g}" if rms else "smooth" for rms in values["rms"].values])
+    ax.fill_between(positions, low, high, color=style["color"], alpha=0.15, linewidth=0)
+    ax.set_xticks(positions, [f"{rms:g}" if rms else "smooth" for rms in values["rms"].values])
     ax.set_xlabel("rms height / (a²/2R)")
 
 
@@ -146,8 +146,8 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 def _rough_surfaces(dataset: xr.Dataset) -> Finding:
     sweep = dataset.sel(images=6).isel(period=-1, grid=-1)
     surfaces = ("hurst", "peklenik", "seed")
-    middle, most = sweep.median(surfaces), float(sweep["rms"].max())
-    smooth, rough = middle.sel(rms=0), middle.sel(rms=most)
+    middle, largest_rms = sweep.median(surfaces), float(sweep["rms"].max())
+    smooth, rough = middle.sel(rms=0), middle.sel(rms=largest_rms)
     l1_errors, cells, highest, remaining, ratios = [], [], [], [], []
     for name in ("duplicated", "circular"):
         before, after = smooth.sel(padding=name), rough.sel(padding=name)
@@ -170,9 +170,9 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
     systematic = "; unlike that, the error of a window has one sign on every surface and does not average out"
     return Finding(
         "Hardly: on a rough surface a padding has the same L1 error as on a smooth one, but it lies elsewhere.",
-        f"At L = {float(sweep['period']):g} a the L1 error is {' and '.join(l1_errors)}, at an rms height of {most:g} "
-        f"a²/(2R). The effective half-width is too small by {low:.2f} to {high:.2f} times a²/(8D²) on every surface, "
-        f"since "
+        f"At L = {float(sweep['period']):g} a the L1 error is {' and '.join(l1_errors)}, at an rms height of "
+        f"{largest_rms:g} a²/(2R). The effective half-width is too small by {low:.2f} to {high:.2f} times a²/(8D²) on "
+        "every surface, since "
         "a window that reaches D makes the cylinder more curved by a²/(4D²), whatever its roughness: compared with "
         "exact "
         f"periodicity on a cylinder of that curvature, {' and '.join(remaining)} of those L1 errors remain. The "

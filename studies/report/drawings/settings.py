@@ -175,8 +175,8 @@ def _points(dataset: xr.Dataset) -> CaptionedFigure:
         for padding, label, part in _lines(dataset, "")
     ]
     fig, (ax,) = panels(1, width=WIDTH, height=1.0 + 0.3 * len(rows))
-    for place, (_, padding, error) in enumerate(rows):
-        ax.plot(error, place, "o", color=padding_style(padding)["color"])
+    for row, (_, padding, error) in enumerate(rows):
+        ax.plot(error, row, "o", color=padding_style(padding)["color"])
     names = [label for label, *_ in rows]
     ax.set(xscale="log", xlabel=LABEL, yticks=range(len(rows)), yticklabels=names)
     ax.invert_yaxis()

@@ -259,8 +259,8 @@ def _one_axis(dataset: xr.Dataset) -> xr.Dataset:
     if "seed" not in dataset.dims:
         return dataset
     parts = [dataset.isel(seed=0, drop=True)]
-    for place in range(1, dataset.sizes["seed"]):
-        of_seed = dataset.isel(seed=place, drop=True)
+    for seed in range(1, dataset.sizes["seed"]):
+        of_seed = dataset.isel(seed=seed, drop=True)
         parts.append(of_seed.isel(case=of_seed["use"].values == USES.index("random")))
     return xr.concat(parts, "case")
 

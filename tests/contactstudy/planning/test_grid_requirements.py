@@ -16,7 +16,7 @@ from contactstudy.planning.grid_requirements import (
     requirements_of,
 )
 from contactstudy.planning.transient_requirements import yielding
-from contactstudy.scene.shapes.shape import Detail
+from contactstudy.scene.shapes.shape import LengthScales
 from tests.conftest import STEEL, LineContact
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
@@ -75,19 +75,21 @@ def test_what_varies_across_alone_needs_one_cell_along(line_contact: LineContact
 # Half-width 2 m, peak pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.
 HERTZ = HertzLine(100 * pi, 10.0, 1000.0)
 
-FINE = Detail(finest=(0.5, 0.25), longest=1.0, height=0.3, slope=0.3, widest=12.0)
+FINE = LengthScales(finest=(0.5, 0.25), longest=1.0, height=0.3, slope=0.3, widest=12.0)
 
-COARSE = Detail(finest=(0.3, 0.6), longest=0.75, height=0.1, slope=0.4, widest=9.0)
-
-
-def requirements(*details: Detail, hardness: float = inf, **more: Any) -> GridRequirements:
-    return GridRequirements(HERTZ, details, hardness, **more)
+COARSE = LengthScales(finest=(0.3, 0.6), longest=0.75, height=0.1, slope=0.4, widest=9.0)
 
 
-BOTH, SMOOTH = requirements(FINE, COARSE), requirements(Detail())
+def requirements(
+    *length_scales: LengthScales, hardness: float = inf, **more: Any
+) -> GridRequirements:
+    return GridRequirements(HERTZ, length_scales, hardness, **more)
 
 
-WAVES = Detail(finest=(inf, 0.2))
+BOTH, SMOOTH = requirements(FINE, COARSE), requirements(LengthScales())
+
+
+WAVES = LengthScales(finest=(inf, 0.2))
 
 
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
@@ -99,7 +101,7 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     for fraction, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
         assert ("holds what repeats" in rough.period_check(fraction)) == enough
     assert "any period" in SMOOTH.period_check(0.1)
-    assert "from end to end 0.5 m" in requirements(Detail(roller=0.5)).period_check(0.5)
+    assert "from end to end 0.5 m" in requirements(LengthScales(roller=0.5)).period_check(0.5)
 
 
 def coat(stiffer: float) -> Any:
@@ -140,7 +142,7 @@ def test_a_contact_wider_than_a_tenth_of_the_radius_is_not_one_of_half_spaces() 
 
 
 def test_a_wave_needs_two_cells_along_each_axis() -> None:
-    waves = GridRequirements(THICK, (Detail(finest=(0.5, 0.25)),), inf)
+    waves = GridRequirements(THICK, (LengthScales(finest=(0.5, 0.25)),), inf)
     assert waves.warnings(cs.Grid((32, 32), (8.0, 4.0))) == ()
     (said,) = waves.warnings(cs.Grid((31, 32), (8.0, 4.0)))
     assert said.startswith("Grid.cells[0] is 31")
@@ -149,7 +151,7 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
     assert said.startswith("Grid.cells[1] is 31")
     assert _cells_per_wave(cs.Grid((64, 32), (8.0, 4.0)), (0.5, 0.25)) == 2
     assert _cells_per_wave(cs.Grid((32, 64), (8.0, 4.0)), (0.5, 0.25)) == 2
-    odd = replace(waves, details=(replace(WAVES, repeat=0.3),))
+    odd = replace(waves, length_scales=(replace(WAVES, repeat=0.3),))
     assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
 
 

@@ -50,18 +50,6 @@ def test_a_cosine_s_maximum_is_found_between_the_cells() -> None:
         assert peak - bend / 12 == pytest.approx(fraction * bend, rel=20 / cells**2)
 
 
-@pytest.mark.parametrize("wraps", [(False, True), (True, True), (False, False)])
-def test_turning_or_scaling_the_pressure_changes_nothing(wraps: tuple[bool, bool]) -> None:
-    x, y = np.linspace(-1, 1, 24)[:, None], np.linspace(-1, 1, 17)
-    pressure = np.sqrt(np.clip(0.7 - x**2 - y**2 - 0.2 * x * y, 0, None))
-    expected = pytest.approx(discretisation(pressure, wraps), rel=1e-12)
-    assert discretisation(pressure.T, wraps[::-1]) == expected
-    assert discretisation(pressure[::-1, ::-1], wraps) == expected
-    assert discretisation(1e9 * pressure, wraps) == expected
-    if wraps[1]:
-        assert discretisation(np.roll(pressure, 7, axis=1), wraps) == expected
-
-
 def test_within_the_contact_a_cell_s_mean_is_a_12th_of_the_second_difference_aside() -> None:
     """Of a wave without an edge: ``2 - 2 cos(2 pi / n)`` of its height, whose mean size is 2 / pi."""
     cells = 64

@@ -131,14 +131,6 @@ def test_ten_thousand_images_lose_no_digits() -> None:
     assert np.abs(difference).max() < logarithm * GRID.extent[0] ** 2 / reach**2 + 1e-13
 
 
-def test_exact_periodicity_counts_displacement_from_its_datum() -> None:
-    """Moving the datum by a factor e moves everything by twice the line load over pi E*."""
-    one = cs.convolution(1 / np.pi, GRID, cs.ExactPeriodicity(), datum=1.0)
-    far = cs.convolution(1 / np.pi, GRID, cs.ExactPeriodicity(), datum=np.e)
-    pressure = np.ones(GRID.cells)
-    assert_allclose(far(pressure) - one(pressure), 2 * GRID.extent[0], rtol=1e-13)
-
-
 @pytest.mark.parametrize(
     ("padding", "reach"),
     [

@@ -41,18 +41,6 @@ def test_operator_is_self_adjoint(
     assert abs(np.vdot(b, apply(a)) - np.vdot(a, apply(b))) < 1e-15 * a.size * scale
 
 
-@pytest.mark.parametrize("padding", [p for p in ALONG if p.wraps], ids=str)
-@pytest.mark.parametrize("axis", [0, 1], ids=["across", "along"])
-@pytest.mark.parametrize("cells", CELLS, ids=str)
-def test_what_wraps_moves_with_its_pressure(
-    cells: tuple[int, int], axis: int, padding: cs.Padding
-) -> None:
-    a, _ = two(cells)
-    free = cs.ZeroPadding()
-    apply = operator(cells, (padding, free) if axis == 0 else (free, padding))
-    assert_allclose(apply(np.roll(a, 1, axis)), np.roll(apply(a), 1, axis), rtol=0, atol=1e-14)
-
-
 @pytest.mark.parametrize("across", ALONG, ids=str)
 @pytest.mark.parametrize("along", ALONG, ids=str)
 def test_axes_choose_by_themselves(across: cs.Padding, along: cs.Padding) -> None:
@@ -83,14 +71,6 @@ def test_one_cell_along_the_length_is_plane_strain() -> None:
     primitive = edges * np.log(np.abs(edges) / 0.5) - edges
     expected = -2 / (np.pi * 2.0) * (primitive[:, 0] - primitive[:, 1])
     assert_allclose(apply(unit)[:, 0], expected, rtol=0, atol=1e-15)
-
-
-def test_doubling_the_period_with_the_same_pressure_changes_nothing_exact() -> None:
-    once, twice = (cs.Grid(cells=(8, 6 * k), extent=(1.0, 0.7 * k)) for k in (1, 2))
-    a, _ = two((8, 6))
-    single = cs.convolution(2.0, once, cs.ExactPeriodicity(), datum=1.0)(a)
-    double = cs.convolution(2.0, twice, cs.ExactPeriodicity(), datum=1.0)(np.tile(a, 2))
-    assert_allclose(double, np.tile(single, 2), rtol=0, atol=1e-14)
 
 
 def test_a_datum_shifts_the_displacement_alone() -> None:

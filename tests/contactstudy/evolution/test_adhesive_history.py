@@ -113,16 +113,6 @@ def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_
     assert reduction_below_jkr(8.0) < reduction_below_jkr(4.29) == pytest.approx(0.0009, abs=1e-4)
 
 
-def test_units_of_a_file_are_converted(tmp_path: Path) -> None:
-    cs.write_scene(replace(SCENE, load=cs.LineLoad(1.0)), tmp_path / "scene.toml")
-    text = (tmp_path / "scene.toml").read_text(encoding="utf-8")
-    text = text.replace(f"work = {pi}", 'work = "50 mJ/m^2"').replace(
-        "range = 2.0", 'range = "20 nm"'
-    )
-    (tmp_path / "scene.toml").write_text(text)
-    assert cs.read_scene(tmp_path / "scene.toml").scene.adhesion == cs.Adhesion(0.05, 2e-8)
-
-
 def test_a_plan_puts_six_cells_into_the_zone_and_leaves_room_for_the_attraction() -> None:
     planned = cs.plan(replace(SCENE, load=cs.LineLoad(pi)), error=0.1)
     # one zone is 1 m long here, and the attraction of the cylinder falls to 1e-6 within 7.4 m of the contact

@@ -83,14 +83,6 @@ def test_what_a_pass_leaves_is_residual_stress_of_its_plastic_strain() -> None:
     assert not far[[2, 3, 4, 5]].any()
 
 
-def test_the_shear_of_a_pass_adds_up_to_the_forward_displacement() -> None:
-    found = rolled(4.4 * K, 3)
-    thicknesses = found.track.operator.volume.thicknesses
-    total = 2 * found.plastic_strain[-1, 4] @ thicknesses
-    assert found.forward_displacement.sum() == pytest.approx(total, rel=1e-9)
-    assert found.shear.shape == (3, len(found.depths))
-
-
 def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> None:
     """p0 = 5 k rolled by 6 a: sxx in the middle, by finite elements (Q2, h = 0.2 a, box of 1000 a).
 

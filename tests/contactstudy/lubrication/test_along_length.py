@@ -1,6 +1,5 @@
 """Films that vary along the length, against plane strain and against themselves on other paths."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ from scipy import ndimage
 import contactstudy as cs
 from contactstudy.lubrication import along_length
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
 assert DRY.hertz is not None
 A = DRY.hertz.half_width
@@ -66,15 +65,6 @@ def test_ridges_along_the_motion_are_flattened_in_part() -> None:
     assert contact.status is cs.Status.CONVERGED
     middle = contact.film[48]
     assert 0.05 * height < np.ptp(middle) / 2 < height
-
-
-def test_a_coat_and_roughness_go_together() -> None:
-    coat = cs.CoatedHalfSpace(cs.HalfSpace(400e9, 0.25), 5e-6, STEEL)
-    scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
-    coated = replace(scene, solids=(coat, STEEL))
-    contact = solve_lubricated(coated, grid(96, 4.0, 32))
-    assert contact.status is cs.Status.CONVERGED
-    assert contact.flux_spread < 1e-6
 
 
 def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:

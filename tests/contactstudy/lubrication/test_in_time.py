@@ -147,15 +147,6 @@ def test_times_speeds_and_steps_that_make_no_march_are_refused() -> None:
             evolve_lubricated(scene, grid(64, 4.5), **named)
 
 
-def test_a_march_is_labelled_with_its_times() -> None:
-    scene = rising(by_moes(20, 5), 1e-5)
-    times = [0.0, 1e-5]
-    dataset = cs.solve(scene, grid(64, 4.5), times=times).to_dataset()
-    assert dataset["film"].dims == ("time", "x", "y")
-    assert dataset["central_film"].dims == ("time",)
-    assert dataset["time"].values.tolist() == times
-
-
 def test_the_verb_marches_a_film_that_changes_and_bounds_its_steps() -> None:
     scene = rising(by_moes(20, 5), 1e-5)
     times = [0.0, 1e-5]

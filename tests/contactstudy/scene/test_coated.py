@@ -3,7 +3,6 @@
 from dataclasses import replace
 from itertools import product
 from math import inf
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -242,22 +241,3 @@ def test_a_contact_is_about_as_wide_as_its_compliance_says(
 def test_a_coat_that_cannot_be_says_so(wrong: dict[str, object], named: str) -> None:
     with pytest.raises(cs.InvalidInput, match=named):
         replace(cs.CoatedHalfSpace(DLC, 2e-6, STEEL), **wrong)
-
-
-def test_a_coat_is_read_from_a_file(tmp_path: Path) -> None:
-    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
-    scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),))
-    path = tmp_path / "coated.toml"
-    path.write_text(
-        "load = { per_length = 1e5 }\n"
-        'shapes = [{ kind = "Cylinder", radius = "10 mm" }]\n'
-        "[[solids]]\n"
-        'kind = "CoatedHalfSpace"\n'
-        'thickness = "2 um"\n'
-        'coating = { youngs_modulus = "250 GPa", poisson_ratio = 0.22 }\n'
-        'substrate = { youngs_modulus = "210 GPa", poisson_ratio = 0.3 }\n'
-        "[[solids]]\n"
-        'youngs_modulus = "210 GPa"\n'
-        "poisson_ratio = 0.3\n"
-    )
-    assert cs.read_scene(path).scene == scene

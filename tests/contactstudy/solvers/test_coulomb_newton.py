@@ -106,22 +106,6 @@ def test_the_projection_is_nearest_among_those_with_the_sum(fraction: float) -> 
         assert ((TRIAL - found) * (other - found)).sum() <= 1e-7
 
 
-@pytest.mark.parametrize("total", [None, np.array([3.0, -1.0]), np.array([3.0, np.nan])], ids=str)
-def test_the_derivative_is_that_of_differences(total: np.ndarray | None) -> None:
-    disks = Disks(RADIUS, total)
-    disks.project(TRIAL)
-    derivative, stick = disks.derivative(TRIAL)
-    if total is not None:
-        given = ~np.isnan(total)
-        np.testing.assert_allclose(disks.project(TRIAL).sum(axis=1)[given], total[given])
-        np.testing.assert_array_equal(disks.shift[~given], 0)
-    assert stick.any()
-    assert not stick.all()
-    change, part = CHANCE.normal(size=(2, 40)), 1e-6
-    ahead, behind = (disks.project(TRIAL + sign * part * change) for sign in (1, -1))
-    np.testing.assert_allclose(derivative(change), (ahead - behind) / (2 * part), atol=1e-6)
-
-
 def test_a_shift_that_belonged_to_another_trial_does_no_harm() -> None:
     """The first trial leaves a shift that brings all cells of the second one to their rims, on the wrong side."""
     radius = np.sqrt(1 - np.linspace(-0.99, 0.99, 60) ** 2)

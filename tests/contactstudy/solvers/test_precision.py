@@ -45,25 +45,3 @@ def test_single_precision_solves_to_a_tolerance_it_can_reach(
     double = cs.solve(posed, tolerance=1e-9)
     difference = np.abs(single.pressure - double.pressure).max() / posed.scales.pressure
     assert difference < 64 * 1e-5 * 10  # a residual times the operator's condition
-
-
-def test_no_array_of_a_single_precision_problem_is_double(line_contact: LineContact) -> None:
-    bare = problem(line_contact, 64, "30 %").bare(SINGLE)
-    seen = bare
-    while seen is not None:
-        assert seen.undeformed_gap.dtype == np.float32
-        operator = seen.operator
-        assert isinstance(operator, cs.Convolution)
-        assert operator.spectrum.dtype == np.float32
-        assert operator(seen.uniform()).dtype == np.float32
-        extension = operator.approximate_inverse().extension(np.ones_like(seen.uniform()))
-        assert extension.pressure(extension(seen.uniform())).dtype == np.float32
-        seen = seen.coarsened()
-    last = cs.PreconditionedCG().iterate(bare, tolerance=1e-6, max_iterations=50)
-    assert last.pressure.dtype == last.displacement.dtype == np.float32
-
-
-def test_a_solution_is_double_whatever_it_was_solved_in(line_contact: LineContact) -> None:
-    solution = cs.solve(problem(line_contact, 32, "smooth"), precision=SINGLE)
-    for field in (solution.pressure, solution.displacement, solution.gap):
-        assert field.dtype == np.float64

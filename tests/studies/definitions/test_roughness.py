@@ -8,7 +8,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.analytic import truncation_error
-from studies.definitions.roughness import LENGTH, ROLL_OFF, WIDTH, measures, scene_at
+from studies.definitions.roughness import WIDTH, measures, scene_at
 from studies.registry import load
 
 POINT = {
@@ -101,21 +101,6 @@ def test_roughness_takes_area_and_spreads_the_load() -> None:
     assert float(rough["half_width"]) > float(smooth["half_width"])
     # ridges across the length take the load from what lies between them, ridges along it less so
     assert float(across["load_spread"]) > 1.5 * float(rough["load_spread"])
-
-
-@pytest.mark.whole
-def test_the_default_grid_and_period_show_every_surface() -> None:
-    for case in set(load("roughness").cases()):
-        plan = cs.plan(case.scene, grid=case.grid)
-        # what is resolved is resolved by three cells in the finest wavelength or more
-        for cell, finest in zip(
-            case.grid.cell, case.scene.shapes[-1].length_scales.finest, strict=True
-        ):
-            assert finest / cell >= 3 or case.scene.shapes[-1].length_scales.height == 0
-        assert plan.error < float("inf")
-        assert ": give" not in plan.period_check
-        assert not [said for said in plan.warnings if "Grid.cells" in said]
-    assert pytest.approx(4 * 2 * ROLL_OFF) == LENGTH  # four waves along, twice as long by the lay
 
 
 def test_without_roughness_all_choices_are_one_case() -> None:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.grid_search import GridForecast
+from contactstudy.planning.cost import memory
+from contactstudy.planning.grid_search import GridForecast, affordable
 from contactstudy.planning.plan import _warnings
 from tests.conftest import LineContact
 
@@ -309,3 +310,13 @@ def test_an_error_that_is_not_reached_is_said_with_what_stands_between() -> None
     (said,) = warned(GRID, seen(0.2), error=0.1, limit=1e6)
     assert "that takes 128 x 64 cells and 0.00118 GB, and this machine has 0.00125 GB" in said
     assert warned(GRID, seen(0.2, message="sharp"), error=0.3) == ["sharp"]
+
+
+def test_a_grid_that_memory_does_not_hold_is_made_the_finest_that_it_holds() -> None:
+    grid, exact = cs.Grid((1024, 512), (1.0, 1.0)), cs.ExactPeriodicity()
+    most = memory(cs.Grid((512, 256), (1.0, 1.0)), exact)
+    found = affordable(grid, exact, most)
+    assert memory(found, exact) <= most
+    # a hundredth is left for rounding, and a step more where that was not enough
+    assert 0.95 * 512 <= found.cells[0] <= 512
+    assert found.cells[0] / found.cells[1] == pytest.approx(2, rel=0.02)

@@ -122,7 +122,7 @@ def command_lines(rng: random.Random) -> list[str]:
 
 def test_no_command_line_ends_in_a_traceback() -> None:
     rng = random.Random(11)
-    for _ in range(share(whole=1000, thin=25)):
+    for _ in range(share(whole=1000, thin=12)):
         words = command_lines(rng)
         code, out, err = answer(*words)
         check(code, out + err, words)

@@ -97,16 +97,6 @@ def test_numbers_are_in_the_units_that_are_usual(study: xr.Dataset, march: xr.Da
     assert contents(march, "march")["variables"]["pressure"]["unit"] == "MPa"
 
 
-def test_a_browser_draws_a_study_with_its_choosers(study: xr.Dataset, tmp_path: Path) -> None:
-    drawn = shown(page_of(study, "page"), tmp_path)
-    for label in ("variable", "horizontal axis", "colour", "logarithmic axis"):
-        assert f'name="{label}"' in drawn
-    assert "load [N/mm]" in drawn
-    assert drawn.count('class="point"') == 5  # one for each case with a number
-    assert 'type="range"' not in drawn  # both axes are shown
-    assert "case: ok" in drawn
-
-
 def test_a_march_has_a_slider_over_time(march: xr.Dataset, tmp_path: Path) -> None:
     page = page_of(march, "march")
     assert "time = 4 s" in shown(page, tmp_path)
@@ -117,25 +107,6 @@ def test_a_march_has_a_slider_over_time(march: xr.Dataset, tmp_path: Path) -> No
 def test_an_evolution_begins_at_the_instant_of_its_largest_pressure(march: xr.Dataset) -> None:
     unloaded = march.assign(pressure=march["pressure"] * xr.DataArray([1, 1, 2, 0], dims="time"))
     assert contents(unloaded, "march")["instant"] == 2
-
-
-def test_a_browser_draws_a_contact_as_a_sharp_map_with_both_sections(
-    contact: xr.Dataset, tmp_path: Path
-) -> None:
-    count = (
-        "const canvas = document.querySelector('canvas');"
-        "const row = canvas.getContext('2d').getImageData(0, canvas.height >> 1, canvas.width, 1).data;"
-        "const colors = new Set();"
-        "for (let n = 0; n < row.length; n += 4) colors.add(row.slice(n, n + 3).join());"
-        "document.body.dataset.colors = colors.size;"
-        "document.body.dataset.end = document.getElementById('along').getBoundingClientRect().bottom;"
-    )
-    drawn = shown(page_of(contact, "page"), tmp_path, count)
-    [colors] = re.findall(r'data-colors="(\d+)"', drawn)
-    assert int(colors) <= 8  # of as many cells along, without tones between them
-    [end] = re.findall(r'data-end="([\d.]+)"', drawn)
-    assert float(end) <= 800  # in the window
-    assert drawn.count("<polyline") == 2
 
 
 BREAK = "document.body.dataset.broken=1"

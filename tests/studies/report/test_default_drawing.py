@@ -8,7 +8,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus
-from studies.report.default_drawing import _scale, curves, maps
+from studies.report.default_drawing import curves, maps
 from tests.studies.report.drawings.drawn import labelled, numbered, same
 
 LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]
@@ -50,29 +50,6 @@ def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None
     labels = [ax.get_ylabel() for ax in (fraction, pressure, approach)]
     assert labels == ["contact fraction", "peak pressure [MPa]", "approach [µm]"]
     assert fraction.get_xlabel() == "load, per length [N/mm]"
-
-
-@pytest.mark.parametrize(
-    ("units", "largest", "size", "unit"),
-    [
-        ("m", 1.5, 1.0, "m"),
-        ("m", 1e-3, 1e-3, "mm"),
-        ("m", 9e-4, 1e-6, "µm"),
-        ("m", 1e-12, 1e-9, "nm"),
-        ("Pa", 1e9, 1e9, "GPa"),
-        ("Pa", 9e8, 1e6, "MPa"),
-        ("Pa", 5.0, 1e3, "kPa"),
-        ("N m-1", 999.0, 1.0, "N/m"),
-        ("N m-1", 1e3, 1e3, "N/mm"),
-        ("N m-2", 5e9, 1e6, "N/mm per mm"),
-        ("s", 5e9, 1.0, "s"),
-    ],
-)
-def test_the_unit_is_the_largest_that_the_largest_number_reaches(
-    units: str, largest: float, size: float, unit: str
-) -> None:
-    values = xr.DataArray([-largest, largest / 1e5, np.nan], dims="case", attrs={"units": units})
-    assert _scale(values) == (size, unit)
 
 
 def test_a_third_axis_has_a_figure_for_each_value_and_says_it() -> None:

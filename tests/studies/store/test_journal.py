@@ -203,21 +203,6 @@ def test_a_line_that_no_version_wrote_is_set_aside_though_its_checksum_is_right(
     assert opened(tmp_path).notes == []
 
 
-def test_damaged_lines_are_moved_to_another_file_and_the_others_stay_as_they_are(
-    tmp_path: Path,
-) -> None:
-    with opened(tmp_path) as journal:
-        journal.start("now", {"number": [1, 2]})
-        journal.add(identity("b"), outcome(value=7.0))
-        path = journal.path
-    whole = path.read_bytes().splitlines(keepends=True)
-    path.write_bytes(b"".join((whole[0], b"first\n", *whole[1:-1], b"second one\n", whole[-1])))
-    with opened(tmp_path) as journal:
-        journal.start("now", {"number": [1, 2]})
-    assert path.read_bytes().startswith(b"".join(whole))
-    assert path.with_name(f"{path.name}.damaged").read_bytes() == b"first\nsecond one\n"
-
-
 def test_a_journal_of_another_format_is_set_aside_with_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "x.journal.jsonl"
     old = encoded({"run": "a", "format": 3, "context": {}, "machine": "here"}) + encoded(

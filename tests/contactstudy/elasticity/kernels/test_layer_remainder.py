@@ -6,7 +6,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.special import j0
 
 from contactstudy.elasticity.kernels import layer_remainder
-from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder, RemainderRow
+from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
@@ -74,24 +74,6 @@ def test_a_row_is_the_sum_of_its_images(name: str, thickness: float) -> None:
     found = LayerRemainder(layer, thickness).row(x, y, dx, dy, period)
     # of the next terms of the tail, and rounding of so many images
     np.testing.assert_allclose(found, summed, atol=1e-11 * np.abs(found).max())
-
-
-@pytest.mark.cases(2)
-@pytest.mark.parametrize("name", LAYERS)
-@pytest.mark.parametrize(
-    ("thickness", "extent", "cells"),
-    [(1.5e-3, (1.0, 1.0), (6, 6)), (2e-3, (0.1, 1.0), (8, 5)), (8e-3, (4.0, 1.0), (16, 40))],
-)
-def test_a_fourier_series_and_a_sum_over_images_agree(
-    name: str, thickness: float, extent: tuple[float, float], cells: tuple[int, int]
-) -> None:
-    layer = LAYERS[name]
-    dx, dy = (a / n for a, n in zip(extent, cells, strict=True))
-    x, y = np.arange(4) * dx, np.arange(cells[1] // 2 + 1) * dy
-    row = RemainderRow(LayerRemainder(layer, thickness), dx, dy, extent[1])
-    series, images = row.series(x, y), row.images(x, y)
-    largest = np.abs(LayerRemainder(layer, thickness).row(x[:, None], y, dx, dy, extent[1])).max()
-    np.testing.assert_allclose(series, images, atol=1e-11 * largest)
 
 
 @pytest.mark.parametrize("name", LAYERS)

@@ -215,25 +215,6 @@ def test_one_cell_per_period_is_plane_strain(dx: float, period: float) -> None:
     assert (found == found[:, :1]).all()
 
 
-@pytest.mark.parametrize("cells", [2, 3, 64])
-@pytest.mark.parametrize("dx", [1e-4, 0.2, 5.0])
-def test_cells_of_a_period_add_up_to_plane_strain(dx: float, cells: int) -> None:
-    x, y = np.array([0, 0.1, 0.5, 0.7, 2, 5.9, 80])[:, None], (np.arange(cells) + 0.3) / cells
-    parts = boussinesq_cell_periodic(x, y, dx, 1 / cells, 1.0).sum(axis=1)
-    whole = boussinesq_cell_periodic(x[:, 0], 0.0, dx, 1.0, 1.0)
-    assert_allclose(parts, whole, rtol=EXACT, atol=EXACT * dx)
-
-
-@pytest.mark.parametrize("parts", [2, 25])
-@pytest.mark.parametrize("dx", [1e-3, 1.0, 4.0, 1e4])
-def test_strips_of_a_wide_cell_add_up_to_it(dx: float, parts: int) -> None:
-    x, y = np.array([0, 0.3, 0.5, 0.6, 3])[:, None, None] * dx, np.array([0, 0.1, 0.5])[:, None]
-    centres = (np.arange(parts) - (parts - 1) / 2) * dx / parts
-    strips = boussinesq_cell_periodic(x + centres, y, dx / parts, 0.2, 1.0).sum(axis=2)
-    whole = boussinesq_cell_periodic(x[..., 0], y[:, 0], dx, 0.2, 1.0)
-    assert_allclose(strips, whole, rtol=EXACT, atol=EXACT * dx * 0.2)
-
-
 @pytest.mark.parametrize("times", [2, 5])
 @pytest.mark.parametrize(("dx", "dy"), CELLS[2:])
 def test_lattice_is_made_of_sparser_lattices(dx: float, dy: float, times: int) -> None:

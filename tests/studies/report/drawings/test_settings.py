@@ -1,12 +1,10 @@
 """What the drawing of settings says and lists of numbers that are written here."""
 
 import numpy as np
-import pytest
 import xarray as xr
 
 from studies.model.outcome import CaseStatus
-from studies.registry import load_drawing
-from tests.studies.report.drawings.drawn import findings, rows, words
+from tests.studies.report.drawings.drawn import findings, rows
 
 PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
 PERIODS, IMAGES, GRID = [0.6, 2.4], [0, 1, 6], [12, 18, 24]
@@ -72,16 +70,3 @@ def test_the_quickest_setting_of_each_error_stands_beside_the_next_padding() -> 
     table = rows("pareto", dataset)
     assert table[0] == ("30 %", "duplicated", "12", "2.8 %", "28 ms", "superposed: 46 ms")
     assert table[-1] == ("0.30 %", "exact", "24", "0.20 %", "84 ms", "none meets it")
-
-
-@pytest.mark.parametrize("against", ["Hertz's contact", "a solution on 96 x 96 cells"])
-def test_every_choice_of_axes_has_a_figure_that_says_what_errors_are_against(against: str) -> None:
-    dataset, drawing = swept(against=against, timed=True), load_drawing("padding")
-    for axes in ([], ["images"], ["grid"], ["period"], ["images", "period"]):
-        one = dataset.isel(
-            {name: [-1] for name in ("images", "period", "grid") if name not in axes}
-        )
-        drawn = drawing.figure(one)
-        assert drawn[-1].name == "front"
-        if "reach" not in (figure.name for figure in drawn):
-            assert against in words(drawn[0].caption)

@@ -32,6 +32,7 @@ from studies.advice.subject import (
     Subject,
     bounds_of,
     failure_of,
+    last_of,
     numbers_of,
     pressure_of,
 )
@@ -345,6 +346,8 @@ class _Comparing:
             f"reference on {cells[0]} x {cells[1]} cells, bound {bounds['pressure_l1']:.2g}: "
             f"{self.budget.spent:.0f} s"
         )
+        if bounds["pressure_l1"] == inf:
+            self.notes += last_of(self.solved[reference]).error.warnings[:1]
         if failure_of(self.solved[reference]):
             self.notes.append(f"The reference: {failure_of(self.solved[reference])}")
         return reference, bounds

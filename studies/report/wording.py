@@ -24,10 +24,20 @@ def cells_text(cells: tuple[int, int]) -> str:
     return f"{cells[0]} x {cells[1]} cells"
 
 
+def tolerance_text(tolerance: float) -> str:
+    """Return a tolerance, such as "1e-2"."""
+    return f"{tolerance:.0e}".replace("e-0", "e-")
+
+
+def enumerated(words: Sequence[str]) -> str:
+    """Return words as a list in a sentence."""
+    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
+
+
 def setting_text(measured: Measured) -> str:
     """Return a setting in words."""
-    setting = measured.setting
-    return f"{padding_name(measured.label)}, {cells_text(setting.cells)}, tolerance {setting.tolerance:.0e}"
+    tolerance = tolerance_text(measured.setting.tolerance)
+    return f"{padding_name(measured.label)}, {cells_text(measured.setting.cells)}, tolerance {tolerance}"
 
 
 def seconds_text(seconds: float) -> str:
@@ -107,7 +117,8 @@ def rivals_text(measured: Comparison, verdict: Verdict) -> str:
             finest = [f"{len(misses)} paddings, from {finest[0]} to {finest[-1]}"]
         sentences.append(f"On no grid accurate enough: {', '.join(finest)}.")
     if coarser := verdict.coarser:
-        took = f"{coarser.time / verdict.best.time:.2g} times the time"
+        saved = coarser.time / verdict.best.time
+        took = f"{saved:.2g} times the time" if saved < 1 else "no less time"
         sentences.append(
             f"The next coarser grid, {cells_text(coarser.setting.cells)}, has an error of "
             f"{percent(coarser.error)} in {took}{_why(measured, verdict, coarser)}."
@@ -135,7 +146,7 @@ def _rounds(measured: Comparison) -> int:
 def title_text(measured: Comparison, verdict: Verdict) -> str:
     """Return the verdict in two short lines, for a figure."""
     best: Setting = verdict.best.setting
-    first = f"{measured.name}: {verdict.best.label}, {cells_text(best.cells)}, tol. {best.tolerance:.0e}"
+    first = f"{measured.name}: {verdict.best.label}, {cells_text(best.cells)}, tol. {tolerance_text(best.tolerance)}"
     second = (
         f"{error_text(verdict.best.error, measured.floor)} in {seconds_text(verdict.best.time)}"
     )

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from math import inf, isfinite
 from typing import Any
 
@@ -10,24 +9,27 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from studies.advice.comparison import LINE, Comparison, Measured, Verdict, label_of, mode_of
+from studies.advice.subject import REPORTED
 from studies.model.drawing import CaptionedFigure, Finding, Table
-from studies.report.style import WIDTH, captioned, padding_style, panels, percent
+from studies.report.style import WIDTH, captioned, padding_style, panels, percent, tick_cells
 from studies.report.wording import (
     DECADES,
     cells_text,
+    enumerated,
     error_text,
     padding_name,
     reported_quantities,
     rivals_text,
     seconds_text,
     title_text,
+    tolerance_text,
     verdict_text,
 )
 
+# Relative change that is none.
+NOTHING = 5e-7
 # Difference of two labels over the height of the axes, below which they would touch.
-APART = 0.045
-# Errors at the ends of two lines that are one plateau.
-SAME = 1.15
+APART = 0.04
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +74,7 @@ def parts(measured: Comparison) -> Sequence[Part]:
 
 def _style(label: str) -> dict[str, Any]:
     """Return colour and marker of a padding; n changes the shade of a line by its width alone."""
-    mode = "line" if label == LINE else label.partition(",")[0]
-    return padding_style("exact" if mode == "free" else mode)
+    return padding_style("line" if label == LINE else label.partition(",")[0])
 
 
 def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
@@ -149,39 +150,26 @@ def _label_cells(ax: Axes, line: Sequence[Measured], color: str) -> None:
         ax.annotate(
             f"{across} x {along}", (setting.time, setting.error), (-7, -4), textcoords="offset points",
             ha="right", va="top", fontsize="small", color=color, zorder=5,
+            bbox={"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 0.5},
         )  # fmt: skip
 
 
 def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], scene_padding: str) -> None:
-    """Write the names of the lines at the right, those that end at one error together."""
-    groups: list[list[tuple[float, float, str]]] = []
-    for end in sorted(ends, key=lambda end: end[1]):
-        if groups and end[1] <= SAME * groups[-1][0][1]:
-            groups[-1].append(end)
-        else:
-            groups.append([end])
+    """Write the names of the lines at the right, in their colours, none upon another."""
+    ends = sorted(ends, key=lambda end: (end[1], end[2]))
     low, high = np.log(ax.get_ylim())
-    rows = [len(group) for group in groups]
-    heights = [
-        (np.log(np.mean([end[1] for end in group])) - low) / (high - low) for group in groups
-    ]
-    centres = list(heights)
-    for _ in range(50):  # push overlapping labels apart
-        for k, (below, above) in enumerate(pairwise(range(len(groups)))):
-            least = APART * (rows[below] + rows[above]) / 2
-            lacking = least - (centres[above] - centres[below])
-            if lacking > 0:
-                centres[k] -= lacking / 2
-                centres[k + 1] += lacking / 2
-    for group, centre in zip(groups, centres, strict=True):
-        has_own = any(label == scene_padding for *_, label in group)
-        text = "\n".join(label for *_, label in sorted(group, reverse=True))
-        latest = max(group)
-        color = _style(scene_padding if has_own else latest[2])["color"]
+    places = [(np.log(error) - low) / (high - low) for _, error, _ in ends]
+    for _ in range(200):  # push overlapping labels apart
+        for k in range(len(ends) - 1):
+            lacking = max(0.0, APART - (places[k + 1] - places[k]))
+            places[k] -= lacking / 2
+            places[k + 1] += lacking / 2
+    for (time, error, label), place in zip(ends, places, strict=True):
+        color = _style(label)["color"]
         ax.annotate(
-            text, latest[:2], (1.02, centre), textcoords="axes fraction", xycoords="data",
+            label, (time, error), (1.02, place), textcoords="axes fraction", xycoords="data",
             ha="left", va="center", fontsize="small", color=color,
-            weight="bold" if has_own else "normal",
+            weight="bold" if label == scene_padding else "normal",
             arrowprops={"arrowstyle": "-", "color": color, "lw": 0.6, "shrinkA": 0},
         )  # fmt: skip
 
@@ -207,13 +195,9 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
         if grid.error > labelled / 2:
             continue
         labelled = grid.error
-        padding_panel.axhline(grid.error, color="0.55", ls=":", lw=1.0)
-        padding_panel.text(
-            1.0, grid.error, cells_text(grid.setting.cells), transform=padding_panel.get_yaxis_transform(),
-            ha="right", va="bottom", fontsize="x-small", color="0.4",
-        )  # fmt: skip
+        _level(padding_panel, grid.error, "{} x {}".format(*grid.setting.cells))
     padding_panel.set(
-        xlabel="n + ½  (n periods on each side)",
+        xlabel="n, at n + ½",
         ylabel="L1 error by the padding alone",
         title="Which n: where its line crosses a grid's error",
     )
@@ -228,17 +212,16 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
     )  # fmt: skip
     for tolerance, error in measured.tolerances.items():
         if error > 0.02 * min(item.error for item in line):
-            cells_panel.axhline(error, color="#595959", ls=":", lw=1.0)
-            cells_panel.text(
-                1.0, error, f"tolerance {tolerance:.0e}", transform=cells_panel.get_yaxis_transform(),
-                ha="right", va="bottom", fontsize="x-small", color="0.35",
-            )  # fmt: skip
+            _level(cells_panel, error, f"tol. {tolerance_text(tolerance)}")
     cells_panel.axhline(verdict.error, color="k", ls="--", lw=1.0)
     cells_panel.set(
         xlabel="cells across",
         ylabel="L1 error of the pressure",
         title=f"Which grid: {padding_name(measured.own_label)}",
     )
+    counted = sorted({n for points in modes.values() if len(points) > 1 for n, _ in points})
+    tick_cells(padding_panel, counted, 0.5)
+    tick_cells(cells_panel, cells[::-2])
     on = cells_text(measured.paddings_on)
     return captioned(
         "causes",
@@ -248,6 +231,15 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
         "below the error of the grid costs no accuracy. Right: the error by the cells, and (dotted) that of some "
         f"tolerances on {on}.",
     )
+
+
+def _level(ax: Axes, error: float, text: str) -> None:
+    """Draw an error as a dotted line, with a text at its right."""
+    ax.axhline(error, color="0.5", ls=":", lw=1.0)
+    ax.annotate(
+        text, (1.0, error), (3, 0), xycoords=ax.get_yaxis_transform(), textcoords="offset points",
+        va="center", fontsize="x-small", color="0.4",
+    )  # fmt: skip
 
 
 def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
@@ -294,7 +286,9 @@ def _reference(measured: Comparison) -> Finding:
         )
         claim = f"Errors are against {cells_text(measured.reference)} at the scene's own boundary; {bound}."
         unknown = [
-            name.replace("_", " ") for name, bound in measured.bounds.items() if bound == inf
+            REPORTED[name]
+            for name, bound in measured.bounds.items()
+            if bound == inf and name in REPORTED
         ]
         text = (
             "The measure is the L1 norm of the difference to the reference's means over each cell."
@@ -326,7 +320,7 @@ def _costs(measured: Comparison) -> Table:
                 percent(target),
                 best.label,
                 cells_text(best.setting.cells),
-                f"{best.setting.tolerance:.0e}",
+                tolerance_text(best.setting.tolerance),
                 error_text(best.error, measured.floor),
                 seconds_text(best.time),
                 beside,
@@ -342,8 +336,8 @@ def _costs(measured: Comparison) -> Table:
     )
     return Table(
         "The quickest setting for each error, by the median of its processor times on one thread; paddings within a "
-        f"tenth are a tie, which goes to the scene's own boundary. Larger errors take the setting of the next row."
-        f"{left_out}",
+        "tenth are a tie, which goes to the scene's own boundary. A setting that meets a smaller error too is listed "
+        f"there alone.{left_out}",
         ("error at most", "padding", "grid", "tolerance", "measured", "time", "next padding"),
         tuple(rows),
     )
@@ -351,11 +345,16 @@ def _costs(measured: Comparison) -> Table:
 
 def _changes(measured: Comparison) -> Table:
     """Return what each padding alone does to the main numbers."""
-    names = reported_quantities(measured)
+    known = reported_quantities(measured)
+    names = [
+        (name, long_name)
+        for name, long_name in known
+        if any(abs(one.changes.get(name, inf)) >= NOTHING for one in measured.paddings)
+    ]
 
     def signed(value: float) -> str:
         sign = "+" if value > 0 else "−"
-        return "0" if abs(value) < 5e-7 else f"{sign}{percent(value)}"
+        return "0" if abs(value) < NOTHING else f"{sign}{percent(value)}"
 
     rows = tuple(
         (
@@ -369,7 +368,9 @@ def _changes(measured: Comparison) -> Table:
         for item in measured.paddings
     )
     no_bound = [long_name for name, long_name in names if measured.bounds.get(name) == inf]
-    text = f" No grid bounds the {' and the '.join(no_bound)} of this scene." if no_bound else ""
+    text = f" The reference has no bound on its own {enumerated(no_bound)}." if no_bound else ""
+    if kept := [long_name for name, long_name in known if (name, long_name) not in names]:
+        text += f" No padding changes the {enumerated(kept)}."
     return Table(
         f"What each padding alone does, against {padding_name(measured.own_label)} on "
         f"{cells_text(measured.paddings_on)}: the L1 error of the pressure, and the change of each number.{text}",

@@ -25,7 +25,7 @@ def _coating_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw the contact, the stress at the interface and the error of a single image over the thickness."""
     labels = {
         "half_width": "half-width / a",
-        "peak_pressure": "peak pressure / p_H",
+        "peak_pressure": "peak pressure / $p_H$",
         "interface_shear": "shear at the interface / p_max",
         "interface_tension": "tension there / p_max",
         "image_error": "L1 error of the image alone",
@@ -42,7 +42,7 @@ def _coating_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ax.set(xscale="log", xlabel="thickness / a", ylabel=label)
     axes[-1].set_yscale("log")
     caption = (
-        "A rigid cylinder on a coated half-space, nu = 0.3 in both, over the thickness of the coating; a and p_H "
+        "A rigid cylinder on a coated half-space, nu = 0.3 in both, over the thickness of the coating; a and p_{H} "
         "are Hertz's on the substrate alone, and thin lines those on the coating alone. The stress at "
         "the interface is in the coating. The last panel is the error of the pressure when the coating is "
         "replaced by an image of the load two thicknesses below the surface."
@@ -103,7 +103,7 @@ def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ax.plot(finest["poisson_ratio"], finest[variable], color=COLORS[0], marker="o")
     label_panels(
         axes,
-        ("coefficient of friction", "highest von Mises / p_H", ""),
+        ("coefficient of friction", "highest von Mises / $p_H$", ""),
         ("coefficient of friction", "its depth / a", ""),
         ("Q / (mu P)", "stick / contact, cylinder", ""),
         ("Q / (mu P)", "stick / contact, sphere", ""),
@@ -134,8 +134,8 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         Finding(
             "Friction brings the highest stress to the surface at a coefficient of about 0.3; sticking zones are "
             "those of Cattaneo, but the superposition that gives them is inexact on rough surfaces.",
-            f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_H without friction and "
-            f"{float(high):.3f} p_H at a coefficient of {float(high['coefficient']):g}; it lies at the surface from "
+            f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_{{H}} without friction and "
+            f"{float(high):.3f} p_{{H}} at a coefficient of {float(high['coefficient']):g}; it lies at the surface from "
             f"{float(surface.min()):g} on. A cylinder sticks over a zone within {deviation:.3f} half-widths of "
             "Cattaneo's. On a rough contact two normal solves make up the shear to "
             f"{percent(cork['superposition_error'])} in L1 at nu = 0, and miss "
@@ -283,7 +283,7 @@ wear = Drawing(_wear_figures, _wear_findings, axes=("scheme", "steps", "grid"))
 # plastic
 
 LABELS = {
-    "peak_pressure": ("peak pressure / p_H", "cap_pressure"),
+    "peak_pressure": ("peak pressure / $p_H$", "cap_pressure"),
     "half_width": ("half-width / a", "cap_half_width"),
     "dent": ("dent / (a Y / E)", "cap_dent"),
     "plastic_depth": ("plastic depth / a", None),
@@ -301,7 +301,7 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             capped, text = finest.isel(hardening=0), f"hardness {CAP:g} Y"
             ax.plot(capped["pressure"], capped[cap], "s--", color="#CC79A7", label=text)
         ax.plot([PRESSURE], [REFERENCE[name]], "*", color="black", markersize=10, label="known")
-        ax.set(xlabel="p_H / Y", ylabel=label)
+        ax.set(xlabel="$p_H$ / Y", ylabel=label)
     if (compared := _known(dataset)) is not None:
         for part, style in by_color(compared, "grid", "{} cells, "):
             style["label"] += f"{float(part['layers'][-1]):g} layers"
@@ -318,9 +318,9 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     )
     caption = (
         "A rigid cylinder pressed into a half-space that yields after von Mises, and lifted off, in plane strain, "
-        f"over Hertz's peak pressure p_H; a is Hertz's half-width. The dent is measured against the surface at "
+        f"over Hertz's peak pressure p_{{H}}; a is Hertz's half-width. The dent is measured against the surface at "
         f"{FAR:g} a. Beside it an elastic body whose pressure a hardness of {CAP:g} Y limits. Stars are known "
-        f"contacts (finite elements agree to 0.3 %), at p_H = {PRESSURE:g} Y and a hardening modulus "
+        f"contacts (finite elements agree to 0.3 %), at p_{{H}} = {PRESSURE:g} Y and a hardening modulus "
         f"of {HARDENING:g} E; the last panels are the error there. Layers follow from the cells."
     )
     return (captioned("plastic", fig, caption),)
@@ -341,12 +341,12 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     first, last = finest.isel(pressure=0), finest.isel(pressure=-1)
     cap = Finding(
         "A hardness is no substitute for plastic strain below the surface.",
-        f"At p_H = {float(last['pressure']):g} Y, where the peak pressure is "
+        f"At p_{{H}} = {float(last['pressure']):g} Y, where the peak pressure is "
         f"{float(last['peak_pressure'] * last['pressure']):.2f} Y, a hardness of {CAP:g} Y gives a pressure that "
         f"differs by {percent(last['cap_difference'])} in L1, and a depth of yielding of "
         f"{float(last['cap_dent']):.2g} a Y / E in the place of a dent of {float(last['dent']):.2g}. At "
         f"{float(first['pressure']):g} Y it differs by {percent(first['cap_difference'])}. The body yields from "
-        "p_H = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",
+        "p_{H} = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",
         "Is a hardness cap enough?",
     )
     if (compared := _known(dataset)) is None:

@@ -81,8 +81,8 @@ def _pressure(dataset: xr.Dataset) -> CaptionedFigure:
     full.plot(x, hertz, label="Hertz", **LAW_STYLE)
     label_panels(
         (full, error),
-        ("position across / half-width a", "pressure / p_H", ""),
-        ("position across / half-width a", "error against Hertz [% of p_H]", ""),
+        ("position across / half-width a", "pressure / $p_H$", ""),
+        ("position across / half-width a", "error against Hertz [% of $p_H$]", ""),
     )
     full.set_ylim(0, 1.2)
     error.set_ylim(-100, 100)

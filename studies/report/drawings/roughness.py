@@ -39,7 +39,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
         "contact_area": "contact area / Hertz's",
         "half_width": "effective half-width / a",
         "contact_extent": "farthest contact / a",
-        "peak_pressure": "peak pressure / p_H",
+        "peak_pressure": "peak pressure / $p_H$",
         "load_spread": "spread of the load along",
         "smooth_difference": "L1 difference from smooth",
     }
@@ -71,7 +71,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
 def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
     labels = {
         "pressure_error_l1": "relative L1 error",
-        "pressure_error_max": "largest error of a cell / p_H",
+        "pressure_error_max": "largest error of a cell / $p_H$",
     }
     fig, axes = panels(len(labels), width=WIDTH / 2, height=3.2)
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):

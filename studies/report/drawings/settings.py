@@ -250,9 +250,8 @@ def _cells(dataset: xr.Dataset) -> Table:
         if min(errors[-1] for _, errors in lines) <= target
     )
     return Table(
-        f"Cells across the width from which on the error stays below a target; a padding that stores none says the "
-        f"most "
-        f"that were tried. {_at(dataset, 'grid')}",
+        f"Cells across the width from which on the error stays below a target, at {_at(dataset, 'grid')}; > {cells[-1]}: on "
+        "no grid that was tried.",
         ("error at most", *(label for label, _ in lines)),
         rows,
     )
@@ -349,8 +348,8 @@ def _which_period(dataset: xr.Dataset) -> Finding:
     errors = dataset["axis_pressure_error"].isel(grid=-1, images=-1)
     short, long = float(errors["period"].min()), float(errors["period"].max())
     facts = "; ".join(
-        f"{padding_label(name, int(errors['images']))} {percent(part.sel(period=short))} and "
-        f"{percent(part.sel(period=long))}"
+        f"{padding_label(name, int(errors['images']))} ({percent(part.sel(period=short))}, "
+        f"{percent(part.sel(period=long))})"
         for name in ("duplicated", "circular", "exact")
         for part in [errors.sel(padding=name)]
     )

@@ -107,7 +107,7 @@ def _explained(dataset: xr.Dataset) -> str:
         for name, count in zip(dataset["case"].values, counts.values, strict=True)
         if count
     ]
-    return f" With a status in the place of an answer end: {', '.join(texts)}." if texts else ""
+    return f" Those with a status in the place of an answer: {', '.join(texts)}." if texts else ""
 
 
 def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:

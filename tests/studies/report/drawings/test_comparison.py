@@ -18,7 +18,7 @@ def test_the_verdict_names_setting_error_bound_and_time() -> None:
     verdict = measured.verdict()
     assert verdict is not None
     assert verdict_text(measured, verdict) == (
-        "Use exact periodicity, 64 x 64 cells, tolerance 1e-04: the pressure is 2.0\xa0% ± 0.40\xa0% off in L1, in 4 "
+        "Use exact periodicity, 64 x 64 cells, tolerance 1e-4: the pressure is 2.0\xa0% ± 0.40\xa0% off in L1, in 4 "
         "ms "
         "on one thread; 3.0\xa0% was asked."
     )
@@ -28,7 +28,7 @@ def test_the_verdict_names_setting_error_bound_and_time() -> None:
         "4.0\xa0% in 0.25 times the time and misses the request."
     )
     assert title_text(measured, verdict) == (
-        "hand: exact, 64 x 64 cells, tol. 1e-04\n2.0\xa0% ± 0.40\xa0% in 4 ms"
+        "hand: exact, 64 x 64 cells, tol. 1e-4\n2.0\xa0% ± 0.40\xa0% in 4 ms"
     )
 
 

@@ -109,7 +109,7 @@ def friction() -> xr.Dataset:
 
 def test_friction_says_where_stress_is_highest() -> None:
     text = said("friction", friction())
-    assert "is 0.558 p_H without friction and 0.800 p_H at a coefficient of 0.4" in text
+    assert "is 0.558 p_{H} without friction and 0.800 p_{H} at a coefficient of 0.4" in text
     # at 0.2 a little below it
     assert "it lies at the surface from 0.4 on" in text
     # Cattaneo's is 0.5

@@ -122,7 +122,7 @@ def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> No
     dataset = plastic()
     cap, cost = findings("plastic", dataset)
     # the 20th of 24 numbers at 4 Y: 0.0020 of p_H
-    assert "At p_H = 4 Y, where the peak pressure is 0.01 Y" in cap
+    assert "At p_{H} = 4 Y, where the peak pressure is 0.01 Y" in cap
     # the 20th after 168, and the 4th
     assert "differs by 1.9 % in L1" in cap
     assert "At 2 Y it differs by 1.7 %" in cap

@@ -61,7 +61,7 @@ def test_what_is_said_of_n_and_of_the_period_is_of_the_finest_grid() -> None:
     # 1.05 % and 0.2 %
     assert "With n = 6 the largest error of a circular window is 1.2 %" in n
     # half of 2.2 %, of 1.25 and 0.27 %, of 0.2 %
-    assert "duplicated 1.1 % and 1.1 %; circular, n = 6 0.62 % and 0.13 %" in period
+    assert "duplicated (1.1 %, 1.1 %); circular, n = 6 (0.62 %, 0.13 %)" in period
     assert not findings("images", swept(against="a solution on 96 x 96 cells"))
 
 

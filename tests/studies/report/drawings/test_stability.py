@@ -66,7 +66,7 @@ def test_the_finding_is_of_all_cases_and_says_how_near_errors_come_to_the_stated
     # four of the first, two of the third, three of each other
     assert f": {4 + 2 + 3 * (count - 3)} solves have an error within" in said
     assert "3 end with a status that explains" in said
-    assert f"With a status in the place of an answer end: {THREE[1]} (3)." in said
+    assert f"Those with a status in the place of an answer: {THREE[1]} (3)." in said
     assert f"and 1 do neither ({THREE[2]})" in said
     # 2 over 8 of nearly all; 7 over 10 of the last of the first case
     assert "The median error is 25 % of the stated error, the largest 70 %" in said

@@ -280,18 +280,18 @@ class _Comparing:
     def _paddings(self, middle: int) -> list[PaddingError]:
         """Return what each padding alone does on the middle grid."""
         cells, reference = self._cells(middle), self.solved[middle]
-        errors, omitted, spent_before = [], [], self.budget.spent
+        errors, omitted, refused, spent_before = [], [], dict[str, str](), self.budget.spent
         for padding in self._candidates():
             if self.budget.spent - spent_before > MOST_FOR_PADDINGS * self.budget.seconds:
                 omitted.append(label_of(padding))
                 continue
             try:
                 answer = self.subject.solve(Setting(padding, cells, TIGHT))
-            except cs.InvalidInput as refused:  # an effect may not take this padding
-                self.notes.append(f"{label_of(padding)} is left out: {refused}")
+            except cs.InvalidInput as error:  # an effect may not take this padding
+                refused[label_of(padding)] = str(error)
                 continue
             if not pressure_of(answer).any() or not np.isfinite(pressure_of(answer)).all():
-                self.notes.append(f"{label_of(padding)} is left out: {failure_of(answer)}")
+                refused[label_of(padding)] = failure_of(answer)
                 continue
             numbers = numbers_of(answer)
             changes = {
@@ -304,6 +304,9 @@ class _Comparing:
                     padding, relative_l1(pressure_of(answer), pressure_of(reference)), changes
                 )
             )
+        if refused:
+            reason = next(iter(refused.values()))
+            self.notes.append(f"Left out: {'; '.join(refused)}. For the first: {reason}")
         if omitted:
             self.notes.append(
                 f"Not compared, since the seconds did not suffice: {'; '.join(omitted)}."

@@ -1,7 +1,6 @@
 """``contactstudy run SCENE.toml --vary FIELD=VALUES``."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -79,6 +78,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 
     Raises :class:`~contactstudy.InvalidInput` for a value that the study does not vary.
     """
+    from studies.scene_study.against import against
     from studies.scene_study.variation import variation
 
     field, equals, value = (part.strip() for part in reference.partition("="))
@@ -93,5 +93,4 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
         raise InvalidInput(
             f"--reference is {reference!r}, which is not one of the values that are varied: add it to --vary."
         )
-    place = f"{axis.name}={values.index(axis.values[0])}"
-    return replace(study, attributes={**study.attributes, "reference": place})
+    return against(study, axis.name, axis.values[0])

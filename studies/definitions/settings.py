@@ -4,32 +4,21 @@ The built-in studies of these names are about the paper's cylinder, whose refere
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
 from math import prod
 
-import numpy as np
 import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import positive, whole
-from contactstudy.domain.fields import Array
-from contactstudy.domain.reuse import caching
 from studies.advice.ladder import MULTIPLES, cells_at, is_reference
-from studies.advice.subject import (
-    REPORTED,
-    Answer,
-    Setting,
-    Subject,
-    numbers_of,
-    paper_described,
-    pressure_of,
-)
+from studies.advice.subject import REPORTED, Subject, numbers_of, paper_described
 from studies.model.axis import Axis, Value, one_of
 from studies.model.case import SceneCase, Solved, number
 from studies.model.study import Point, Study
 from studies.reference import line_contact
-from studies.reference.line_contact import PADDINGS, WIDTH, padding_at, relative_l1
+from studies.reference.line_contact import PADDINGS, WIDTH, padding_at
+from studies.scene_study.against import ReferencedCase, answer_of, pressure_error
 
 FREE = "free"
 # Tolerance of the reference.
@@ -54,21 +43,6 @@ PERIODS = {
 }
 OWN_PERIODS = {"period": (1, 2, 3)}
 MEASURED = "Period {} of the scene's own: a measured surface has one period, give 1."
-
-
-@dataclass(frozen=True)
-class SettingCase(SceneCase):
-    """A scene at one setting, judged against its own boundary on `reference` cells; Hertz judges where that is None."""
-
-    subject: Subject | None = field(default=None, compare=False)
-    own: cs.Padding | cs.Paddings = field(default_factory=cs.ExactPeriodicity)
-    reference: tuple[int, int] | None = None
-    periods: int = 1
-
-    def run(self, prepared: None = None) -> Solved:  # type: ignore[override]
-        """Return the answer with its wall time, set up anew: a time that is compared includes the set-up."""
-        with caching(None):
-            return super().run()
 
 
 def preset(name: str, subject: Subject) -> Study:
@@ -120,10 +94,12 @@ def preset(name: str, subject: Subject) -> Study:
     if name == "pareto":
         axes.append(Axis("solver_tolerance", (1e-2, 1e-4), "residual to which the solver goes"))
     finest = next(m for m in MULTIPLES if is_reference(m) and m >= 3 * grids[-1][0])
-    reference = None if hertz is not None else cells_at(subject.unit, finest)
-    against = "Hertz's contact" if reference is None else (
-        f"a solution on {reference[0]} x {reference[1]} cells at the scene's own boundary"
-    )  # fmt: skip
+    reference, against = None, "Hertz's contact"
+    if hertz is None:
+        cells = cells_at(subject.unit, finest)
+        tight = replace(subject.options, tolerance=TIGHT)
+        reference = SceneCase(subject.scene, subject.grid(cells), subject.own, tight, subject.times)
+        against = f"a solution on {cells[0]} x {cells[1]} cells at the scene's own boundary"
     return Study(
         name,
         f"{TITLES[name]}, for {subject.name}.",
@@ -139,9 +115,9 @@ class _SettingAt:
     """Function of a point that returns its case."""
 
     subject: Subject
-    reference: tuple[int, int] | None
+    reference: SceneCase | None
 
-    def __call__(self, point: Point) -> SettingCase:
+    def __call__(self, point: Point) -> ReferencedCase:
         subject = self.subject
         mode = str(point["padding"])
         padding = (
@@ -150,14 +126,12 @@ class _SettingAt:
         )  # fmt: skip
         across = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
         grid, periods = self._grid(across, point["period"])
-        return SettingCase(
+        return ReferencedCase(
             scene=subject.scene,
             grid=grid,
             padding=padding,
             options=replace(subject.options, tolerance=float(point.get("solver_tolerance", TIGHT))),
             time_steps=subject.times,
-            subject=subject,
-            own=subject.own,
             reference=self.reference,
             periods=periods,
         )
@@ -185,34 +159,19 @@ class _SettingAt:
         return cs.Grid((across, along * periods), (width, length * periods)), periods
 
 
-def measures(case: SettingCase, result: Solved) -> Mapping[str, xr.Variable]:
+def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
     """Return the relative errors of the pressure in L1 and of the main numbers, against the reference."""
-    assert case.subject is not None
     answer = result.answer
     if case.reference is None:
         assert isinstance(answer, cs.Contact)
         return line_contact.measures(case, answer)
-    reference = _reference(case.subject, case.reference)
-    error = relative_l1(pressure_of(answer), _repeated(pressure_of(reference), case.periods))
-    measured = {"pressure_error_l1": number(error, "relative L1 error of the pressure")}
+    measured = dict(pressure_error(case, answer))
     found = numbers_of(answer)
-    for name, value in numbers_of(reference).items():
+    for name, value in numbers_of(answer_of(case.reference)).items():
         if value and name in found:
             what = f"relative error of the {REPORTED[name]}"
             measured[f"{name}_error"] = number(found[name] / value - 1, what)
     return measured
-
-
-@lru_cache(maxsize=1)
-def _reference(subject: Subject, cells: tuple[int, int]) -> Answer:
-    """Return the answer at the scene's own boundary, solved once in each process; it is the same for all cases."""
-    return subject.solve(Setting(subject.own, cells, TIGHT))
-
-
-def _repeated(pressure: Array, periods: int) -> Array:
-    """Return a pressure (x, y) over several periods; an even number begins in the middle of one."""
-    shift = pressure.shape[1] // 2 if periods % 2 == 0 else 0
-    return np.roll(np.tile(pressure, (1, periods)), shift, axis=1)
 
 
 _PAPER = paper_described().subject()

@@ -10,7 +10,8 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.contact_quantities import approach_datum
 from contactstudy.io.dataset import labelled
-from studies.model.case import SceneCase, Solved, error_estimates, number
+from studies.model.case import Solved, error_estimates, number
+from studies.scene_study.against import ReferencedCase, pressure_error
 
 # The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2
@@ -66,8 +67,8 @@ def normal_stiffness(solution: cs.Solution) -> float:
     return float(grid.cell_area / grid.period / compliance)
 
 
-def measures(case: SceneCase, result: Solved) -> Mapping[str, xr.Variable]:
-    """Return the quantities of an answer with their bounds, its estimated errors, and what only a contact has."""
+def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
+    """Return the quantities of an answer with their bounds, its errors, and what only a contact has."""
     answer = result.answer
     measured: dict[str, xr.Variable] = {}
     for name, one in answer.quantities.items():
@@ -81,10 +82,10 @@ def measures(case: SceneCase, result: Solved) -> Mapping[str, xr.Variable]:
         measured |= _of_contact(case, answer)
     description = "wall time of set-up and solve, beside other cases"
     measured["wall_time"] = labelled((), result.seconds, "s", "wall time", description=description)
-    return measured | error_estimates(answer.error)
+    return measured | error_estimates(answer.error) | dict(pressure_error(case, answer))
 
 
-def _of_contact(case: SceneCase, contact: cs.Contact) -> dict[str, xr.Variable]:
+def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Variable]:
     """Return load, area over Hertz's, perimeter and stiffness of a dry contact, and the approach at a common datum."""
     grid, scene = contact.grid, case.scene
     touching = contact.pressure > 0

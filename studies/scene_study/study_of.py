@@ -18,8 +18,9 @@ from contactstudy.planning.grid_search import affordable
 from contactstudy.planning.plan import MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.model.axis import Value, check_count
-from studies.model.case import Case, Computation, SceneCase
+from studies.model.case import Case, Computation
 from studies.model.study import Point, Study
+from studies.scene_study.against import ReferencedCase
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
 from studies.scene_study.variation import Variation, together, variation
@@ -331,7 +332,7 @@ def _rank(varied: Variation) -> int:
     return ORDER.index(last) if last in ORDER else len(ORDER)
 
 
-def _computation(case: Case, file: SceneFile) -> SceneCase:
+def _computation(case: Case, file: SceneFile) -> ReferencedCase:
     """Return the computation of a scene, with the instants of its file where it changes in time."""
     steps = file.time_steps if case.scene.changing and case.scene.rolling is None else None
-    return SceneCase(case.scene, case.grid, case.padding, case.options, steps)
+    return ReferencedCase(case.scene, case.grid, case.padding, case.options, steps)

@@ -250,8 +250,8 @@ def _cells(dataset: xr.Dataset) -> Table:
         if min(errors[-1] for _, errors in lines) <= target
     )
     return Table(
-        f"Cells across the width from which on the error stays below a target, {_at(dataset, 'grid')}; > {cells[-1]}: on "
-        "no grid that was tried.",
+        f"Cells across from which on the error stays below a target, {_at(dataset, 'grid')}; > {cells[-1]}: "
+        "on no grid that was tried.",
         ("error at most", *(label for label, _ in lines)),
         rows,
     )

@@ -1,0 +1,78 @@
+"""A case beside a reference: the error of its pressure in L1."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import xarray as xr
+
+from studies.advice.subject import Answer, pressure_of
+from studies.model.axis import Value
+from studies.model.case import Computation, SceneCase, number
+from studies.model.study import Point, Study
+from studies.reference.line_contact import relative_l1
+
+
+@dataclass(frozen=True)
+class ReferencedCase(SceneCase):
+    """A scene to solve on `periods` times the extent of a `reference`, or without one."""
+
+    reference: SceneCase | None = None
+    periods: int = 1
+
+
+@lru_cache(maxsize=8)
+def answer_of(reference: SceneCase) -> Answer:
+    """Return the answer of a reference, solved once in each process: it is the same for many cases."""
+    return reference.run().answer
+
+
+def pressure_error(case: ReferencedCase, answer: Answer) -> Mapping[str, xr.Variable]:
+    """Return the relative L1 error of an answer's pressure, at its end if it is an evolution, against the reference.
+
+    It is left out without a reference, and for one of another extent, or whose cells neither nest in these nor are a
+    third of their size.
+    """
+    reference, grid = case.reference, case.grid
+    if reference is None:
+        return {}
+    width, length = reference.grid.extent
+    finest = reference.grid.cells[0], reference.grid.cells[1] * case.periods
+    nests = all(
+        fine % cells == 0 or fine >= 3 * cells
+        for fine, cells in zip(finest, grid.cells, strict=True)
+    )
+    if not (nests and np.allclose(grid.extent, (width, length * case.periods), 1e-9, 0.0)):
+        return {}
+    true = pressure_of(answer_of(reference))
+    # an even number of periods begins in the middle of one
+    shift = true.shape[1] // 2 if case.periods % 2 == 0 else 0
+    true = np.roll(np.tile(true, (1, case.periods)), shift, axis=1)
+    error = relative_l1(pressure_of(answer), true)
+    return {"pressure_error_l1": number(error, "relative L1 error of the pressure")}
+
+
+def against(study: Study, axis: str, value: Value) -> Study:
+    """Return the study of a scene with errors against the value of an axis, in the place of which it has no error."""
+    place = next(each.values for each in study.points if each.name == axis).index(value)
+    return replace(
+        study,
+        scene_at=_Beside(study.scene_at, axis, value),
+        attributes={**study.attributes, "reference": f"{axis}={place}"},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Beside:
+    """Function of a point that returns its case, with that at a value of an axis as its reference."""
+
+    scene_at: Callable[[Point], Computation]
+    axis: str
+    value: Value
+
+    def __call__(self, point: Point) -> Computation:
+        case, reference = self.scene_at(point), self.scene_at({**point, self.axis: self.value})
+        assert isinstance(case, ReferencedCase)
+        assert isinstance(reference, ReferencedCase)
+        return case if case == reference else replace(case, reference=reference)

@@ -346,8 +346,7 @@ class _Comparing:
                 reference, bounds = finer, bounds_of(self.solved[finer])
         cells = self._cells(reference)
         self.log(
-            f"reference on {cells[0]} x {cells[1]} cells, bound {bounds['pressure_l1']:.2g}: "
-            f"{self.budget.spent:.0f} s"
+            f"reference on {cells[0]} x {cells[1]} cells, bound {bounds['pressure_l1']:.2g}: {self.budget.spent:.0f} s"
         )
         if bounds["pressure_l1"] == inf:
             self.notes += last_of(self.solved[reference]).error.warnings[:1]

@@ -11,8 +11,6 @@ from studies.registry import BUILT_IN, OPTIONAL, load
 
 # Part that is the comparison of settings, which no study is.
 SETTINGS = "settings"
-# Seconds on two cores of the installation in a new environment, from a package index nearby.
-INSTALLATION = 30
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
     "padding": 3, "period": 4, "images": 3, "grid": 1, "paper": 2, "settings": 12, "pareto": 12, "stability": 4,

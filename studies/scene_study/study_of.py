@@ -82,8 +82,7 @@ def _check(name: str, shape: object, grid: cs.Grid) -> None:
     width, length = shape.extent
     if grid.extent[0] > width * (1 + 1e-9):
         raise InvalidInput(
-            f"{name} is {width:.4g} m wide, and the grid {grid.extent[0]:.4g} m: give a grid no wider than "
-            "the surface."
+            f"{name} is {width:.4g} m wide, and the grid {grid.extent[0]:.4g} m: give a grid no wider than the surface."
         )
     period = shape.seam.lengths * length
     if grid.period > period * (1 + 1e-9) and grid.cells[1] > 1:

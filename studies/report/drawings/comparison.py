@@ -265,8 +265,7 @@ def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
     on = cells_text(measured.paddings_on)
     text = (
         f"A padding counts as good enough if it adds at most a third of the grid's error, {percent(allowed)}. The "
-        f"table has "
-        f"what each does alone on {on}.{beyond}"
+        f"table has what each does alone on {on}.{beyond}"
     )
     if is_free:
         text = f"They add neighbours that the scene does not have. The table has what each does alone on {on}."

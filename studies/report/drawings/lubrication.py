@@ -127,8 +127,7 @@ def _cavitation(dataset: xr.Dataset) -> CaptionedFigure:
         fig,
         "Lubricant that cavitation makes: the range of the flow through all sections up to the end of the pressure, "
         "over its mean, largest over load and viscosity; and the central film, mean over them. A film that only "
-        "forbids "
-        "negative pressure (reynolds) makes lubricant wherever it forms again behind a cavity.",
+        "forbids negative pressure (reynolds) makes lubricant wherever it forms again behind a cavity.",
     )
 
 

@@ -130,8 +130,7 @@ def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
         f"{LABEL} over the reach D of the window: the distance to each side within which a point sees pressure (L/2 "
         "without neighbours, L with one copy, (n + ½)L with n periods). Each mark is a padding at one n and one period "
         f"L, on {int(finest['grid'])} cells across. All windows that move with the point follow one law; one that is "
-        f"fixed "
-        "to the domain also makes the load vary along the length. Dashed: no image is left out.",
+        f"fixed to the domain also makes the load vary along the length. Dashed: no image is left out.",
     )
 
 
@@ -273,8 +272,7 @@ def _needed(dataset: xr.Dataset) -> Table:
     single = [name for name in ("duplicated", "exact") if name in paddings(dataset)]
     return Table(
         f"Error of the paddings without an n, and the least n of a circular window whose error does not exceed that "
-        f"of exact "
-        f"periodicity by more than a target, on {int(finest['grid'])} cells across. The n are those stored: "
+        f"of exact periodicity by more than a target, on {int(finest['grid'])} cells across. The n are those stored: "
         f"{', '.join(str(n) for n in dataset['images'].values)}.",
         ("period", *single, *(f"n for {percent(target)} more" for target in TARGETS)),
         tuple(rows),
@@ -336,8 +334,7 @@ def _which_n(dataset: xr.Dataset) -> Finding:
     return Finding(
         "No n is needed: exact periodicity sums all images in closed form.",
         f"Its error is that of the cells, at most {percent(exact)} here at any period. A window of n periods leaves "
-        f"out "
-        "an error of a²/(2π(n + ½)²L²): on a short period many n are needed (the table). With "
+        f"out an error of a²/(2π(n + ½)²L²): on a short period many n are needed (the table). With "
         f"n = {n} the largest error of a circular window is {percent(worst)}. More n cannot do better than exact "
         "periodicity; one copy (duplicated) is as n = ½.",
         "Which n?",
@@ -371,8 +368,7 @@ def _which_grid(dataset: xr.Dataset) -> Finding:
         f"error.",
         f"The L1 error falls like {power('N', rate)}, from {percent(errors[0])} at {cells[0]} cells to "
         f"{percent(errors[-1])} at {cells[-1]}. The largest error of a cell, at the edge of the contact, falls "
-        f"slowly and "
-        f"not monotonically: {percent(largest[-1])} of p_{{H}} at {cells[-1]} cells.",
+        f"slowly and not monotonically: {percent(largest[-1])} of p_{{H}} at {cells[-1]} cells.",
         "Which grid?",
     )
 

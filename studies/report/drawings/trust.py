@@ -92,8 +92,7 @@ def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"an "
             f"error within the one stated for them, {_count(dataset, EXPLAINED)} end with a status that explains why "
             f"there is no answer, and {n_wrong} do neither{where}. The median error is {percent(fraction.median())} of "
-            f"the "
-            f"stated error, the largest {percent(fraction.max())}.{_explained(dataset)}",
+            f"the stated error, the largest {percent(fraction.max())}.{_explained(dataset)}",
             "Is it stable?",
         ),
     )
@@ -200,8 +199,7 @@ def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     return (
         Finding(
             f"The error bound holds in {100 * lowest:.1f} % of {dataset.sizes['case']} contacts of every kind, on "
-            f"which "
-            "no margin is set, or says why there is none.",
+            f"which no margin is set, or says why there is none.",
             f"{'; '.join(parts)}. By use of the contacts: {'; '.join(by_use)}. {silent} bounds are missing without a "
             "reason. A bound is missing where "
             "the pressure at a sharp edge is infinite, and where the grid does not show the surface.",

@@ -110,35 +110,6 @@ def test_answers_of_a_smooth_contact_are_hertz_s() -> None:
     assert float(exact["smooth_difference"]) == pytest.approx(0, abs=1e-6)
 
 
-def test_a_free_length_is_compared_with_an_endless_one() -> None:
-    """Zero padding leaves a short cylinder: what it differs by is found again from both pressures."""
-    study = load("roughness")
-    point = {
-        "rms": 0.0,
-        "hurst": 0.8,
-        "peklenik": 1.0,
-        "seed": 1,
-        "images": 0,
-        "period": 2.4,
-        "grid": 40,
-    }
-    case = study.scene_at(point)
-    solution = case.run(case.prepare())
-    zero = xr.Dataset(study.measures(case, solution)).sel(padding="zero")
-    scene, grid = case.scene, case.grid
-    alone = cs.solve(scene.problem(grid, cs.ZeroPadding())).pressure
-    endless = cs.solve(scene.problem(grid, cs.ExactPeriodicity())).pressure
-    load_along = alone.mean(axis=0)
-    spread = np.sqrt(((load_along - load_along.mean()) ** 2).mean()) / load_along.mean()
-    assert float(zero["load_spread"]) == pytest.approx(spread, rel=1e-6)
-    l1 = np.abs(alone - endless).mean() / endless.mean()
-    assert float(zero["pressure_error_l1"]) == pytest.approx(l1, rel=1e-6)
-    highest = (alone.max() - endless.max()) / endless.max()
-    assert float(zero["peak_pressure_error"]) == pytest.approx(highest, rel=1e-6)
-    largest = max(abs(alone - endless).ravel()) / HERTZ.peak_pressure
-    assert float(zero["pressure_error_max"]) == pytest.approx(largest, rel=1e-6)
-
-
 def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
     whole = scene_at({"effect": YIELD, "grid": 128})
     assert whole.grid.cells == (32, 1)

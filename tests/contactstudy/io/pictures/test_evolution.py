@@ -47,8 +47,6 @@ def test_the_map_is_of_the_mean_along_the_length_without_the_instant_before_a_ju
     # half-way between the instants 0, 1 and 4 s, and between the rows
     assert corners[0, :, 0] == pytest.approx([-0.5, 0.5, 2.5, 5.5])
     assert corners[:, 0, 1] == pytest.approx([-3, -1, 1, 3])
-    assert shown.get_ylabel() == "across [mm]"
-    assert shown.get_title() == "mean pressure [MPa]"
 
 
 def test_numbers_are_shares_of_their_largest_and_errors_those_that_are_known() -> None:
@@ -59,7 +57,6 @@ def test_numbers_are_shares_of_their_largest_and_errors_those_that_are_known() -
     assert area.get_ydata() == pytest.approx([0, 0, 0, 0])
     assert load.get_label() == "load over 4 N/m"
     assert area.get_label() == "contact area over 1 m²"
-    assert numbers.get_ylim()[0] == 0
     [steps] = errors.lines
     assert steps.get_xydata() == pytest.approx(np.array([[1, 1e-3], [4, 1e-2]]))
 
@@ -73,7 +70,6 @@ def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at
     ).assign_coords(z=[1e-3, 5e-3])
     profiles, shown = evolution_picture(yielded).axes[4:6]
     assert profiles.lines[-1].get_ydata() == pytest.approx([-19, -21, -23])
-    assert profiles.get_ylabel() == "dent [µm]"
     [mesh] = shown.collections
     values = np.asarray(mesh.get_array()).reshape(-1)
     assert values == pytest.approx(100 * strain[-1, :, :, 1].ravel())
@@ -81,6 +77,3 @@ def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at
     # half-way between the columns at -2, 0 and 2 mm, and between the depths of 1 and 5 mm
     assert sorted(set(corners[..., 0].ravel())) == pytest.approx([-3, -1, 1, 3])
     assert sorted(set(corners[..., 1].ravel())) == pytest.approx([-1, 3, 7])
-    assert (shown.get_xlabel(), shown.get_ylabel()) == ("across [mm]", "depth [mm]")
-    assert shown.get_title() == "strain at the end [%]"
-    assert shown.yaxis_inverted()

@@ -20,16 +20,10 @@ ROOT = Path(__file__).parents[2]
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 # whom, at which event of which phase, with how many workers
 PLACES = (
-    ("parent", "solving", CASES, 2),
-    ("worker", "solving", CASES, 2),
-    ("server", "solving", CASES, 2),
-    ("parent", "timing", CASES, 2),
-    ("worker", "timing", CASES, 2),
-    ("parent", "writing", 3, 2),
-    ("parent", "drawing", 1, 2),
-    ("parent", "solving", CASES, 0),
-    ("parent", "writing", 3, 0),
-)
+    ("parent", "solving", CASES, 2), ("worker", "solving", CASES, 2), ("server", "solving", CASES, 2),
+    ("parent", "timing", CASES, 2), ("worker", "timing", CASES, 2), ("parent", "writing", 3, 2),
+    ("parent", "drawing", 1, 2), ("parent", "solving", CASES, 0), ("parent", "writing", 3, 0),
+)  # fmt: skip
 KILLS = [
     (target, number, phase, 1 + draw % most, workers)
     for (target, phase, most, workers), number, draw in itertools.islice(

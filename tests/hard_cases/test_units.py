@@ -79,14 +79,9 @@ SIZES: dict[str, Callable[[float], object]] = {
     "MeasuredSurface.extent[1]": lambda size: cs.MeasuredSurface(np.zeros((8, 8)), (A, size)),
 }
 HEIGHTS = [
-    "LundbergProfile.amplitude",
-    "LundbergProfile.end_drop",
-    "Waviness.amplitude",
-    "Dimple.depth",
-    "Groove.depth",
-    "Roughness.rms",
-    "RmsSlope.slope",
-]
+    "LundbergProfile.amplitude", "LundbergProfile.end_drop", "Waviness.amplitude", "Dimple.depth",
+    "Groove.depth", "Roughness.rms", "RmsSlope.slope",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("size", ENDS)

@@ -21,16 +21,10 @@ def test_times_are_recorded_as_they_are_given(times: tuple[float, ...]) -> None:
 @pytest.mark.parametrize(
     "times",
     [
-        (),
-        (0.5, 0.25),
-        (0.5, 0.5, 0.5),
-        (-0.25, 1.0),
-        (-0.25,),
-        (0.5, nan),
-        ((0.5, 1.0), (1.5, 2.0)),
+        (), (0.5, 0.25), (0.5, 0.5, 0.5), (-0.25, 1.0), (-0.25,), (0.5, nan), ((0.5, 1.0), (1.5, 2.0)),
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_times_that_cannot_be_marched_through_are_refused(times: object) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^evolve\.times"):
         schedule(LOAD, times)  # type: ignore[arg-type]

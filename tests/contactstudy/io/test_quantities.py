@@ -20,20 +20,12 @@ PRESSURE = np.array([[0.0, 0.0], [1e6, 0.0], [2e6, 5e6], [0.0, 0.0]])
 @pytest.mark.parametrize(
     ("value", "units", "text"),
     [
-        (5.0e8, "Pa", "500 MPa"),
-        (1.234567e9, "Pa", "1.235 GPa"),
-        (1.83e-4, "m", "183 µm"),
-        (-2.5e-3, "m", "-2.5 mm"),
-        (5.31e-8, "m2", "0.0531 mm²"),
-        (1e5, "N m-1", "100 N/mm"),
-        (2.1e-4, "m2 m-1", "0.21 mm²/mm"),
-        (1.75e-8, "m3 m-1", "0.0175 mm³/mm"),
-        (2e3, "N", "2 kN"),
-        (0.0, "m", "0 nm"),
-        (0.125, "1", "0.125"),
-        (3.0, "kg", "3 kg"),
+        (5.0e8, "Pa", "500 MPa"), (1.234567e9, "Pa", "1.235 GPa"), (1.83e-4, "m", "183 µm"),
+        (-2.5e-3, "m", "-2.5 mm"), (5.31e-8, "m2", "0.0531 mm²"), (1e5, "N m-1", "100 N/mm"),
+        (2.1e-4, "m2 m-1", "0.21 mm²/mm"), (1.75e-8, "m3 m-1", "0.0175 mm³/mm"), (2e3, "N", "2 kN"),
+        (0.0, "m", "0 nm"), (0.125, "1", "0.125"), (3.0, "kg", "3 kg"),
     ],
-)
+)  # fmt: skip
 def test_a_value_is_shown_in_the_unit_that_is_read_most_easily(
     value: float, units: str, text: str
 ) -> None:

@@ -50,15 +50,6 @@ def test_a_load_that_changes_is_planned_at_its_largest() -> None:
     assert cs.plan(replace(by_moes(20, 5), load=load)).grid == cs.plan(by_moes(20, 5)).grid
 
 
-def test_a_dataset_has_the_film_its_errors_and_the_scene() -> None:
-    contact = solve_lubricated(by_moes(20, 5), grid(100, 4.5))
-    dataset = lubricated(contact).to_dataset()
-    assert dataset["film"].dims == ("x", "y")
-    assert float(dataset["central_film"]) == contact.central_film
-    assert dataset["central_film_error_estimate"].dims == ("cause",)
-    assert "[lubrication.lubricant]" in dataset.attrs["scene"]
-
-
 def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     stress = cs.SubsurfaceStress(depths=(2e-5,))
     scene = replace(by_moes(20, 5, shear=cs.LimitingShear(0.1)), outputs=(stress,))

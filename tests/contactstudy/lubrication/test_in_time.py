@@ -101,21 +101,6 @@ def test_a_load_that_grows_squeezes_the_film_to_that_of_the_larger_load() -> Non
     assert carried == pytest.approx(2e5, rel=1e-5)
 
 
-@pytest.mark.whole
-def test_smaller_errors_take_more_steps_and_agree() -> None:
-    smooth = rolling(20, 5)
-    height = 0.2 * solve_lubricated(smooth, grid(160, 4.0)).central_film
-    scene = rolling(20, 5, cs.MovingShape(cs.Waviness(height, across=A, along=np.inf)))
-    times = np.linspace(0, 4 * A / speed_of(scene), 9)
-    coarse, fine = (
-        evolve_lubricated(scene, grid(160, 4.0), times=times, error=error) for error in (1e-3, 1e-5)
-    )
-    assert fine.steps > coarse.steps
-    # errors of steps add up over the passage through the contact
-    bound = 1e-3 * coarse.steps
-    assert coarse.central_film == pytest.approx(fine.central_film, rel=bound)
-
-
 def test_rough_heights_on_either_body_pass_through() -> None:
     smooth = solve_lubricated(by_moes(20, 5), grid(96, 3.0))
     for body in (0, 1):

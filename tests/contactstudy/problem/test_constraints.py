@@ -63,15 +63,6 @@ def test_no_admissible_pressure_is_nearer_than_the_nearest(seed: int, which: Con
         assert ((nearest - trial) ** 2).sum() <= ((other - trial) ** 2).sum() + 1e-11
 
 
-def test_an_admissible_pressure_is_its_own_admitted_and_nearest() -> None:
-    for which in CONSTRAINTS:
-        pressure = which.scale_to_load(np.random.default_rng(1).exponential(size=(3, 4)), TOTAL)
-        np.testing.assert_allclose(
-            which.scale_to_load(pressure.copy(), TOTAL), pressure, rtol=1e-14
-        )
-        np.testing.assert_allclose(which.project(pressure.copy(), TOTAL), pressure, rtol=1e-12)
-
-
 def test_a_hardness_everywhere_may_just_carry_the_load() -> None:
     load = PrescribedLoad(TOTAL)
     assert not load.is_met_by(HardnessLimited(0.8), 12)

@@ -1,6 +1,6 @@
 """The comparison of a scene's settings, on scenes whose answer is known."""
 
-from math import inf, log, nan, pi
+from math import inf, nan
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from studies.advice.comparison import (
     with_envelope,
 )
 from studies.advice.front import pareto_front
-from studies.advice.ladder import MULTIPLES, is_reference, unit_of
+from studies.advice.ladder import MULTIPLES, is_reference
 from studies.advice.measuring import Budget, compared
 from studies.advice.rounds import in_rounds, ratio, sign_test
 from studies.advice.stored import as_text, from_dataset, from_text, store, stored, to_dataset
@@ -44,15 +44,6 @@ def test_means_of_hertzs_pressure_carry_his_load_on_any_cells() -> None:
         grid = cs.Grid(cells, (2.4 * HERTZ.half_width, 1e-4))
         load = hertz_means(HERTZ, grid).sum() * grid.cell_area / grid.period
         assert load == pytest.approx(HERTZ.load_per_length, rel=1e-12)
-
-
-def test_the_error_of_a_window_follows_its_law_on_the_papers_cylinder(cylinder: Comparison) -> None:
-    # a^2 / (2 pi D^2): next order (a / D)^2, which is 1/36 at D = 6 a
-    alone = {repr(one.padding): one.l1 for one in cylinder.paddings}
-    for images in (2, 4, 6, 10):
-        reach = 2.4 * (images + 0.5)
-        law = 1 / (2 * pi * reach**2)
-        assert alone[f"CircularSuperposition(images={images})"] == pytest.approx(law, rel=0.1)
 
 
 def test_a_cylinder_is_judged_by_hertz_and_solved_with_one_cell_along(cylinder: Comparison) -> None:
@@ -120,19 +111,6 @@ def test_a_scene_without_a_width_of_its_own_needs_a_grid() -> None:
 def test_a_request_must_be_above_zero(error: float, seconds: float) -> None:
     with pytest.raises(cs.InvalidInput, match="above 0"):
         compared(paper_described().subject(), error, Budget(seconds))
-
-
-@pytest.mark.parametrize("cells", [(640, 480), (128, 400), (600, 144), (128, 128), (50, 2000)])
-def test_a_unit_has_nearly_the_ratio_of_its_grid_and_no_prime_factor_above_five(
-    cells: tuple[int, int],
-) -> None:
-    unit = unit_of(cells)
-    assert abs(log(unit[0] / unit[1] * cells[1] / cells[0])) < 0.1
-    for count in unit:
-        for factor in (2, 3, 5):
-            while count % factor == 0:
-                count //= factor
-        assert count == 1
 
 
 def test_all_rungs_up_to_a_third_of_a_reference_nest_in_it() -> None:

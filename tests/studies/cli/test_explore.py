@@ -97,13 +97,6 @@ def test_numbers_are_in_the_units_that_are_usual(study: xr.Dataset, march: xr.Da
     assert contents(march, "march")["variables"]["pressure"]["unit"] == "MPa"
 
 
-def test_a_march_has_a_slider_over_time(march: xr.Dataset, tmp_path: Path) -> None:
-    page = page_of(march, "march")
-    assert "time = 4 s" in shown(page, tmp_path)
-    earlier = 'const bar = document.querySelector("[name=time]"); bar.value = 1; bar.oninput();'
-    assert "time = 1 s" in shown(page, tmp_path, earlier)
-
-
 def test_an_evolution_begins_at_the_instant_of_its_largest_pressure(march: xr.Dataset) -> None:
     unloaded = march.assign(pressure=march["pressure"] * xr.DataArray([1, 1, 2, 0], dims="time"))
     assert contents(unloaded, "march")["instant"] == 2

@@ -187,15 +187,9 @@ def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not(tmp_p
 
 
 POINT = {
-    "surface": "self-affine",
-    "hurst": 0.5,
-    "cut_off": 4.0,
-    "fraction": 0.3,
-    "precision": "double",
-    "device": "cpu",
-    "threads": 1,
-    "grid": 32,
-}
+    "surface": "self-affine", "hurst": 0.5, "cut_off": 4.0, "fraction": 0.3, "precision": "double",
+    "device": "cpu", "threads": 1, "grid": 32,
+}  # fmt: skip
 
 
 def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_cells() -> None:

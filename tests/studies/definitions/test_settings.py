@@ -1,7 +1,6 @@
 """Settings of any scene as a study."""
 
 from dataclasses import replace
-from math import pi
 
 import numpy as np
 import pytest
@@ -41,18 +40,6 @@ def test_several_periods_of_a_scene_have_the_error_of_one(wavy: Subject) -> None
         assert several["pressure_error_l1"] == pytest.approx(one["pressure_error_l1"], rel=1e-4)
         for name in ("contact_area_error", "mean_gap_error"):
             assert several[name] == pytest.approx(one[name], abs=1e-6)
-
-
-def test_a_window_on_the_papers_cylinder_adds_its_own_error_to_that_of_the_grid() -> None:
-    cylinder = paper_described().subject()
-    exact, window = (
-        measured(cylinder, padding=padding, images=2, period=2.4, grid=96)
-        for padding in ("exact", "circular")
-    )
-    # the window's own error, a^2 / (2 pi D^2), and at most the grid's beside it
-    law = 1 / (2 * pi * 6.0**2)
-    grid = exact["pressure_error_l1"]
-    assert 0.9 * law - grid < window["pressure_error_l1"] < 1.1 * law + grid
 
 
 def test_the_free_ends_of_a_roller_are_one_of_its_paddings() -> None:

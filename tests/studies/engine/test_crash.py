@@ -20,9 +20,7 @@ from contactstudy.domain.files import locked
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.workers.process import METHOD
-from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus
-from studies.model.study import Point
 from studies.store import loaded
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
@@ -105,20 +103,6 @@ def test_a_kill_loses_nothing_but_what_is_being_computed(
     np.testing.assert_array_equal(dataset["square"], dataset["number"] ** 2)
 
 
-def test_a_torn_last_line_is_cut_off(tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    study = trouble.study([0, 1, 2], str(log))
-    run(study, tmp_path, options=ALONE, log=quiet)
-    journal = tmp_path / "trouble.journal.jsonl"
-    whole = journal.read_bytes()
-    cases = [line for line in whole.splitlines(keepends=True) if b'"case":' in line[:40]]
-    journal.write_bytes(whole[: whole.index(cases[-1]) + 40])
-    log.unlink()
-    dataset = run(study, tmp_path, options=ALONE, log=quiet)
-    assert lines(log) == ["2.0"]
-    assert (dataset["case_status"] == CaseStatus.OK).all()
-
-
 def test_growing_reruns_nothing_and_keeps_every_bit(tmp_path: Path) -> None:
     log = tmp_path / "log"
     few = [0.1, 0.3, 1 / 7]
@@ -130,24 +114,6 @@ def test_growing_reruns_nothing_and_keeps_every_bit(tmp_path: Path) -> None:
     xr.testing.assert_identical(
         before.drop_attrs(), after.isel(number=slice(3)).drop_attrs().reset_coords(drop=True)
     )
-
-
-def test_a_new_parameter_at_its_default_reruns_nothing(tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    study = trouble.study([1, 2], str(log))
-    before = run(study, tmp_path, options=ALONE, log=quiet)
-
-    def scene_at(point: Point) -> Trouble:
-        return Trouble(float(point["number"]), float(point["offset"]), str(log))
-
-    offset = Axis("offset", (0.0, 1.0), "what is added")
-    count = len(lines(log))
-    grown = replace(study, points=(*study.points, offset), scene_at=scene_at)
-    after = run(grown, tmp_path, options=ALONE, log=quiet)
-    assert len(lines(log)) - count == 2
-    old = after.sel(offset=0.0)
-    for name in ("square", "third", "powers"):
-        np.testing.assert_array_equal(old[name], before[name])
 
 
 def other_measures(case: Trouble, result: float) -> dict[str, float]:

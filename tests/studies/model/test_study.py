@@ -38,15 +38,6 @@ def test_built_in_studies_have_a_title_and_cases(name: str) -> None:
     assert len(study.cases()) > 1
 
 
-def test_points_of_one_case_are_one_value() -> None:
-    study = load("padding").override(
-        {"padding": "exact,superposed", "images": "0:3", "period": "1", "grid": "8"}
-    )
-    cases = study.cases()
-    assert len(cases) == 8
-    assert len(set(cases)) == 1 + 4
-
-
 def test_a_study_may_stand_in_a_file(study_file: Path) -> None:
     study = load(str(study_file))
     assert (study.name, study.title) == ("two_grids", "Two grids, nothing else.")

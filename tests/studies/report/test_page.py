@@ -289,16 +289,10 @@ def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
 @pytest.mark.parametrize(
     ("fraction", "text"),
     [
-        (0.0, "0"),
-        (0.0123, "1.2"),
-        (-0.0123, "1.2"),
-        (0.123, "12"),
-        (1.23, "123"),
-        (1.23e-7, "0.000012"),
-        (1.23e-8, "1.2e-06"),
-        (float("nan"), None),
+        (0.0, "0"), (0.0123, "1.2"), (-0.0123, "1.2"), (0.123, "12"), (1.23, "123"), (1.23e-7, "0.000012"),
+        (1.23e-8, "1.2e-06"), (float("nan"), None),
     ],
-)
+)  # fmt: skip
 def test_a_fraction_is_in_per_cent_with_two_digits(fraction: float, text: str | None) -> None:
     assert percent(fraction) == ("not known" if text is None else f"{text}\u00a0%")
 

@@ -245,20 +245,13 @@ def test_a_number_comes_back_to_the_last_bit(value: float) -> None:
 @pytest.mark.parametrize(
     "values",
     [
-        np.array([0.1, -0.0, np.nan, np.inf]),
-        np.float32(0.1),
-        np.array([[1, 2], [3, 4]], dtype=np.int8),
-        np.array(2**62 + 1),
-        np.uint64(2**64 - 1),
-        np.bool_(1),
-        np.array(["a", "größer"]),
-        np.array(["2020-01-01"], dtype="datetime64[ns]"),
-        np.array(1 + 2j),
-        np.zeros((0, 3)),
+        np.array([0.1, -0.0, np.nan, np.inf]), np.float32(0.1), np.array([[1, 2], [3, 4]], dtype=np.int8),
+        np.array(2**62 + 1), np.uint64(2**64 - 1), np.bool_(1), np.array(["a", "größer"]),
+        np.array(["2020-01-01"], dtype="datetime64[ns]"), np.array(1 + 2j), np.zeros((0, 3)),
         np.asfortranarray(np.arange(6.0).reshape(2, 3)),
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_any_array_comes_back_to_the_last_bit(values: Any) -> None:
     values = np.asarray(values)
     dims = tuple("xyz"[: values.ndim])

@@ -160,16 +160,11 @@ def test_an_edit_of_what_only_people_see_is_none(edit: str, tmp_path: Path) -> N
 @pytest.mark.parametrize(
     "constant",
     [
-        "float({})",
-        "np.polynomial.Polynomial([float({})])",
-        "{{'k': float({})}}",
-        "np.array([float({})])",
-        "Thing(float({}))",
-        "SimpleNamespace(k=float({}))",
-        "Plain(float({}))",
+        "float({})", "np.polynomial.Polynomial([float({})])", "{{'k': float({})}}", "np.array([float({})])",
+        "Thing(float({}))", "SimpleNamespace(k=float({}))", "Plain(float({}))",
         "type('P', (), {{'k': Plain(float({}))}})",
     ],
-)
+)  # fmt: skip
 def test_a_constant_counts_by_its_value_wherever_it_comes_from(
     constant: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

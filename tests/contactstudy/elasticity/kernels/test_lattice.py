@@ -111,15 +111,9 @@ def test_offsets_count_modulo_the_periods_and_without_sign() -> None:
 @pytest.mark.parametrize(
     "shapes",
     [
-        ((), ()),
-        ((3,), ()),
-        ((), (3,)),
-        ((3, 1), (4,)),
-        ((4,), (3, 1)),
-        ((2, 3, 1), (4,)),
-        ((3,), (3,)),
+        ((), ()), ((3,), ()), ((), (3,)), ((3, 1), (4,)), ((4,), (3, 1)), ((2, 3, 1), (4,)), ((3,), (3,)),
     ],
-)
+)  # fmt: skip
 def test_offsets_broadcast(
     shapes: tuple[tuple[int, ...], tuple[int, ...]], width: float, period: float
 ) -> None:

@@ -48,15 +48,10 @@ def test_no_height_is_no_surface() -> None:
 @pytest.mark.parametrize(
     ("field", "value"),
     [
-        ("rms", -1e-9),
-        ("rms", np.nan),
-        ("hurst", 0.0),
-        ("hurst", 1.0),
-        ("cut_off", 0.0),
-        ("roll_off", 1e-6),
+        ("rms", -1e-9), ("rms", np.nan), ("hurst", 0.0), ("hurst", 1.0), ("cut_off", 0.0), ("roll_off", 1e-6),
         ("seed", -1),
     ],
-)
+)  # fmt: skip
 def test_a_surface_that_cannot_be_is_refused(field: str, value: float) -> None:
     with pytest.raises(cs.InvalidInput, match=rf"^Roughness\.{field} is "):
         replace(ROUGH, **{field: value})

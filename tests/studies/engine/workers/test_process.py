@@ -94,21 +94,6 @@ def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> 
     assert failure.stage == "setup"
 
 
-def test_other_work_is_done_by_the_same_process(worker: Worker) -> None:
-    (first,) = outcomes_of(worker, Trouble(1.0))
-    worker.set_work(packed(Work(trouble.process, time_limit=50.0)))
-    before, again = outcomes_of(worker, Trouble(1.0), Trouble(2.0))
-    worker.set_work(packed(Work(trouble.process, time_limit=70.0)))
-    (after,) = outcomes_of(worker, Trouble(2.0))
-    numbers = [int(one.variables["process"]) for one in (before, again, after)]
-    assert float(first.variables["square"]) == 1
-    assert len(set(numbers)) == 1
-    assert psutil.pid_exists(numbers[0])
-    worker.end()
-    assert not psutil.pid_exists(numbers[0])
-    assert outcomes_of(worker, Trouble(1.0)) == []
-
-
 def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
     (one,) = outcomes_of(worker, Trouble(1.0))
     assert Present().changes(one.loaded) == []

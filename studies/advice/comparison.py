@@ -13,9 +13,9 @@ from studies.advice.subject import Setting
 from studies.reference.line_contact import PADDINGS
 
 # A setting of another boundary is chosen only if it is quicker by this factor, and not by chance.
-QUICKER, CHANCE = 1.1, 0.01
+MIN_SPEED_UP, MAX_PROBABILITY = 1.1, 0.01
 # Factor by which the median of few times outside of rounds may be too short.
-UNSURE = 1.25
+FACTOR_WITHOUT_ROUNDS = 1.25
 FREE = "free"
 # Boundary with one cell along a length on which nothing varies.
 LINE = "exact, one cell along"
@@ -103,12 +103,12 @@ class Rival:
     @property
     def is_tie(self) -> bool:
         """True if the times differ by less than a tenth."""
-        return 1 / QUICKER <= self.ratio <= QUICKER
+        return 1 / MIN_SPEED_UP <= self.ratio <= MIN_SPEED_UP
 
     @property
     def is_shown(self) -> bool:
         """True if the rounds show a difference of more than a tenth."""
-        return not self.is_tie and self.p < CHANCE
+        return not self.is_tie and self.p < MAX_PROBABILITY
 
 
 @dataclass(frozen=True)
@@ -221,7 +221,7 @@ class Comparison:
         quickest: dict[str, Measured] = {}
         for measured in sorted(
             self.meeting(error),
-            key=lambda measured: measured.time * (1 if measured.rounds else UNSURE),
+            key=lambda measured: measured.time * (1 if measured.rounds else FACTOR_WITHOUT_ROUNDS),
         ):
             quickest.setdefault(measured.label, measured)
         return dict(sorted(quickest.items(), key=lambda pair: pair[1].time))

@@ -39,45 +39,49 @@ from studies.advice.subject import (
 from studies.reference.line_contact import hertz_means, relative_l1
 
 # Tolerance of the reference, and of what is compared on one grid.
-TIGHT = 1e-8
+TIGHT_TOLERANCE = 1e-8
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-# Outcomes that finer cells do not mend.
-FATAL = (cs.Status.CONTACT_AT_EDGE, cs.Status.YIELD_AT_EDGE, cs.Status.NO_ADMISSIBLE_PRESSURE)
+# Statuses that finer cells do not change.
+FATAL_STATUSES = (
+    cs.Status.CONTACT_AT_EDGE,
+    cs.Status.YIELD_AT_EDGE,
+    cs.Status.NO_ADMISSIBLE_PRESSURE,
+)
 # Multiple of the unit from which on a solve that fails is no fault of too coarse a grid.
-RESOLVED = 8
+RESOLVED_FROM = 8
 # Multiple of the unit up to which every rung is solved.
-COARSE = 6
+COARSE_UP_TO = 6
 # Fraction of the requested error that the tolerance may take.
-TOLERANCE_SHARE = 0.1
+TOLERANCE_FRACTION = 0.1
 # Cells on which paddings and tolerances are compared, and those of one row.
-MIDDLE, MIDDLE_OF_LINE = 2**14, 2**9
+MIDDLE_CELLS, MIDDLE_CELLS_1D = 2**14, 2**9
 # Fraction of the requested error at which the bound on the reference's own error needs no finer grid.
-FINE_ENOUGH = 0.02
+FINE_ENOUGH_FRACTION = 0.02
 # Exponent of the time over the cells, at least and at most.
-GROWTH = 1.0, 1.3
+TIME_EXPONENTS = 1.0, 1.3
 # Fraction of the time left that the next solve of the ladder may take, and that it may take where the reference is too
 # coarse for the request; the fraction of a budget for the paddings on one grid.
-NEXT, NEXT_FOR_REFERENCE, FOR_PADDINGS = 0.15, 0.45, 0.15
+NEXT_FRACTION, NEXT_REFERENCE_FRACTION, PADDINGS_FRACTION = 0.15, 0.45, 0.15
 # Fraction of a budget after which no further padding is compared: some take far longer than the own boundary.
-MOST_FOR_PADDINGS = 0.3
+MAX_PADDINGS_FRACTION = 0.3
 # Factor of the expected time above which a solve is repeated.
-UNUSUAL = 3.0
+REPEAT_FACTOR = 3.0
 # Cost of a bound over that of its answer: solutions on cells of twice the size, of a film three further ones.
-BOUND, BOUND_OF_FILM = 0.5, 2.0
+BOUND_COST, FILM_BOUND_COST = 0.5, 2.0
 # Fraction of the requested error above which the bound on the reference's own error is too large.
-TOO_COARSE = 0.5
+TOO_COARSE_FRACTION = 0.5
 # Factor of the least error by the cells up to which a padding's own error is worth timing.
-WORTH = 20.0
+MAX_PADDING_ERROR_FACTOR = 20.0
 # Turns in which every setting is timed before the rounds of the best: one time alone may be interrupted.
 REPEATS = 3
 # Settings of the last rounds, and how much slower than the quickest they may be.
-MOST, SLOWER = 7, 2.0
+MAX_SETTINGS, MAX_TIME_FACTOR = 7, 2.0
 # Fraction of the budget that is kept for the rounds, and for what follows them.
-FOR_ROUNDS, SPARE = 0.3, 0.03
+ROUNDS_FRACTION, SPARE_FRACTION = 0.3, 0.03
 # Fraction of the budget that the finest grid may take where the reference is a closed form.
-FINEST = 0.005
+FINEST_FRACTION = 0.005
 # Numbers of images that are compared on one grid, and those that are timed.
-CIRCULAR, SUPERPOSED, TIMED = (1, 2, 4, 6, 10, 20), (1, 6, 20), (1, 6)
+CIRCULAR_IMAGES, SUPERPOSED_IMAGES, TIMED_IMAGES = (1, 2, 4, 6, 10, 20), (1, 6, 20), (1, 6)
 
 Log = Callable[[str], object]
 
@@ -97,7 +101,7 @@ class Budget:
     @property
     def left(self) -> float:
         """Seconds left."""
-        return self.seconds * (1 - SPARE) - self.spent
+        return self.seconds * (1 - SPARE_FRACTION) - self.spent
 
 
 def compared(
@@ -155,8 +159,8 @@ class _Comparing:
         """Run all steps."""
         subject = self.subject
         self.notes += subject.notes
-        max_cells = MIDDLE if subject.unit[1] > 1 else MIDDLE_OF_LINE
-        self._climb(lambda multiple: prod(self._cells(multiple)) <= max_cells, NEXT)
+        max_cells = MIDDLE_CELLS if subject.unit[1] > 1 else MIDDLE_CELLS_1D
+        self._climb(lambda multiple: prod(self._cells(multiple)) <= max_cells, NEXT_FRACTION)
         middle = self._middle()
         paddings = self._paddings(middle)
         tolerances = self._tolerances(middle)
@@ -189,16 +193,16 @@ class _Comparing:
     def _solve(self, multiple: int) -> None:
         """Solve at the own boundary, on a rung; a rung that is too coarse for the scene is passed over."""
         start = perf_counter()
-        setting = Setting(self.subject.own, self._cells(multiple), TIGHT)
+        setting = Setting(self.subject.own, self._cells(multiple), TIGHT_TOLERANCE)
         try:
             answer = self.subject.solve(setting)
         except cs.InvalidInput:
-            if multiple >= RESOLVED:
+            if multiple >= RESOLVED_FROM:
                 raise
             return
         self.walls[multiple] = perf_counter() - start
         self.solved[multiple] = answer
-        if answer.status in FATAL and multiple >= RESOLVED:
+        if answer.status in FATAL_STATUSES and multiple >= RESOLVED_FROM:
             raise cs.InvalidInput(
                 f"{self.subject.name} has no solution to compare: {failure_of(answer)}"
             )
@@ -211,12 +215,12 @@ class _Comparing:
         if not self.solved:
             self._solve(MULTIPLES[0])  # warms up
         for multiple in MULTIPLES:
-            is_coarse = multiple <= COARSE
+            is_coarse = multiple <= COARSE_UP_TO
             if not is_needed(multiple) or (not is_coarse and multiple <= max(self.solved)):
                 continue
             expected = inf if is_coarse else self.forecast(multiple)
             costs = expected * (1 + self._bound_cost)
-            if not is_coarse and costs > (1 + BOUND) * fraction * self.budget.left:
+            if not is_coarse and costs > (1 + BOUND_COST) * fraction * self.budget.left:
                 return
             if not self.subject.fits(self._cells(multiple)):
                 self.notes.append("Finer grids do not fit into this machine's memory.")
@@ -224,25 +228,27 @@ class _Comparing:
             if multiple not in self.solved or len(self.solved) == 1:
                 self._solve(multiple)
                 # a first solve of a size may compile, or was interrupted
-                if self.walls.get(multiple, 0.0) > UNUSUAL * expected:
+                if self.walls.get(multiple, 0.0) > REPEAT_FACTOR * expected:
                     self._solve(multiple)
 
     @property
     def _bound_cost(self) -> float:
         """Cost of a bound over that of its answer."""
-        return BOUND_OF_FILM if self.subject.scene.lubrication is not None else BOUND
+        return FILM_BOUND_COST if self.subject.scene.lubrication is not None else BOUND_COST
 
     def forecast(self, multiple: int) -> float:
         """Return the seconds to expect of a solve at the own boundary."""
         finest = max(self.solved)
         size = self._size(multiple) / self._size(finest)
-        exponent = GROWTH[1]
+        exponent = TIME_EXPONENTS[1]
         before = [m for m in self.solved if self._size(m) <= self._size(finest) / 3]
         if before:
             coarse = max(before)
             grown = log(self.walls[finest] / self.walls[coarse])
             exponent = grown / log(self._size(finest) / self._size(coarse))
-        return float(self.walls[finest] * size ** min(max(exponent, GROWTH[0]), GROWTH[1]))
+        return float(
+            self.walls[finest] * size ** min(max(exponent, TIME_EXPONENTS[0]), TIME_EXPONENTS[1])
+        )
 
     def _size(self, multiple: int) -> int:
         return prod(self._cells(multiple))
@@ -254,7 +260,7 @@ class _Comparing:
             multiple
             for multiple in self.solved
             if not failure_of(self.solved[multiple])
-            and count * self.walls[multiple] <= FOR_PADDINGS * self.budget.seconds
+            and count * self.walls[multiple] <= PADDINGS_FRACTION * self.budget.seconds
         ]
         if not affordable:
             return min(self.solved)
@@ -265,13 +271,13 @@ class _Comparing:
         scene_padding, is_line = self.subject.own, self.subject.unit[1] == 1
         if self.subject.is_free and label_of(scene_padding) != "free":
             return ()
-        circular = [cs.CircularSuperposition(n) for n in CIRCULAR]
+        circular = [cs.CircularSuperposition(n) for n in CIRCULAR_IMAGES]
         if is_line:
             return (cs.ZeroPadding(), *circular)
         paddings: list[cs.Padding | cs.Paddings] = [
             cs.DuplicatedPadding(),
             *circular,
-            *(cs.Superposition(n) for n in SUPERPOSED),
+            *(cs.Superposition(n) for n in SUPERPOSED_IMAGES),
         ]
         if self.subject.is_free:
             return (cs.ExactPeriodicity(), *paddings)
@@ -282,11 +288,11 @@ class _Comparing:
         cells, reference = self._cells(middle), self.solved[middle]
         errors, omitted, refused, spent_before = [], [], dict[str, str](), self.budget.spent
         for padding in self._candidates():
-            if self.budget.spent - spent_before > MOST_FOR_PADDINGS * self.budget.seconds:
+            if self.budget.spent - spent_before > MAX_PADDINGS_FRACTION * self.budget.seconds:
                 omitted.append(label_of(padding))
                 continue
             try:
-                answer = self.subject.solve(Setting(padding, cells, TIGHT))
+                answer = self.subject.solve(Setting(padding, cells, TIGHT_TOLERANCE))
             except cs.InvalidInput as error:  # an effect may not take this padding
                 refused[label_of(padding)] = str(error)
                 continue
@@ -336,11 +342,13 @@ class _Comparing:
 
     def _reference(self) -> tuple[int, dict[str, float]]:
         """Return the finest rung in which the others nest, and the bounds on its errors."""
-        self._climb(lambda multiple: is_reference(multiple) and not self._is_fine_enough(), NEXT)
+        self._climb(
+            lambda multiple: is_reference(multiple) and not self._is_fine_enough(), NEXT_FRACTION
+        )
         reference = max(filter(is_reference, self.solved))
         bounds = bounds_of(self.solved[reference])
         if self._is_too_coarse(reference, bounds["pressure_l1"]):
-            self._climb(is_reference, NEXT_FOR_REFERENCE)
+            self._climb(is_reference, NEXT_REFERENCE_FRACTION)
             finer = max(filter(is_reference, self.solved))
             if finer > reference:
                 reference, bounds = finer, bounds_of(self.solved[finer])
@@ -366,14 +374,14 @@ class _Comparing:
             if reference % part == 0 and reference // part in self.solved
         ]
         finest = prod(errors) ** (1 / len(errors)) if errors else 0.0
-        return bound > TOO_COARSE * self.error or bound + finest > self.error
+        return bound > TOO_COARSE_FRACTION * self.error or bound + finest > self.error
 
     def _is_fine_enough(self) -> bool:
         """Return whether the finest possible reference so far has a bound far below the request."""
         finest = max(filter(is_reference, self.solved), default=0)
         if finest not in self.bounds and finest:
             self.bounds[finest] = bounds_of(self.solved[finest])["pressure_l1"]
-        return self.bounds.get(finest, inf) <= FINE_ENOUGH * self.error
+        return self.bounds.get(finest, inf) <= FINE_ENOUGH_FRACTION * self.error
 
     def _multiples(self, reference: int | None) -> Iterator[int]:
         """Yield the rungs that nest in the reference and are at most a third as fine; all for a closed form."""
@@ -381,7 +389,10 @@ class _Comparing:
             if reference is not None:
                 if multiple <= reference // 3 and reference % multiple == 0:
                     yield multiple
-            elif multiple in self.solved or self.forecast(multiple) < FINEST * self.budget.seconds:
+            elif (
+                multiple in self.solved
+                or self.forecast(multiple) < FINEST_FRACTION * self.budget.seconds
+            ):
                 yield multiple
 
     def _settings(self, reference: int | None, paddings: Sequence[PaddingError]) -> list[Measured]:
@@ -401,22 +412,23 @@ class _Comparing:
             settings = settings + self._solved(line, cs.ExactPeriodicity(), rungs, None, LINE)
         # first those of which one may be chosen
         untimed = []
-        max_images = max(TIMED)
+        max_images = max(TIMED_IMAGES)
         short = any(
-            measured.l1 > TOLERANCE_SHARE * self.error
+            measured.l1 > TOLERANCE_FRACTION * self.error
             for measured in paddings
             if getattr(measured.padding, "images", 0) == max_images
         )
         for measured in sorted(
-            paddings, key=lambda measured: measured.l1 > max(WORTH * least, self.error)
+            paddings,
+            key=lambda measured: measured.l1 > max(MAX_PADDING_ERROR_FACTOR * least, self.error),
         ):
             images = getattr(measured.padding, "images", max_images)
-            if images not in TIMED and not (short and images == max(CIRCULAR)):
+            if images not in TIMED_IMAGES and not (short and images == max(CIRCULAR_IMAGES)):
                 continue
             mean_time = (
                 sum(measured.time for measured in settings) / len(scene_settings) * len(rungs)
             )
-            if (1 + REPEATS) * mean_time > self.budget.left - FOR_ROUNDS * self.budget.seconds:
+            if (1 + REPEATS) * mean_time > self.budget.left - ROUNDS_FRACTION * self.budget.seconds:
                 untimed.append(label_of(measured.padding))
                 continue
             settings = settings + self._solved(self.subject, measured.padding, rungs, reference)
@@ -429,7 +441,7 @@ class _Comparing:
         turns = in_rounds(
             [partial(self.subject.solve, measured.setting) for measured in settings],
             REPEATS,
-            lambda: self.budget.left - FOR_ROUNDS / 2 * self.budget.seconds > turn_time,
+            lambda: self.budget.left - ROUNDS_FRACTION / 2 * self.budget.seconds > turn_time,
         )
         return [
             replace(measured, seconds=tuple(turn[k] for turn in turns) or measured.seconds)
@@ -454,9 +466,9 @@ class _Comparing:
             if answer is None:
                 continue
             error = relative_l1(pressure_of(answer), pressure_of(tight))
-            if error <= TOLERANCE_SHARE * self.error:
+            if error <= TOLERANCE_FRACTION * self.error:
                 return _Rung(multiple, tolerance, is_bounded)
-        return _Rung(multiple, TIGHT, is_bounded)
+        return _Rung(multiple, TIGHT_TOLERANCE, is_bounded)
 
     def _solved(
         self,
@@ -475,7 +487,7 @@ class _Comparing:
                 # a first solve of a size may compile, or was interrupted
                 before = rows[-1]
                 grown = prod(setting.cells) / prod(before.setting.cells)
-                if seconds > UNUSUAL * grown * before.time:
+                if seconds > REPEAT_FACTOR * grown * before.time:
                     seconds = min(seconds, seconds_of(partial(subject.solve, setting))[0])
             errors.append(self._error(answer, reference))
             is_bounded = rung.is_bounded and not failure_of(answer)
@@ -496,11 +508,15 @@ class _Comparing:
         """Return the comparison with the times of its best settings, taken in turns."""
         meeting = measured.meeting(self.error)
         quickest = measured.quickest(self.error).values()
-        close = [setting for setting in meeting if setting.time <= SLOWER * meeting[0].time]
+        close = [
+            setting for setting in meeting if setting.time <= MAX_TIME_FACTOR * meeting[0].time
+        ]
         front = (*measured.front(measured.own_label), *measured.front(LINE))
         ordered = {id(setting): setting for setting in (*quickest, *close)}
         chosen = list(
-            {id(setting): setting for setting in (*list(ordered.values())[:MOST], *front)}.values()
+            {
+                id(setting): setting for setting in (*list(ordered.values())[:MAX_SETTINGS], *front)
+            }.values()
         )
         if not chosen:
             return measured

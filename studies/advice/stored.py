@@ -17,7 +17,7 @@ from studies.store.provenance import provenance
 
 NAME = "settings"
 # Attributes that must be equal for stored times and errors to be those of a scene, here and now.
-SAME = ("cpu", "source", "git_revision", "key")
+MATCHED_ATTRIBUTES = ("cpu", "source", "git_revision", "key")
 
 
 def path_in(out: Path) -> Path:
@@ -38,7 +38,7 @@ def stored(key: str, out: Path) -> Comparison | None:
         return None
     dataset = read(path_in(out))
     now = {**provenance(), "key": key}
-    if any(dataset.attrs.get(name) != now[name] for name in SAME):
+    if any(dataset.attrs.get(name) != now[name] for name in MATCHED_ATTRIBUTES):
         return None
     return from_dataset(dataset)
 

@@ -223,7 +223,7 @@ class Described:
 
 def described_in(path: Path) -> Described:
     """Return the scene in a TOML file."""
-    described = cs.read_scene(path)  # says what is wrong with a file
+    described = cs.read_scene(path)  # raises InvalidInput for an invalid file
     return Described(path.stem, path.read_text(encoding="utf-8"), described)
 
 

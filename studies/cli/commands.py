@@ -242,7 +242,7 @@ def run(
         sys.exit(1)
     from studies.report import page as reporting
 
-    with _drawing(chosen.name, NEEDS_TIMES if no_times else MEND):
+    with _drawing(chosen.name, REMEDY_IN_TIMES if no_times else REMEDY_IN_CODE):
         reporting.draw(chosen, drawing(), out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
@@ -288,12 +288,14 @@ def studies() -> None:
 
 
 # Remedies where a figure fails.
-MEND = "what is stored is not what the figure needs, or its code is wrong; mend it and run draw."
-NEEDS_TIMES = "its figures may need times, which are taken without --no-times."
+REMEDY_IN_CODE = (
+    "what is stored is not what the figure needs, or its code is wrong; mend it and run draw."
+)
+REMEDY_IN_TIMES = "its figures may need times, which are taken without --no-times."
 
 
 @contextmanager
-def _drawing(name: str, remedy: str = MEND) -> Iterator[None]:
+def _drawing(name: str, remedy: str = REMEDY_IN_CODE) -> Iterator[None]:
     """Report an error of a figure in one sentence with its `remedy`: the numbers are stored."""
     try:
         yield
@@ -352,7 +354,7 @@ def main() -> None:
     except (KeyboardInterrupt, click.Abort):
         click.echo("contactstudy: stopped; what a study had stored is kept.", err=True)
         sys.exit(130)
-    except BrokenPipeError:  # the reader of the output has closed it
+    except BrokenPipeError:  # the output pipe is closed
         sys.stdout = None
         sys.exit(141)
     except ModuleNotFoundError as missing:

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 # Values of a variable that a page holds; a finer contact is shown by the means of blocks of cells.
-MOST_VALUES = 200_000
+MAX_VALUES = 200_000
 # Variables with which a page of a study and another begins, the first of them that is there.
 NUMBERS = ("central_film", "peak_pressure", "largest_pressure")
 FIELDS = ("pressure", "film")
 # Values of a study span more than this on an axis that begins as logarithmic.
-WIDE = 30.0
+LOGARITHMIC_FROM = 30.0
 
 
 @click.command()
@@ -62,7 +62,7 @@ def _instant_of_largest(field: "xr.DataArray") -> int | None:
 
 
 def _json(value: object) -> str:
-    """Return JSON that ends no script element, whatever its texts are."""
+    """Return JSON that cannot end the script element that holds it."""
     text = json.dumps(value, allow_nan=False, separators=(",", ":"))
     return text.replace("&", r"\u0026").replace("<", r"\u003c").replace(">", r"\u003e")
 
@@ -123,7 +123,7 @@ def _coarse(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray":
     field = variable.astype(float)
     cells = {dim: dataset.sizes[dim] for dim in ("x", "y") if dataset.sizes.get(dim, 1) > 1}
     largest = max(one.size for one in dataset.data_vars.values() if cells.keys() <= set(one.dims))
-    block = ceil((largest / MOST_VALUES) ** (1 / max(len(cells), 1)))
+    block = ceil((largest / MAX_VALUES) ** (1 / max(len(cells), 1)))
     blocks = {dim: block for dim in cells if dim in field.dims and block <= cells[dim]}
     return field.coarsen(blocks, boundary="trim").mean() if block > 1 and blocks else field
 
@@ -157,7 +157,7 @@ def _axis(field: "xr.DataArray", dim: str, *, in_study: bool) -> dict[str, Any]:
 
 def _in_ratios(values: np.ndarray) -> bool:
     """Return whether positive values rise in equal ratios, or span more than a factor of 30."""
-    if len(values) < 2 or values.max() > WIDE * values.min():
+    if len(values) < 2 or values.max() > LOGARITHMIC_FROM * values.min():
         return len(values) > 1
     ratios = values[1:] / values[:-1]
     return len(values) > 2 and bool(np.ptp(ratios) < 1e-6 * abs(ratios[0] - 1))

@@ -115,16 +115,18 @@ def _csv(dataset: "xr.Dataset") -> str:
 
 
 # Columns of a table come in this order, and others before these: the solver's work, the case, the times.
-LAST = ("status", "iterations", "convolutions", "residual", "case_", "contended", "_time")
+SORTED_LAST = ("status", "iterations", "convolutions", "residual", "case_", "contended", "_time")
 
 
 def _rank(name: str) -> int:
-    """Return the place of a column among :data:`LAST`, 0 for one that is not there."""
-    return max((place for place, word in enumerate(LAST, start=1) if word in name), default=0)
+    """Return the place of a column among :data:`SORTED_LAST`, 0 for one that is not there."""
+    return max(
+        (place for place, word in enumerate(SORTED_LAST, start=1) if word in name), default=0
+    )
 
 
 def _is_time(name: str) -> bool:
-    """Return whether a column is about the times of a case, on a machine of its own."""
+    """Return whether a column has times of a case, which depend on the machine."""
     return name == "contended" or name.startswith(("setup_time", "solve_time"))
 
 

@@ -28,11 +28,11 @@ from studies.model.outcome import CaseStatus, Failure, Finished, Outcome, Work
 if TYPE_CHECKING:
     from distributed import Client
 
-LARGEST = 200  # cases in a batch
-AHEAD = 3  # batches for each thread of a worker, so that it does not wait for the next
-LOOK = 1.0  # seconds between two checks of the workers and of lost batches
-PAUSE = 0.05  # seconds between two checks for outcomes
-LAST = 5.0  # seconds to collect finished batches when a run is stopped
+MAX_BATCH = 200  # cases in a batch
+BATCHES_AHEAD = 3  # batches for each thread of a worker, so that it does not wait for the next
+CHECK_INTERVAL = 1.0  # seconds between two checks of the workers and of lost batches
+POLL_INTERVAL = 0.05  # seconds between two checks for outcomes
+STOP_TIMEOUT = 5.0  # seconds to collect finished batches when a run is stopped
 LOOPBACK = "127.0.0.1:0"
 
 
@@ -40,14 +40,14 @@ class Workers:
     """Worker processes of this process, each taken by a thread for one batch at a time."""
 
     def __init__(self) -> None:
-        self._turn = threading.Lock()
+        self._lock = threading.Lock()
         self._idle: list[Worker] = []
         self._all: list[Worker] = []
 
     @contextmanager
     def reserved(self, work: bytes) -> Iterator[Worker]:
         """Reserve a worker with the pickled `work` for a block: an idle one, or a new one."""
-        with self._turn:
+        with self._lock:
             if not self._idle:
                 self._idle.append(Worker(work))
                 self._all.append(self._idle[-1])
@@ -56,21 +56,21 @@ class Workers:
         try:
             yield worker
         finally:
-            with self._turn:
+            with self._lock:
                 if not worker.has_ended:
                     self._idle.append(worker)
 
     def end(self) -> None:
         """End all processes at once."""
-        with self._turn:
+        with self._lock:
             ended, self._all, self._idle = self._all, [], []
         for worker in ended:
             worker.end()
 
 
 # workers of each run of this process, by its token; and those of this dask worker for runs elsewhere
-RUNS: dict[str, Workers] = {}
-ELSEWHERE = Workers()
+WORKERS_OF_RUN: dict[str, Workers] = {}
+WORKERS_OF_DASK = Workers()
 
 
 def compute_batch(token: str, work: bytes, batch: bytes, names: Sequence[str]) -> list[Outcome]:
@@ -79,7 +79,7 @@ def compute_batch(token: str, work: bytes, batch: bytes, names: Sequence[str]) -
     Returns the outcomes that were there after a quarter of a second; none where the run is over, or where the cases
     cannot be read together.
     """
-    workers = RUNS.get(token) if token else ELSEWHERE
+    workers = WORKERS_OF_RUN.get(token) if token else WORKERS_OF_DASK
     if workers is None:  # the run in this process is over
         return []
     from distributed import get_worker
@@ -129,12 +129,12 @@ class Cluster:
             return
         token = "" if self.address else secrets.token_hex(8)
         if token:
-            RUNS[token] = self.processes
+            WORKERS_OF_RUN[token] = self.processes
         try:
             with self._connection() if self.address else self._dask_here() as client:
-                _Flow(self, client, token, cases, payload, finished, stop).run()
+                _ClusterRun(self, client, token, cases, payload, finished, stop).run()
         finally:
-            RUNS.pop(token, None)
+            WORKERS_OF_RUN.pop(token, None)
 
     @contextmanager
     def _dask_here(self) -> "Iterator[Client]":
@@ -149,7 +149,7 @@ class Cluster:
                 # without an address, they would listen to other machines
                 dashboard_address=LOOPBACK,
                 worker_dashboard_address=LOOPBACK,
-                memory_limit=0,  # the memory of a case is that of its own process
+                memory_limit=0,  # cases use the memory of their own processes
                 silence_logs=logging.CRITICAL,
             ) as cluster,
             Client(cluster, set_as_default=False) as client,
@@ -163,7 +163,7 @@ class Cluster:
         """Provide a client of the scheduler at the address for a block."""
         from distributed import Client
 
-        # what goes wrong with the connection is said here, in a sentence
+        # errors of the connection are reported here
         loggers = [logging.getLogger(name) for name in ("distributed", "tornado.application")]
         levels = [logger.level for logger in loggers]
         for logger in loggers:
@@ -186,7 +186,7 @@ class Cluster:
 
 
 @dataclass(eq=False)
-class _Flow:
+class _ClusterRun:
     """A run on a cluster: keeps every thread busy with a few batches.
 
     A batch that takes too long comes back in part, and the next one is twice what came back.
@@ -211,26 +211,26 @@ class _Flow:
         self._completed = as_completed(
             [], loop=self.client.loop, with_results=True, raise_errors=False
         )
-        self._looked_at, self._idle_since = float("-inf"), monotonic()
+        self._checked_at, self._idle_since = float("-inf"), monotonic()
 
     def run(self) -> None:
         """Compute all cases."""
         try:
             while self._open:
                 self.stop.check()
-                self._look()
-                self._fill()
+                self._check_workers()
+                self._submit_batches()
                 completed = self._completed.next_batch(block=False)
                 if not completed:
                     with self._completed.thread_condition:
-                        self._completed.thread_condition.wait(timeout=PAUSE)
+                        self._completed.thread_condition.wait(timeout=POLL_INTERVAL)
                 for future, result in completed:
-                    self._take(future, result)
+                    self._collect(future, result)
         except BaseException:
-            # batches that dask still holds begin nothing, and further outcomes are not read
-            RUNS.pop(self.token, None)
+            # batches that dask still holds are not computed, and further outcomes are not read
+            WORKERS_OF_RUN.pop(self.token, None)
             self.cluster.processes.end()
-            self._take_last()
+            self._collect_last()
             raise
         finally:
             with suppress(Exception):
@@ -242,7 +242,7 @@ class _Flow:
             self._open.discard(name)
             self.finished(name, outcome)
 
-    def _take(self, future: Any, result: Any) -> None:
+    def _collect(self, future: Any, result: Any) -> None:
         """Report a completed batch, and send its unfinished cases again."""
         names = self._running.pop(future, None)
         if names is None:  # it counted as lost, and was sent to another worker
@@ -251,7 +251,7 @@ class _Flow:
             for name, outcome in zip(names, result, strict=False):
                 self._report(name, outcome)
             if result:
-                self.size = min(2 * len(result), LARGEST)
+                self.size = min(2 * len(result), MAX_BATCH)
                 self._send_again(names[len(result) :])
             else:
                 self._send_singly(names)  # which cannot be unpickled together
@@ -278,25 +278,25 @@ class _Flow:
         """Put unfinished cases at the front of those that wait."""
         self._waiting.extendleft(name for name in reversed(names) if name in self._open)
 
-    def _take_last(self) -> None:
+    def _collect_last(self) -> None:
         """Report what workers have finished by the time the run stops, unless the disk takes no more."""
         from distributed import wait
 
-        until = monotonic() + LAST
+        until = monotonic() + STOP_TIMEOUT
         with suppress(Exception):
             if self.token:  # its processes have been ended, and its batches with them
-                wait(list(self._running), timeout=LAST)
+                wait(list(self._running), timeout=STOP_TIMEOUT)
         for future, names in self._running.items():
             with suppress(Exception):
                 if future.status == "finished" and monotonic() < until:
-                    for name, outcome in zip(names, future.result(LAST), strict=False):
+                    for name, outcome in zip(names, future.result(STOP_TIMEOUT), strict=False):
                         self._report(name, outcome)
 
-    def _look(self) -> None:
+    def _check_workers(self) -> None:
         """Count the workers, detect a lost connection, and send lost batches again."""
-        if monotonic() < self._looked_at + LOOK:
+        if monotonic() < self._checked_at + CHECK_INTERVAL:
             return
-        self._looked_at = monotonic()
+        self._checked_at = monotonic()
         if self.client.status not in ("running", "connecting"):
             raise InvalidInput(
                 f"Scheduler {self.cluster.address!r} is lost: start it again and run the same "
@@ -316,12 +316,12 @@ class _Flow:
                     )
                     self._idle_since = float("inf")
 
-    def _fill(self) -> None:
-        """Send batches until a few wait for every thread."""
+    def _submit_batches(self) -> None:
+        """Submit batches until each thread has a few in its queue."""
         while (
             self.client.status == "running"
             and self._waiting
-            and len(self._running) < AHEAD * self.threads
+            and len(self._running) < BATCHES_AHEAD * self.threads
         ):
             part = len(self._waiting) // (2 * self.threads) + 1
             size = min(self.size, part, len(self._waiting))
@@ -337,7 +337,7 @@ class _Flow:
             else:
                 self._send_singly(names)
             return
-        # impure: a case asked for again is to be computed again
+        # impure: a case that is requested again is recomputed
         future = self.client.submit(
             compute_batch, self.token, self.payload, batch, names, pure=False
         )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import contactstudy as cs
 from studies.model.case import Computation
 
-SAMPLE = 16  # largest number of cases that are planned; each stands for its neighbours
+MAX_PLANNED = 16  # cases that are planned at most, evenly spaced
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def forecast(cases: Sequence[Computation], runs: int, scale: float = 1.0) -> For
     scale
         Ratio of the cases of the run to these.
     """
-    chosen = cases[:: -(-len(cases) // SAMPLE) or 1]
+    chosen = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
     seconds: float | None = 0.0 if not cases else None
     with suppress(Exception):  # a study's own computation is anything
         planned = [cs.plan(case.scene, grid=case.grid).seconds for case in chosen]  # type: ignore[attr-defined]

@@ -9,7 +9,7 @@ from typing import Self
 
 from tqdm import tqdm
 
-SELDOM = 30.0  # seconds between two lines
+LINE_INTERVAL = 30.0  # seconds between two lines
 
 
 class Progress:
@@ -64,7 +64,7 @@ class Progress:
             self._bar.update(count)
             return
         now = monotonic()
-        if now > self._last_line + SELDOM and self._count:
+        if now > self._last_line + LINE_INTERVAL and self._count:
             self._last_line = now
             rate = self._count / (now - self._start)
             remaining = (self._total - self._count) / rate

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from studies.engine.executors import Executor
 
 Log = Callable[[str], object]
-MANY = 50_000  # points whose cases take more than a moment to make
+MANY_POINTS = 50_000  # points whose cases take more than a moment to make
 
 
 class _FirstFailureError(Exception):
@@ -86,7 +86,7 @@ def run(
             journal = Journal(folder / f"{study.name}.journal.jsonl", request.context, machine())
         study, request = _beside_stored(study, request, journal, log)
         with journal, ExitStack() as closing:
-            return _Run(study, request, journal, chosen, log, stop).go(executor, closing)
+            return _Run(study, request, journal, chosen, log, stop).execute(executor, closing)
 
 
 def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = print) -> Forecast:
@@ -96,7 +96,7 @@ def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = pr
     """
     study.check_size(options.most_points)
     every = study.size
-    while study.size > MANY:
+    while study.size > MANY_POINTS:
         longest = max(study.points, key=lambda axis: len(axis.values))
         thinned = replace(longest, values=longest.values[::2])
         study = replace(
@@ -113,7 +113,7 @@ def estimate_cost(study: Study, out: Path, *, options: RunOptions, log: Log = pr
 
 def _request(study: Study, log: Log) -> Request:
     """Return the cases of a study."""
-    if study.size > MANY:
+    if study.size > MANY_POINTS:
         log(f"{study.name}: {study.size} points, whose cases are now made")
     with _without_collection():
         return Request.of(study)
@@ -186,7 +186,7 @@ class _Run:
             frozenset(axis.name for axis in study.points),
         )
 
-    def go(self, executor: "Executor | None", closing: ExitStack) -> xr.Dataset:
+    def execute(self, executor: "Executor | None", closing: ExitStack) -> xr.Dataset:
         """Compute, time and write the missing cases, and return the Dataset.
 
         An executor that is made here is closed with `closing`.

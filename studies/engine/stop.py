@@ -15,7 +15,7 @@ SIGNALS = tuple(
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
     if hasattr(signal, name)
 )
-PATIENCE = 3  # signals after which the process ends at once
+MAX_SIGNALS = 3  # signals after which the process ends at once
 
 
 class Stop:
@@ -63,7 +63,7 @@ class Stop:
     def _note(self, number: int, _: FrameType | None) -> None:
         """Record a signal; the third one ends the process."""
         self.signal, self._came = number, self._came + 1
-        if self._came >= PATIENCE:
+        if self._came >= MAX_SIGNALS:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
         if self._raises:

@@ -10,7 +10,7 @@ from studies.model.outcome import Failure, Work
 
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
 # case of each kind that is shorter than this; in a longer one it is lost.
-WARM_UP = 0.3
+MAX_WARM_UP = 0.3
 
 
 def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str], object]) -> None:
@@ -26,7 +26,7 @@ def take_times(inventory: Inventory, work: Work, stop: Stop, log: Callable[[str]
 
     expected = {name: journal.contents.records[name].seconds for name in counts}
     longest = {type(cases[name]): name for name in sorted(expected, key=expected.__getitem__)
-               if expected[name] < WARM_UP}  # fmt: skip
+               if expected[name] < MAX_WARM_UP}  # fmt: skip
     # every case once, then every case again
     turns = sorted(
         (turn, index) for index, name in enumerate(counts) for turn in range(counts[name])

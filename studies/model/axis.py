@@ -14,7 +14,8 @@ from contactstudy.domain.device import available_bytes
 from studies.model.plain_text import is_storable, name_problem, one_line
 
 Value = str | int | float
-ROUNDING = 1e-12  # difference, over an axis' span and a number, below which two numbers are equal
+# difference, over an axis' span and a number, below which two numbers are equal
+EQUAL_WITHIN = 1e-12
 MOST_POINTS = 1_000_000  # points of a study above which a user must confirm
 POINT_BYTES = 500  # least memory for a point
 
@@ -216,7 +217,7 @@ def _without_rounding(values: Sequence[Value]) -> list[Value]:
     for position in sorted(range(len(numbers)), key=numbers.__getitem__):
         last = groups[-1][-1] if groups else position
         size = max(abs(numbers[position]), abs(numbers[last]))
-        if groups and numbers[position] - numbers[last] <= ROUNDING * min(span, size):
+        if groups and numbers[position] - numbers[last] <= EQUAL_WITHIN * min(span, size):
             groups[-1].append(position)
         else:
             groups.append([position])

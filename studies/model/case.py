@@ -93,7 +93,7 @@ class SceneCase(Case):
     time_steps: cs.TimeSteps | None = None
 
     def prepare(self) -> None:  # type: ignore[override]
-        """Do nothing: scenes of several problems set them up as they are solved."""
+        """Do nothing: a scene sets up its problems while it is solved."""
 
     def run(self, prepared: None = None) -> Solved:  # type: ignore[override]
         """Return the answer with its wall time, beside other cases with which it shares coefficients."""
@@ -148,7 +148,7 @@ class EvolutionCase:
     tolerance: float = 1e-8
 
     def prepare(self) -> None:
-        """Do nothing: an evolution sets itself up."""
+        """Do nothing: an evolution sets up its problems."""
 
     def run(self, prepared: object = None) -> Trajectory:
         """Return what was recorded at the times."""

@@ -77,7 +77,7 @@ def nothing(dataset: xr.Dataset) -> tuple[()]:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """Figures, findings and tables of a study, as functions of its stored Dataset that never solve.
+    """Figures, findings and tables of a study, as functions of its stored Dataset.
 
     Attributes
     ----------

@@ -158,8 +158,8 @@ Finished = Callable[[str, Outcome], None]
 
 # A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
 # differ, or a fixed piece of work take longer. Times are to hold within 10 %.
-LEAST_SHARE = 0.95
-SPREAD = 1.1
+MIN_CPU_FRACTION = 0.95
+MAX_SPREAD = 1.1
 
 
 @dataclass(frozen=True)
@@ -202,9 +202,9 @@ def is_contended(samples: Sequence[Sample], pace: float = np.inf) -> bool:
     wall = np.array([sample.setup + sample.solve for sample in samples])
     cpu = np.array([sample.setup_cpu + sample.solve_cpu for sample in samples])
     least = int(wall.argmin())
-    lacks = cpu[least] < LEAST_SHARE * wall[least]
-    confirmed = len(wall) > 1 and np.sort(wall)[1] <= SPREAD * wall[least]
-    return bool(lacks or not confirmed or samples[least].pace > SPREAD * pace)
+    lacks = cpu[least] < MIN_CPU_FRACTION * wall[least]
+    confirmed = len(wall) > 1 and np.sort(wall)[1] <= MAX_SPREAD * wall[least]
+    return bool(lacks or not confirmed or samples[least].pace > MAX_SPREAD * pace)
 
 
 CONTENDED = ("no", "yes", "not_timed")

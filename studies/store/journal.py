@@ -23,7 +23,7 @@ from studies.store.records import (
 )
 
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
-TOGETHER = 0.05
+SYNC_INTERVAL = 0.05
 
 
 class Journal:
@@ -145,7 +145,7 @@ class Journal:
             line["failure"] = asdict(outcome.failure)
         raw = self._write(line)
         self.contents.records[identity.key] = self.contents.record(line, raw)
-        if outcome.seconds > TOGETHER / 2 or monotonic() - self._synced > TOGETHER:
+        if outcome.seconds > SYNC_INTERVAL / 2 or monotonic() - self._synced > SYNC_INTERVAL:
             self.sync()
             return True
         return False
@@ -154,7 +154,7 @@ class Journal:
         """Write a timed run of the case `key`."""
         case = self._write_time(key, {"sample": asdict(sample)})
         self.contents.samples.setdefault(case, []).append(sample)
-        if monotonic() - self._synced > TOGETHER:
+        if monotonic() - self._synced > SYNC_INTERVAL:
             self.sync()
 
     def cannot_time(self, key: str, reason: str) -> None:
@@ -225,7 +225,7 @@ class Journal:
         self._damaged: list[bytes] = []
         try:
             with open(open_descriptor(self.path, os.O_RDONLY), "rb") as file:  # noqa: PTH123 (a descriptor)
-                self._take_all(file)
+                self._read_lines(file)
         except FileNotFoundError:
             pass
         except OSError as error:
@@ -233,7 +233,7 @@ class Journal:
                 f"Journal {str(self.path)!r} cannot be read ({reason(error)}): give another folder with --out."
             ) from None
 
-    def _take_all(self, file: Iterable[bytes]) -> None:
+    def _read_lines(self, file: Iterable[bytes]) -> None:
         """Take in every line of the file without a torn last one."""
         first, is_journal = b"", False
         for raw in file:
@@ -242,7 +242,7 @@ class Journal:
                 break  # torn
             line = decoded(raw)
             is_journal |= line is not None
-            if line is None or not self._took(line, raw):
+            if line is None or not self._accepted(line, raw):
                 self._damaged.append(raw)
             self._end += len(raw)
         if not is_journal and first and not (first.startswith(START) or START.startswith(first)):
@@ -254,7 +254,7 @@ class Journal:
             self._is_foreign, self._end = True, 0
             self.contents = Contents(self._context, self._machine)
 
-    def _took(self, line: Mapping[str, Any], raw: bytes) -> bool:
+    def _accepted(self, line: Mapping[str, Any], raw: bytes) -> bool:
         """Take in a line, and return whether it has the form that this version writes."""
         try:
             self.contents.take(line, raw)

@@ -17,14 +17,14 @@ from typing import Any
 
 CODE = (".py", ".pyc", ".pyd", ".so")
 PYTHON = "{}.{}".format(*sys.version_info)
-OWN = ("contactstudy", "studies")
+THIS_PROGRAM = ("contactstudy", "studies")
 # distributions that send, run and show cases, and change no number
-SPARED = frozenset((
+WITHOUT_NUMBERS = frozenset((
     "charset_normalizer", "click", "cloudpickle", "dask", "distributed", "fsspec", "jinja2", "locket", "markupsafe",
     "msgpack", "packaging", "partd", "psutil", "pyyaml", "setuptools", "sortedcontainers", "tblib", "threadpoolctl",
     "toolz", "tornado", "tqdm", "zict",
 ))  # fmt: skip
-MARGIN = 0.02  # seconds by which the clock of a file system may be late
+CLOCK_MARGIN = 0.02  # seconds by which the clock of a file system may be late
 Record = Mapping[str, str]
 
 
@@ -93,9 +93,9 @@ def entry_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
     folder = _real_folder(folder)
     files, versions = _installed()
     distribution = files.get(f"{folder}{os.sep}{file}", "")
-    if distribution in SPARED or name.startswith("__editable__"):
+    if distribution in WITHOUT_NUMBERS or name.startswith("__editable__"):
         return None
-    if distribution and distribution not in OWN:
+    if distribution and distribution not in THIS_PROGRAM:
         return f"distribution {distribution}", versions[distribution]
     if not distribution and _is_standard(folder):
         return None
@@ -121,7 +121,7 @@ def resolved(name: str) -> ModuleSpec | None:
             path += getattr(sys.modules[parent], "__path__", ())
     for finder in sys.meta_path:
         if finder is not LOADED:
-            with suppress(Exception):  # a finder of others may do anything
+            with suppress(Exception):  # third-party finders may raise anything
                 if spec := finder.find_spec(name, path, None):
                     return spec
     # one that was loaded by its path
@@ -129,7 +129,7 @@ def resolved(name: str) -> ModuleSpec | None:
 
 
 def _spec_of(module: object) -> ModuleSpec | None:
-    """Return the specification of a module, without waking up a lazy one."""
+    """Return the specification of a module, without importing a lazy one."""
     with suppress(AttributeError):
         spec = object.__getattribute__(module, "__dict__").get("__spec__")
         return spec if isinstance(spec, ModuleSpec) else None
@@ -149,12 +149,12 @@ class Loaded:
         self._noted: dict[str, tuple[str, str] | None] = {}
         self._seen: tuple[list[str], list[object]] = [], []
         # the interpreter itself takes longer than the margin before it loads anything of this program
-        self._started = self._scanned = _process_start() + MARGIN
+        self._started = self._scanned = _process_start() + CLOCK_MARGIN
         self._busy = False
 
     def find_spec(self, name: str, path: Any, target: Any = None) -> None:
         """Note the source that is about to be loaded as `name`."""
-        if self._busy:  # a finder of others that asks all finders
+        if self._busy:  # a third-party finder that calls all finders
             return
         self._busy = True
         try:
@@ -222,11 +222,11 @@ def is_older(path: Any, instant: float) -> bool:
         status = os.stat(path)  # noqa: PTH116
     except (OSError, TypeError):
         return False
-    return max(status.st_mtime, status.st_ctime) < instant - MARGIN
+    return max(status.st_mtime, status.st_ctime) < instant - CLOCK_MARGIN
 
 
 def _enter(key: str, value: str, entries: dict[str, str]) -> None:
-    """Add an entry; one that differs from an earlier one matches nothing, since both may be in use."""
+    """Add an entry; one that differs from an earlier entry matches no source, since both may be in use."""
     before = entries.get(key, value)
     entries[key] = value if value == before else f"{value} after {before}"
 

@@ -72,7 +72,7 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
 
 
 def _encoding(dataset: xr.Dataset) -> dict[Hashable, dict[str, None]]:
-    """Return the encoding by which coordinates have no fill value, as CF asks for."""
+    """Return the encoding by which coordinates have no fill value, as CF requires."""
     return {name: {"_FillValue": None} for name in dataset.coords}
 
 
@@ -109,7 +109,7 @@ def check_kind(
 
 
 def _checked(path: Path) -> Path:
-    """Return `path`; raise ValueError for a damaged file, which HDF5 may read as other numbers, or never end."""
+    """Return `path`; raise ValueError for a damaged file, which HDF5 may read wrongly or without end."""
     if is_damaged(path):
         raise ValueError("its checksum is not that of its content")
     return path

@@ -20,7 +20,7 @@ MALFORMED_RECORD = (LookupError, TypeError, ValueError, AttributeError, Arithmet
 
 @dataclass(frozen=True, eq=False)
 class CaseIdentity:
-    """A case: its key, its parameters as a tree, the state of its classes, and the first point that asks for it.
+    """A case: its key, its parameters as a tree, the state of its classes, and the first point that requests it.
 
     The key leaves out the fields at their defaults, `exact` does not.
     """
@@ -251,7 +251,7 @@ class Contents:
         return "" if record is None else self.untimed.get((key, record.stamp), "")
 
     def reason_to_recompute(self, identity: CaseIdentity) -> str:
-        """Return in one line why what is stored of a case, or at its point, cannot be used; empty if nothing is."""
+        """Return in one line why the stored record of a case, or at its point, cannot be used; empty without one."""
         before = self.records.get(identity.key) or self.other_records.get(identity.key)
         tree = before.identity.tree if before else self._trees.get(_place(identity.point))
         changes = [] if tree is None else differences(tree, identity.tree)

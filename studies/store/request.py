@@ -24,7 +24,7 @@ SESSION = secrets.token_hex(8)
 
 @dataclass(frozen=True, eq=False)
 class Request:
-    """Cases that a study asks for.
+    """Cases that a study requests.
 
     Attributes
     ----------

@@ -61,8 +61,8 @@ def load_fields(
     return xr.Dataset({name: decoded_variable(v) for name, v in stored["fields"].items()})
 
 
-OFTEN = 60.0  # least seconds between two writes while cases are computed
-SHARE = 20  # least ratio of the time between two writes to the time of one
+MIN_WRITE_INTERVAL = 60.0  # least seconds between two writes while cases are computed
+WRITE_INTERVAL_FACTOR = 20  # least ratio of the time between two writes to the time of one
 
 
 @dataclass(eq=False)
@@ -132,7 +132,7 @@ class ResultFile:
         )
         write(dataset, self.path, self._groups() if fields == "kept" else ())
         end = monotonic()
-        self.next_write = end + max(OFTEN, SHARE * (end - start))
+        self.next_write = end + max(MIN_WRITE_INTERVAL, WRITE_INTERVAL_FACTOR * (end - start))
 
     def _outcome(self, name: str) -> Outcome | None:
         """Return the outcome of a case; None if there is none."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import Tree, canonical, text
-from studies.store.loaded import OWN, digest, entry_of, resolved
+from studies.store.loaded import THIS_PROGRAM, digest, entry_of, resolved
 
 REMEDY = "make it a function of a file, a partial of one, or a frozen dataclass with __call__"
 
@@ -159,7 +159,7 @@ class States:
         """Return whether a module is a user's: not of this program, a distribution or the standard library."""
         if module not in self._users:
             loaded, spec = sys.modules.get(module), resolved(module)
-            if module.partition(".")[0] in OWN:
+            if module.partition(".")[0] in THIS_PROGRAM:
                 self._users[module] = False
             elif loaded is None or spec is None or "__source__" in vars(loaded):
                 self._users[module] = True

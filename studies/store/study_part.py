@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from studies.store.loaded import PYTHON, digest
 
-ROOTS = frozenset({"scene_at", "measures"})
-# words by which a file may use a name that it does not say
+ALWAYS_USED = frozenset({"scene_at", "measures"})
+# words by which a file may use a name that it does not contain
 REFLECTIVE = frozenset((
     "globals", "locals", "vars", "eval", "exec", "dir", "__dict__", "__globals__", "f_globals", "f_locals", "modules",
     "inspect", "__import__",
@@ -24,7 +24,7 @@ Names = frozenset[str]
 def numerical_part(source: bytes) -> str:
     """Return a digest of the statements of a study file that can change a number.
 
-    A statement that does nothing but define names is left out unless another one that counts says one of the names.
+    A statement that does nothing but define names is left out unless a statement that counts uses one of the names.
     Comments, layout and documentation do not count.
     """
     body = ast.parse(source).body
@@ -41,7 +41,7 @@ def numerical_part(source: bytes) -> str:
     selected = {
         index
         for index, names in enumerate(defined)
-        if names is None or names & ROOTS or is_reflective
+        if names is None or names & ALWAYS_USED or is_reflective
     }
     reached: set[int] = set()
     while selected != reached:
@@ -68,7 +68,7 @@ def _words(node: ast.AST) -> Iterator[str]:
 
 
 def _is_reflective(statement: ast.stmt) -> bool:
-    """Return whether a statement may use names that it does not say."""
+    """Return whether a statement may use names that it does not contain."""
     parts = [vars(part) for part in ast.walk(statement)]
     used = (part.get(word) for part in parts for word in ("id", "attr", "name", "module", "value"))
     return any(isinstance(word, str) and word in REFLECTIVE for word in used)
@@ -142,7 +142,7 @@ def _is_pure(node: ast.AST, pure: Names) -> bool:
 
 
 def _is_text(statement: ast.stmt) -> bool:
-    """Return whether a statement is a text by itself."""
+    """Return whether a statement is a string literal."""
     return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
 
 

@@ -19,9 +19,9 @@ from studies.store.records import Contents
 from studies.store.request import CaseStates, Request
 
 # a table of all points may take this many times the bytes stored of a variable, and this many bytes more
-MOST_FILLED, ROOM = 4, 2**28
+MAX_FILL_FACTOR, FREE_BYTES = 4, 2**28
 # attributes in which variables of one quantity agree
-MEANING = ("units", "standard_name", "flag_values", "flag_meanings", "positive")
+MEANING_ATTRIBUTES = ("units", "standard_name", "flag_values", "flag_meanings", "positive")
 Signature = Hashable
 
 
@@ -44,7 +44,7 @@ class _Column:
         stored = stored.reshape(len(self.rows), *self.kind.shape)
         if len(self.rows) == count:
             return stored
-        # neither a whole number nor a truth has a nan
+        # integers and booleans have no nan
         dtype = stored.dtype if stored.dtype.kind in "fO" else np.dtype(float)
         filled = np.full((count, *self.kind.shape), "" if self.is_text else np.nan, dtype)
         filled[self.rows] = stored
@@ -153,7 +153,7 @@ def _about_cases(
 
 
 def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
-    """Return the points of `dataset` that `study` asks for; for numbers, those nearest to its values."""
+    """Return the points of `dataset` that `study` requests; for numbers, those nearest to its values."""
     for axis in study.points:
         method = None if axis.kind is str else "nearest"
         dataset = dataset.sel({axis.name: list(axis.values)}, method=method)
@@ -163,7 +163,7 @@ def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
 def _signature(variable: xr.Variable) -> Signature:
     """Return what two variables of one quantity share: dimensions, shape, type and meaning."""
     attrs = variable.attrs
-    meaning = tuple(str(attrs[name]) if name in attrs else None for name in MEANING)
+    meaning = tuple(str(attrs[name]) if name in attrs else None for name in MEANING_ATTRIBUTES)
     return variable.dims, variable.shape, variable.dtype.kind == "U", meaning
 
 
@@ -176,7 +176,7 @@ def _chosen(
         column = max(alike.values(), key=lambda candidate: len(candidate.rows))
         count = sum(len(candidate.rows) for candidate in alike.values())
         filled, stored = points * column.kind.nbytes, len(column.rows) * column.kind.nbytes
-        if filled > ROOM + MOST_FILLED * stored:
+        if filled > FREE_BYTES + MAX_FILL_FACTOR * stored:
             left_out.append(
                 f"{name} of {len(column.rows)} cases, since a table of all points would take {filled / 1e9:.3g} GB; "
                 "the journal has it"
@@ -205,7 +205,7 @@ def _is_coordinate(columns: Mapping[str, Mapping[Signature, _Column]], dim: Hash
     return all(column.kind.dims == (dim,) for column in columns[str(dim)].values())
 
 
-LARGEST = 1_000_000  # points
+MAX_POINTS = 1_000_000  # points
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +223,7 @@ def stored_table(study: Study, request: Request, contents: Contents) -> PointTab
     large, it has the requested points only.
     """
     axes = tuple(_grown(axis, contents.axes.get(axis.name, ())) for axis in study.points)
-    if axes == study.points or prod(len(axis.values) for axis in axes) > LARGEST:
+    if axes == study.points or prod(len(axis.values) for axis in axes) > MAX_POINTS:
         return PointTable(study.points, request.keys)
     shape = tuple(len(axis.values) for axis in axes)
     requested = dict(
@@ -259,7 +259,7 @@ def _stored(
     point = dict(zip((axis.name for axis in study.points), values, strict=True))
     try:
         identity = states.identity(point, study.scene_at(point), memory)
-    except Exception:  # noqa: BLE001 (a point that nobody asked for need not be one)
+    except Exception:  # noqa: BLE001 (a point that was not requested may be invalid)
         return "", False
     record = contents.records.get(identity.key)
     return identity.key, record is not None and record.is_of(identity)

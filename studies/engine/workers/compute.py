@@ -24,8 +24,8 @@ from studies.model.plain_text import one_line, place_of
 
 # Arrays that cases of this process share, such as the coefficients of equal grids: up to so many bytes. Timed runs
 # compute their own.
-SHARED = ArrayCache(2**26)
-WAVE = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
+SHARED_ARRAYS = ArrayCache(2**26)
+REFERENCE_FIELD = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
 class StopRun(BaseException):
@@ -36,7 +36,7 @@ def compute(case: Computation, work: Work) -> Outcome:
     """Return the outcome of a case, computed and measured; errors of the case are outcomes, too."""
     stage, start, cpu = "setup", perf_counter(), process_time()
     try:
-        with alarm(work.time_limit), caching(SHARED):
+        with alarm(work.time_limit), caching(SHARED_ARRAYS):
             prepared = case.prepare()
             stage = "solve"
             result = case.run(prepared)
@@ -96,7 +96,7 @@ def _reference_time() -> float:
     least = np.inf
     for _ in range(3):
         start = perf_counter()
-        np.fft.irfft2(np.fft.rfft2(WAVE))
+        np.fft.irfft2(np.fft.rfft2(REFERENCE_FIELD))
         least = min(least, perf_counter() - start)
     return float(least)
 

@@ -36,7 +36,7 @@ def _set_environment(environment: dict[Any, Any]) -> None:
 
 
 def _environment() -> dict[Any, Any]:
-    # encoded as the system has it: decoding all of it takes longer than all else here
+    # encoded: decoding all of it takes longer than the rest of this module
     return dict(os.environ._data)  # type: ignore[attr-defined]
 
 

@@ -6,7 +6,8 @@ from contextlib import suppress
 
 import psutil
 
-MARK = "CONTACTSTUDY_WORKER"  # environment variable of a worker, inherited by what it starts
+# environment variable of a worker, inherited by its child processes
+WORKER_VARIABLE = "CONTACTSTUDY_WORKER"
 
 
 def end_all(worker: int, mark: str) -> None:
@@ -16,7 +17,7 @@ def end_all(worker: int, mark: str) -> None:
             _kill(process)
     for process in psutil.process_iter():
         with suppress(psutil.Error, OSError):  # it has ended, or is another user's
-            if process.environ().get(MARK) == mark:
+            if process.environ().get(WORKER_VARIABLE) == mark:
                 _kill(process)
     with suppress(ProcessLookupError, PermissionError):
         if hasattr(os, "killpg"):

@@ -28,24 +28,23 @@ from contactstudy import InvalidInput
 from studies.engine.time_limit import deadline, timed_out
 from studies.engine.workers.compute import failure_of
 from studies.engine.workers.leftovers import end_all
-from studies.engine.workers.worker import UNREAD, Answer, Batch, Setup, main
+from studies.engine.workers.worker import READING_STAGE, Answer, Batch, Setup, main
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
 from studies.store.loaded import LOADED, Record
 
-BATCH = 0.25  # seconds of work after which a batch of cases is answered
-START = 120.0  # seconds in which a new process must be ready
-PAUSE = 0.5  # seconds after which the process that forks others is started again
-STARTS = 3  # processes that may end before their first case
+BATCH_SECONDS = 0.25  # seconds of work after which a batch of cases is answered
+START_TIMEOUT = 120.0  # seconds in which a new process must be ready
+RESTART_DELAY = 0.5  # seconds after which the process that forks others is started again
+MAX_STARTS = 3  # processes that may end before their first case
 # signals from a person, or for lack of memory; a second try shows whether the case causes them
-FROM_OUTSIDE = frozenset({"SIGTERM", "SIGKILL", "SIGINT", "SIGHUP", "SIGQUIT"})
-LOST = (
-    255  # exit code of a process of which nothing is known, since the one that forked it has ended
-)
+EXTERNAL_SIGNALS = frozenset({"SIGTERM", "SIGKILL", "SIGINT", "SIGHUP", "SIGQUIT"})
+# exit code of a process whose forking process has ended
+UNKNOWN_EXIT_CODE = 255
 # a process that has read the libraries is forked, where the system can; a fork of macOS may not use its libraries
 METHOD = "forkserver" if sys.platform == "linux" and hasattr(os, "fork") else "spawn"
 PROCESSES: Any = multiprocessing.get_context(METHOD)
-STARTING = threading.Lock()
+START_LOCK = threading.Lock()
 
 
 @contextmanager
@@ -59,7 +58,7 @@ def _plain_process() -> Iterator[None]:
     path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
     settings = multiprocessing.current_process()._config  # type: ignore[attr-defined]
     with (
-        STARTING,
+        START_LOCK,
         _interrupts_blocked(),
         _changed(sys.modules, "__main__", ModuleType("__main__")),
         _changed(settings, "daemon", False),  # noqa: FBT003 (a value)
@@ -75,7 +74,7 @@ def _interrupts_blocked() -> Iterator[None]:
     if METHOD != "forkserver":
         yield
         return
-    resource_tracker.ensure_running()  # its start unblocks the signal
+    resource_tracker.ensure_running()  # starting it unblocks the signal
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -108,7 +107,7 @@ class Worker:
         atexit.register(self.end)
 
     def run(self, cases: bytes, names: Sequence[str]) -> Iterator[Outcome]:
-        """Yield the outcome of each case, in order, as soon as it is there, until a batch has taken its time.
+        """Yield the outcome of each case, in order, as soon as it is available, until a batch has taken its time.
 
         It ends early after :meth:`end`, and yields nothing for several cases that cannot be read together.
 
@@ -119,11 +118,13 @@ class Worker:
         names
             Name of each case.
         """
-        for answer in self._answers(Batch(cases, tuple(names), 0, "compute", self._limit, BATCH)):
+        for answer in self._answers(
+            Batch(cases, tuple(names), 0, "compute", self._limit, BATCH_SECONDS)
+        ):
             if not isinstance(answer, Outcome):
                 assert isinstance(answer, Failure)
                 answer = Outcome(CaseStatus.FAILED, {}, answer)
-            if answer.failure is None or answer.failure.stage != UNREAD:
+            if answer.failure is None or answer.failure.stage != READING_STAGE:
                 yield replace(answer, loaded=self._loaded)
 
     def time_once(
@@ -134,7 +135,7 @@ class Worker:
             cases = cloudpickle.dumps((case,))
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
             return failure_of(error, "setup")
-        for answer in self._answers(Batch(cases, (name,), 0, "clock", limit, BATCH)):
+        for answer in self._answers(Batch(cases, (name,), 0, "clock", limit, BATCH_SECONDS)):
             return answer.failure if isinstance(answer, Outcome) else answer
         return None
 
@@ -172,7 +173,7 @@ class Worker:
                 answer, follows, ending = self._receive(index, batch.limit)
                 if self._over.is_set():
                     return
-                if ending in FROM_OUTSIDE and retried < index:
+                if ending in EXTERNAL_SIGNALS and retried < index:
                     retried = index
                     break
                 index += 1
@@ -194,7 +195,7 @@ class Worker:
         if answer is TimeoutError:
             return timed_out(limit, "unknown", seconds), False, ""
         if answer is EOFError:
-            ending = "SIGKILL" if code == LOST else _signal(code)
+            ending = "SIGKILL" if code == UNKNOWN_EXIT_CODE else _signal(code)
             sentence = f"Killed: its process {_ending(code)} while it was computed"
             status, failure = CaseStatus.KILLED, Failure("Killed", sentence, "unknown")
         else:
@@ -230,7 +231,7 @@ class Worker:
     def _is_ready(self) -> bool:
         """Return whether a process has read the study, started if need be; False after :meth:`end`."""
         code: int | None = None
-        for _ in range(STARTS):
+        for _ in range(MAX_STARTS):
             if self._over.is_set():
                 return False
             if self._process is None:
@@ -239,7 +240,7 @@ class Worker:
                 return True
             with suppress(OSError):
                 self._connection.send(Setup(tuple(sys.path), dict(os.environ), self._work))
-            answer = self._next(monotonic() + START)
+            answer = self._next(monotonic() + START_TIMEOUT)
             if isinstance(answer, tuple) and answer[1] is None:
                 if problem := answer[2]:
                     raise InvalidInput(f"The study cannot be read in a worker process: {problem}")
@@ -249,7 +250,7 @@ class Worker:
         if self._over.is_set():
             return False
         raise InvalidInput(
-            f"{STARTS} worker processes ended before their first case, the last "
+            f"{MAX_STARTS} worker processes ended before their first case, the last "
             f"{_ending(code)}: see their messages above, or run with --workers 0."
         )
 
@@ -266,7 +267,7 @@ class Worker:
                 process.start()
         except (EOFError, ConnectionError):
             self._over.wait(
-                PAUSE
+                RESTART_DELAY
             )  # or the next one is asked of the same process, while the system ends it
             return
         except OSError as error:

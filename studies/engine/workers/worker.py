@@ -19,12 +19,12 @@ from threadpoolctl import threadpool_limits
 
 from studies.engine.workers.compute import compute, failed, timed, warm_up
 from studies.engine.workers.interpreter_state import InterpreterState
-from studies.engine.workers.leftovers import MARK, end_all
+from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
 from studies.model.outcome import Outcome, Work
 from studies.store.loaded import LOADED, Record
 
-IDLE = 120.0  # seconds without a request after which it ends
-UNREAD = "reading"  # stage of the failure of several cases that cannot be unpickled together
+IDLE_TIMEOUT = 120.0  # seconds without a request after which it ends
+READING_STAGE = "reading"  # stage of the failure of several cases that cannot be unpickled together
 Answer = tuple[int, int | None, Any, bool, Record | None]
 
 
@@ -79,11 +79,11 @@ def main(connection: Connection, mark: str) -> None:
     with threadpool_limits(1):
         try:
             worker = _Worker(connection, mark)
-            while connection.poll(IDLE):
+            while connection.poll(IDLE_TIMEOUT):
                 worker.answer(connection.recv())
         except (EOFError, OSError):
             pass
-        # a case may have left threads or exit handlers, for which nobody waits
+        # do not wait for threads or exit handlers left by a case
         os._exit(0)
 
 
@@ -106,7 +106,7 @@ class _Worker:
         try:
             sys.path[:] = request.path
             os.environ.clear()
-            os.environ.update(request.environment | {MARK: self._mark})
+            os.environ.update(request.environment | {WORKER_VARIABLE: self._mark})
             self._work: Work = pickle.loads(request.work)
             warm_up()
         except Exception as error:  # noqa: BLE001 (a study's module may do anything)
@@ -121,7 +121,9 @@ class _Worker:
         try:
             cases = pickle.loads(batch.cases)
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            content: Any = failed(error, "setup" if batch.first + 1 == count else UNREAD, 0.0)
+            content: Any = failed(
+                error, "setup" if batch.first + 1 == count else READING_STAGE, 0.0
+            )
         follows, index = True, batch.first
         while follows:
             self._interpreter_state.restore(batch.names[index])

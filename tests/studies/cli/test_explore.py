@@ -15,7 +15,7 @@ from click.testing import CliRunner
 
 import contactstudy as cs
 from studies.cli.commands import cli
-from studies.cli.explore import MOST_VALUES, contents, page_of
+from studies.cli.explore import MAX_VALUES, contents, page_of
 from tests.conftest import LineContact
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
@@ -127,7 +127,7 @@ def test_a_fine_contact_is_shown_by_means_of_blocks() -> None:
     fine = xr.Dataset(dict.fromkeys(("pressure", "gap"), (("x", "y"), ones)), axes)
     shows = contents(fine, "fine")
     pressure = values(shows["variables"]["pressure"])
-    assert MOST_VALUES / 8 < len(pressure) <= MOST_VALUES
+    assert MAX_VALUES / 8 < len(pressure) <= MAX_VALUES
     assert (pressure == 1).all()
     assert len(shows["axes"]["x"]["values"]) * len(shows["axes"]["y"]["values"]) == len(pressure)
 

@@ -13,7 +13,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine import cluster
-from studies.engine.cluster import Cluster, _Flow
+from studies.engine.cluster import Cluster, _ClusterRun
 from studies.model.outcome import CaseStatus, Outcome
 from tests.studies.engine.trouble import Trouble
 
@@ -27,7 +27,7 @@ class Future:
         return self.error
 
 
-class Flow(_Flow):
+class FakeRun(_ClusterRun):
     """Of ``count`` cases, with a client that computes nothing."""
 
     def __init__(self, count: int, threads: int = 1, patience: float = 10.0) -> None:
@@ -47,7 +47,7 @@ class Flow(_Flow):
         self._open = set(self.cases)
         self._running = {}
         self._completed: Any = SimpleNamespace(add=lambda future: None)
-        self._looked_at, self._idle_since = -1.0, 0.0
+        self._checked_at, self._idle_since = -1.0, 0.0
         self.workers: dict[str, int] = {}
 
     def _submitted(self, *given: Any, pure: bool) -> Future:
@@ -61,13 +61,13 @@ def test_a_scheduler_without_workers_is_said_once_after_a_while(
 ) -> None:
     now = [50.0]
     monkeypatch.setattr(cluster, "monotonic", lambda: now[0])
-    flow = Flow(1, patience=10.0)
+    flow = FakeRun(1, patience=10.0)
     flow.workers = {"one": 1}
-    flow._look()
+    flow._check_workers()
     flow.workers = {}
     for seconds, said in ((60.0, 0), (61.5, 1), (80.0, 1)):
         now[0] = seconds
-        flow._look()
+        flow._check_workers()
         assert (len(flow.said), flow.threads) == (said, 1)
     assert flow.said == [
         "waiting for workers of tcp://here:1: start some, or stop the run and go on later"
@@ -75,25 +75,25 @@ def test_a_scheduler_without_workers_is_said_once_after_a_while(
     flow.client.status = "closed"
     now[0] = 90.0
     with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://here:1' is lost: start it again"):
-        flow._look()
+        flow._check_workers()
 
 
 def test_of_a_batch_that_killed_its_workers_each_case_is_tried_alone() -> None:
-    flow = Flow(9)
+    flow = FakeRun(9)
     killed = distributed.KilledWorker("batch", SimpleNamespace(address="tcp://there:2"), 3)
     future = Future("error", error=killed)
     flow._running = {future: ["3", "4"]}
-    flow._take(future, None)
+    flow._collect(future, None)
     assert flow.batches == [1, 1]
     assert sorted(chain.from_iterable(flow._running.values())) == ["3", "4"]
     flow._running = {future: ["8"]}
-    flow._take(future, None)
+    flow._collect(future, None)
     assert flow.found["8"].case_status is CaseStatus.KILLED
     assert "the last tcp://there:2" in flow.found["8"].error
     other = Future("error", error=ImportError("studies"))
     flow._running = {other: ["1"]}
     with pytest.raises(InvalidInput, match="install the same version of contactstudy there"):
-        flow._take(other, None)
+        flow._collect(other, None)
 
 
 def test_what_libraries_say_of_a_lost_connection_is_not_shown(

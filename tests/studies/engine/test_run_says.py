@@ -53,7 +53,7 @@ def test_a_dry_run_counts_the_timed_runs_that_are_missing(tmp_path: Path) -> Non
 def test_a_dry_run_of_many_points_judges_by_some_of_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "MANY", 10)
+    monkeypatch.setattr(module, "MANY_POINTS", 10)
     lines: list[str] = []
     found = estimate_cost(
         trouble.study([10.0 + n for n in range(40)]), tmp_path, options=ONE, log=lines.append

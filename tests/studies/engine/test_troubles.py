@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.engine.cluster import AHEAD, Cluster
+from studies.engine.cluster import BATCHES_AHEAD, Cluster
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.stop import Stop
@@ -151,7 +151,8 @@ def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_p
     """The first outcome stops the run, and is taken only when all but the two that hang are computed."""
     log = tmp_path / "log"
     cases = {
-        str(n): Trouble(n + 0.5, log=str(log), hangs_from=AHEAD * 2 - 2) for n in range(AHEAD * 2)
+        str(n): Trouble(n + 0.5, log=str(log), hangs_from=BATCHES_AHEAD * 2 - 2)
+        for n in range(BATCHES_AHEAD * 2)
     }
     outcomes: dict[str, Outcome] = {}
 
@@ -165,7 +166,7 @@ def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_p
     with Cluster(2) as cluster, pytest.raises(KeyboardInterrupt):
         cluster.run(cases, Work(trouble.measures), finished, Stop())
     assert {outcome.case_status for outcome in outcomes.values()} == {CaseStatus.OK}
-    assert sorted(outcomes) == [str(n) for n in range(AHEAD * 2 - 2)]
+    assert sorted(outcomes) == [str(n) for n in range(BATCHES_AHEAD * 2 - 2)]
 
 
 def listening() -> set[str]:

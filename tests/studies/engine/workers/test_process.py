@@ -17,7 +17,7 @@ import pytest
 
 from studies.engine.executors import packed
 from studies.engine.workers import process as module
-from studies.engine.workers.leftovers import MARK, end_all
+from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
 from studies.engine.workers.process import Worker
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work
 from studies.store.loaded import Present
@@ -147,7 +147,7 @@ def test_a_worker_that_ends_while_its_process_starts_leaves_none() -> None:
     """Python would wait at its exit for a process that nobody ends."""
     one = Worker(packed(Work(trouble.measures)))
     before = set(multiprocessing.active_children())
-    with ThreadPoolExecutor(1) as pool, module.STARTING:
+    with ThreadPoolExecutor(1) as pool, module.START_LOCK:
         answers = pool.submit(outcomes_of, one, Trouble(2.0))
         while not hasattr(one, "_mark"):  # it has not come to the lock
             time.sleep(0.001)
@@ -164,7 +164,7 @@ def test_what_a_worker_left_behind_ends_with_it_and_nothing_else() -> None:
         return subprocess.Popen(
             [sys.executable, "-c", "input()"],
             stdin=subprocess.PIPE,
-            env=os.environ | {MARK: mark},
+            env=os.environ | {WORKER_VARIABLE: mark},
             start_new_session=True,
         )
 

@@ -102,7 +102,7 @@ def stress_errors(
     if len(depths) == 1:
         return stress, ErrorParts(0.0, 0.0, 0.0)
     near = np.flatnonzero(highest >= (1 - usual) * peak)
-    # the depth may lie up to those beside
+    # the depth may lie up to the neighbouring ones
     lowest, highest = max(near[0] - 1, 0), min(near[-1] + 1, len(depths) - 1)
     depth = float(depths[level])
     away = max(depth - depths[lowest], depths[highest] - depth) / depth if depth else inf

@@ -13,7 +13,7 @@ from contactstudy.solvers.solve import SolveOptions
 
 # Tolerance of the coarse solution, whose difference needs two digits.
 TOLERANCE = 1e-4
-# That of one with adhesion, whose states near separation are found apart by slow changes alone.
+# That of one with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
 
 

@@ -32,7 +32,7 @@ TERMS, SAMPLES = 400, 4096
 @cache
 def modes(count: int) -> Array:
     """Return the pressure of each mode in the first `count` cells inward from the edge, shape (count, MODES)."""
-    from scipy import fft  # imported late: as slow to import as everything else
+    from scipy import fft  # imported late, since it is slow
 
     angle = np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
     # ln e(z) is half of the cepstrum; the other half belongs to 1 / z

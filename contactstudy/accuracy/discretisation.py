@@ -57,7 +57,7 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         if pressure.shape[axis] == 1:
             continue
         along = axis_first(pressure, axis)
-        # at an open end the cell stands for its own neighbour
+        # beyond an open end the last cell is repeated
         padded = with_ends(along, 1, wraps=is_periodic)
         before, after = padded[:-2], padded[2:]
         second_difference = before + after

@@ -18,7 +18,7 @@ from contactstudy.problem.problem import Problem, Source
 POINTS, POINTS_AT_CORNERS, POINTS_WITHOUT_SCALES = 4, 32, 48
 # Number of lines up to which all are examined; of more, one in SPARSE.
 LINES, SPARSE = 64, 4
-# Probability with which a feature is found, unless another is asked for.
+# Default probability with which a feature is found.
 CONFIDENCE = 0.95
 # Fraction of a cell's area above which a feature is found with the requested confidence.
 FEATURE_AREA = 0.03
@@ -252,7 +252,7 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
     ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q of it; points of low discrepancy
     leave smaller holes. Each point is examined in all cells at once.
     """
-    from scipy import ndimage  # imported late: as slow to import as everything else
+    from scipy import ndimage  # imported late, since it is slow
 
     source, grid = problem.source, problem.grid
     assert source is not None
@@ -445,7 +445,7 @@ class HeightsAlong:
         n. The pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same
         bend in a cell, over ``1 - 2^(1 - n)``.
         """
-        from scipy import ndimage  # imported late: as slow to import as everything else
+        from scipy import ndimage  # imported late, since it is slow
 
         all_pairs, pairs = self._in_cells
         points = pairs.shape[1]

@@ -31,13 +31,13 @@ class Answer:
     Attributes
     ----------
     requested
-        Relative error that was asked for; None where none was.
+        Requested relative error; None without a request.
     status
         Outcome, with cause and remedy.
     grid, padding
         Cells and boundary conditions of the fields.
     error
-        Estimate of the errors by quantity and cause; found when it is first asked for.
+        Estimate of the errors by quantity and cause; computed on first access.
     quantities
         Numbers by name, with unit and bound.
     counts
@@ -66,17 +66,17 @@ class Answer:
         raise NotImplementedError
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
-        """Return a picture of the fields, of the `dataset` that :meth:`to_dataset` gave if it is at hand."""
+        """Return a picture of the fields, of the `dataset` from :meth:`to_dataset` if it is given."""
         raise NotImplementedError
 
     @property
     def judged(self) -> tuple[str, float]:
-        """Name of the measure that the accuracy asked for is judged by, and its bound."""
+        """Name of the error measure of the requested accuracy, and its bound."""
         return "in L1", self.error.l1.total
 
     @property
     def met(self) -> bool | None:
-        """True if the bound meets the accuracy asked for; None where none was asked for."""
+        """True if the bound meets the requested accuracy; None without a request."""
         if self.requested is None:
             return None
         return self.judged[1] <= self.requested

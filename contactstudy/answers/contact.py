@@ -35,7 +35,7 @@ class Contact(Answer, Solution):
     requested
         Relative error that was asked for.
     estimate
-        Estimate of its errors, where it is known already; None finds it when it is asked for.
+        Estimate of its errors, where it is known already; None computes it on first access.
     rolling
         Rolling resistance and centroid of a steadily rolling contact; None for others.
     time

@@ -152,7 +152,7 @@ def compare(a: Any, b: Any) -> Comparison:
     )
 
 
-# Quantities with a place of their own in a comparison.
+# Quantities that a comparison prints separately.
 COMPARED = "peak_pressure", "contact_area", "approach", "load_per_length", "total_load"
 
 

@@ -429,7 +429,7 @@ def film_dataset(
     for output in contact.scene.outputs:
         derived = output.of(contact.scene.solids, contact.grid, across_and_along(contact.padding))
         if isinstance(derived, Sheared):
-            # friction across, as the film drags the first body back
+            # friction across on the first body
             derived = derived.under(np.stack((-contact.shear, np.zeros_like(contact.shear))))
         for name, field in derived.fields(contact.pressure).items():
             dataset[name] = _of_field(field)

@@ -104,7 +104,7 @@ def bounded(quantity: Quantity, parts: ErrorParts | None, why: Sequence[str] = (
 
 
 def own_length(scene: Scene | None) -> float | None:
-    """Return the length [m] of the roller in `scene`; None where the contact goes on for ever."""
+    """Return the length [m] of the roller in `scene`; None for an endless contact."""
     if scene is None:
         return None
     if isinstance(scene.load, TotalLoad):
@@ -119,7 +119,7 @@ def own_length(scene: Scene | None) -> float | None:
 def per_length(
     value: float, unit: str, label: str, length: float | None, period: float
 ) -> Quantity:
-    """Return an area or a volume of a roller; per length where the contact goes on for ever."""
+    """Return an area or a volume of a roller; per length of an endless contact."""
     if length is not None:
         return Quantity(value, unit, label)
     return Quantity(value / period, f"{unit} m-1", f"{label} per length")

@@ -74,7 +74,7 @@ def _registry() -> Any:
     return UnitRegistry(non_int_type=Decimal)
 
 
-# Classes that a table may stand for, by the type of the field and their names; NO_KIND is the default.
+# Classes that a table may describe, by the type of the field and their names; NO_KIND is the default.
 NO_KIND = ""
 Kinds = Mapping[Any, Mapping[str, type]]
 Target = TypeVar("Target")

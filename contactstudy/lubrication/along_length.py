@@ -279,7 +279,7 @@ class FourierStage:
         matrices = np.zeros((number, nx, nx), dtype=np.float32)
         index = np.arange(nx)
         by_separation = np.zeros(nx)
-        # cells that are not free stay as they are
+        # identity rows for cells that are not free
         solved, moves, free = free | touching, ~touching, free & ~touching
         matrices[:, index, index] = 1 - solved.mean(axis=1)
         turn = np.cos(2 * np.pi * np.arange(number) / ny)

@@ -39,7 +39,7 @@ def from_higher_speeds(
         return None
     factor = steps.factor
     while faster > resistance:
-        # no sliver of a step at the end
+        # avoid a tiny last step
         slower = faster / factor if faster / factor > resistance * steps.least else resistance
         trial = warm(posed.at(slower), last)
         if trial.converged(tolerance):

@@ -229,7 +229,7 @@ def _through(
     for target in instants[1:]:
         while stepper.time < target - 1e-9 * first:
             remaining = target - stepper.time
-            # no sliver of a step before an instant
+            # avoid a tiny last step before an instant
             trial = remaining / max(np.ceil(remaining / length - 1e-3), 1)
             stepped, size = stepper.stepped(trial)
             iterations += stepped.last.iterations
@@ -245,7 +245,7 @@ def _through(
                 progress(stepper.time, instants[-1])
             factor = TUNING.safety * (error / size) ** (1 / 3) if size > 0 else 1.0
             grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
-            # a step that was cut before an instant says nothing against a longer one
+            # a step shortened to end at an instant does not limit the next one
             length = step or max(grown, length if trial < length else 0.0)
             if failed:
                 break

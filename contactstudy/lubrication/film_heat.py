@@ -1,4 +1,4 @@
-"""Temperatures of a sheared film and of the surfaces beside it, and the friction that they leave.
+"""Temperatures of a sheared film and of its surfaces, and the friction at these temperatures.
 
 1. Each surface passes under the heat that flows into it. Its flash temperature is the sum of moving line sources
    (Jaeger 1942), ``dT(x) = 1 / (pi k) int q(x') exp(z) K0(|z|) dx'`` with ``z = u (x - x') rho c / (2 k)``.

@@ -12,10 +12,10 @@ from contactstudy.scene.lubrication import LimitingShear
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
-# The stress that a lubricant bears at most: at rest [Pa], and of the pressure; and the fraction of the friction that may
-# be above it.
+# Largest shear stress of a lubricant: at zero pressure [Pa], and over the pressure; and the fraction of the friction
+# that may be above it.
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
-# The thermal loading up to which an inlet's heating is known, and the residual of temperatures that counts as none.
+# Largest thermal loading at which inlet heating is known, and the largest residual of converged temperatures.
 MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 
 
@@ -243,7 +243,7 @@ def shear_stress(
     oil = motion.lubricant
     pressure = pressure if contact is None else pressure - contact
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
-    with np.errstate(over="ignore"):  # Barus' law knows no end
+    with np.errstate(over="ignore"):  # Barus' law may overflow
         sliding = mean_speed * motion.slide_roll_ratio
         newtonian = thinned * oil.viscosity * np.exp(log_viscosity) * sliding / film
     lubricant = film_fraction * oil.shear.stress(newtonian, pressure)

@@ -23,14 +23,14 @@ from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solve import SolveOptions
 
-# An outlet reaches so many half-widths, or further by so many times sqrt(2 H).
+# Length of the outlet in half-widths, and its growth over sqrt(2 H).
 OUTLET, OUTLET_GROWTH = 1.5, 2.5
 # Least width of a grid over that of the contact.
 MIN_WIDTH = 1.2
 # Heights over a^2 / R that vary along the length by this much are no roughness on a line contact.
 # More than EDGE is the end of a roller.
 CROWNED, EDGE = 0.5, 300.0
-# Grids are halved down to so many cells: across in plane strain, across and along else. Rows divide by LEVELS.
+# Cells of the coarsest grid: across in plane strain, else across and along. The number of rows is a multiple of LEVELS.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, LEVELS = 200, 48, 16, 8
 
 

@@ -253,7 +253,7 @@ def _flow(linear: Linearised) -> float:
 
 
 def _sets_of(equation: FilmEquation, start: Film, cavitated: Mask | None) -> ActiveSets:
-    """Return the active sets of a start: all cells filled, if it knows neither cavitated cells nor asperities."""
+    """Return the active sets of a start: all cells filled, if neither cavitated cells nor asperities are given."""
     if start.contact is None:
         return ActiveSets(np.zeros_like(equation.fixed) if cavitated is None else cavitated)
     if cavitated is None:

@@ -162,7 +162,7 @@ def solve_lubricated(
 
 
 def _on_extent(grid: Grid, finer: float) -> Grid:
-    """Return the grid with cells that are finer across, as far as they are not too many."""
+    """Return the grid with finer cells across, at most ``MAX_CELLS``."""
     nx, ny = grid.cells
     if finer == 1:
         return grid

@@ -262,7 +262,7 @@ def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
     steep = not equation.boundary and rise_beside_lowest(last.film.film) > UNRESOLVED_RISE
     if film < SWEEP * equation.cell[0] ** 1.5 or steep:
         return Status.FILM_BELOW_CELL
-    # where the supplied layer fills the gap inside the grid, a longer inlet changes nothing
+    # a longer inlet has no effect where the supplied layer fills the gap inside the grid
     fed = equation.supply < inf and bool((last.film.void[2] > 0).all())
     if not fed and INLET_ERROR * film > STARVED * posed.x[0] ** 2:
         return Status.STARVED_INLET

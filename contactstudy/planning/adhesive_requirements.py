@@ -12,7 +12,7 @@ from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.sought_load import PullOff
 
-# Tabor parameter that stands for the JKR limit: of a contact that does not vary along its length, where
+# Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the root of twice its radius and range.

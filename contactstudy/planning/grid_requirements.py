@@ -139,7 +139,7 @@ class GridRequirements:
             def open_by(t: float) -> float:
                 return scale * (t * sqrt((t - 1) * (t + 1)) - acosh(t)) - self.height
 
-            from scipy.optimize import brentq  # imported late: as slow as everything else
+            from scipy.optimize import brentq  # imported late, since it is slow
 
             reach = float(brentq(open_by, 1.0, bracket))
         crowned = 1.5 if self.roller else 1.0  # the middle or the ends carry more than the mean

@@ -112,7 +112,7 @@ class CoatedHalfSpace:
     @property
     def stressed(self) -> "Medium":
         """The stress in the coating and in the substrate."""
-        # imported only where stress is asked for
+        # imported only for scenes with stress
         from contactstudy.scene.coated_stress import CoatedStress
         from contactstudy.scene.stress import HalfSpaceStress
 

@@ -1,4 +1,4 @@
-"""Heat that a sheared film makes: what it takes of the lubricant and of the bodies to know temperatures."""
+"""Shear heating of a film: thermal properties of the lubricant and of the bodies."""
 
 from dataclasses import dataclass
 

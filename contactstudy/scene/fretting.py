@@ -1,4 +1,4 @@
-"""Fretting: a tangential force that swings."""
+"""Fretting: an oscillating tangential force."""
 
 from dataclasses import dataclass
 

@@ -284,7 +284,7 @@ def _materials(solid: Body) -> tuple[Homogeneous, ...]:
 
 
 def are_alike(solids: tuple[Body, ...]) -> bool:
-    """Return whether shear between two bodies leaves the gap as it is."""
+    """Return whether shear between two bodies does not change the gap."""
     first, second = solids
     if first == second:
         return True

@@ -1,4 +1,4 @@
-"""Lubrication of a contact: the lubricant with its laws, and the motion that draws it in."""
+"""Lubrication of a contact: the lubricant with its laws, and the motion that entrains it."""
 
 from dataclasses import dataclass
 from math import inf
@@ -46,7 +46,7 @@ class Flooded(BodyContext, Protocol):
 
 @runtime_checkable
 class ViscosityLaw(Protocol):
-    """The growth of viscosity with pressure."""
+    """Viscosity as a function of pressure."""
 
     def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
         """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa.
@@ -109,7 +109,7 @@ class Roelands:
 
 @runtime_checkable
 class DensityLaw(Protocol):
-    """The growth of density with pressure."""
+    """Density as a function of pressure."""
 
     def ratio(self, pressure: Array) -> tuple[Array, Array]:
         """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa."""
@@ -166,10 +166,10 @@ class DowsonHigginson:
 
 @runtime_checkable
 class ShearLaw(Protocol):
-    """The shear stress that a lubricant bears at a shear rate."""
+    """Shear stress of a lubricant as a function of the shear rate."""
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
-        """Return the shear stress [Pa] where a Newtonian lubricant would bear ``newtonian`` [Pa]."""
+        """Return the shear stress [Pa] where that of a Newtonian lubricant is ``newtonian`` [Pa]."""
         ...
 
 
@@ -450,7 +450,7 @@ class Lubricant:
 @suggest_fields
 @dataclass(frozen=True)
 class Lubrication:
-    """Lubricant that floods a contact, and the motion of the surfaces to larger x that draws it in.
+    """Lubricant of a contact, and the motion of the surfaces to larger x that entrains it.
 
     Heights stand still in the contact, unless they are :class:`~contactstudy.MovingShape`. See
     :func:`~contactstudy.solve`.

@@ -60,7 +60,7 @@ class Output(Protocol):
         ...
 
     def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> Derived:
-        """Return the output for these bodies on `grid`; nothing is computed until its fields are asked for."""
+        """Return the output for these bodies on `grid`; fields are computed on first access."""
         ...
 
 
@@ -146,7 +146,7 @@ def _length_scales(shapes: tuple[Shape, ...]) -> list[LengthScales]:
     return [shape.length_scales for shape in shapes if hasattr(shape, "length_scales")]
 
 
-# Approach over the width of the grid that the scales take at least, where nothing else has a scale.
+# Least approach over the width of the grid, for the scales of a scene without another scale.
 LEAST_STRAIN = 1e-6
 # Iterations after which the modulus of layered bodies and the half-width converge to 0.1 %.
 PASSES = 12

@@ -78,7 +78,7 @@ class Approach:
 @suggest_fields
 @dataclass(frozen=True)
 class PullOff:
-    """Separation of an adhesive contact, in place of a load: the largest pull that it holds is a result.
+    """Separation of an adhesive contact, in place of a load: the pull-off load is a result.
 
     The contact is loaded, then pulled by loads between which the last held one is bisected. Each of them begins with the
     state of the last that was held.

@@ -1,4 +1,4 @@
-"""Subsurface stress under the pressure of a contact, at the depths asked for."""
+"""Subsurface stress under the pressure of a contact, at given depths."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -128,7 +128,7 @@ class Medium(Protocol):
 
 @runtime_checkable
 class Stressed(Protocol):
-    """Body that is not homogeneous, and says what stress is in it."""
+    """Inhomogeneous body with a method for its stress."""
 
     @property
     def stressed(self) -> Medium:

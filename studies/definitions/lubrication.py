@@ -13,12 +13,12 @@ from studies.model.axis import Axis
 from studies.model.case import SceneCase, Solved, number
 from studies.model.study import Point
 
-# Steel, of which the dimensionless film knows nothing.
+# Steel; the dimensionless film does not depend on the material.
 RADIUS, LOAD, VISCOSITY = 0.01, 1e5, 0.04
 STEEL = cs.HalfSpace(210e9, 0.3)
 DRY = cs.Scene(cs.LineLoad(LOAD), (STEEL, STEEL), (cs.Cylinder(RADIUS),))
 HERTZ = cs.analytic.HertzLine(LOAD, RADIUS, DRY.contact_modulus)
-# The inlet begins so many half-widths from the axis, or so many times sqrt(2 H).
+# Length of the inlet in half-widths, and over sqrt(2 H).
 INLET, FILMS = 4.5, 6.0
 # Waves of the surface [a]: random, an eighth of the length and more.
 ROLL_OFF, CUT_OFF, SEED = 0.5, 0.25, 1

@@ -120,7 +120,7 @@ def _material() -> dict[str, HardCase]:
             grid(width=4.8),
             AT_EDGE,
         )
-    # where trial steps are cut back to nothing: all but a few cells yield, or the cells are long and thin
+    # where trial steps are shortened to zero: all but a few cells yield, or the cells are long and thin
     thin = bumpy(8.087711031384107e-4 * noise((15, 2), 23030886))
     cases["hardness on long cells"] = HardCase(
         "material",

@@ -22,7 +22,7 @@ FLATTENING = HERTZ.half_width**2 / (
     2 * HERTZ.radius
 )  # [m], height of the cylinder over the contact
 WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
-# mode with one cell along a length on which nothing varies, whatever the period
+# padding with one cell along a length on which nothing varies, for any period
 LINE = "line"
 
 PADDINGS: dict[str, Callable[[int], cs.Padding]] = {

@@ -145,7 +145,7 @@ def _numbers(dataset: xr.Dataset) -> list[str]:
 
 
 def _chosen(dataset: xr.Dataset, plot: Sequence[str]) -> list[str]:
-    """Return the names that were asked for, if the study has them."""
+    """Return the requested names; raise InvalidInput for one that the study lacks."""
     return [one_of("plot", name, _numbers(dataset)) for name in plot]
 
 
@@ -280,7 +280,7 @@ def _is_geometric(values: xr.DataArray) -> bool:
 
 
 def _is_sample(axis: str) -> bool:
-    """Return whether an axis numbers samples of one surface, whose order says nothing."""
+    """Return whether an axis numbers random samples of one surface."""
     return axis.rsplit(".", 1)[-1].rsplit("_", 1)[-1] in SAMPLES
 
 

@@ -29,7 +29,7 @@ from studies.report.section import FORMATS, Section, embedded, is_claim, saved
 from studies.report.style import marked, plain
 from studies.store.netcdf import read
 
-MOST_VALUES = 10  # of an axis that a page lists
+MAX_LISTED = 10  # of an axis that a page lists
 # Request and seconds of the comparison of settings for the paper's cylinder.
 PAPER_ERROR, PAPER_SECONDS = 1e-2, 12.0
 
@@ -122,7 +122,7 @@ def make(
         results = [future.result() for future in drawn]
     sections: dict[str, Sequence[Section]] = {one.name: [one] for one in results}
     if SETTINGS in (part.name for part in chapter.parts):
-        # its times are taken when nothing else runs
+        # it is timed while no other work runs
         measured = comparison_of(paper_described(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
         sections[SETTINGS] = scene_sections(measured, out, formats, max_parts=1)
         datasets[SETTINGS] = read(path_in(out))
@@ -204,7 +204,7 @@ def swept(study: Study, dataset: xr.Dataset) -> str:
     for axis in study.points:
         values = dataset[axis.name].values.tolist()
         text = ", ".join(map(str, values))
-        if len(values) > MOST_VALUES:
+        if len(values) > MAX_LISTED:
             text = f"{len(values)} values"
             if axis.kind is not str:
                 text += f" from {values[0]} to {values[-1]}"

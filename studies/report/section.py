@@ -10,7 +10,7 @@ from contactstudy.domain.files import replacing
 from studies.model.drawing import CaptionedFigure, Finding, Table
 
 FORMATS = ("png",)
-CLAIM = "The paper's"  # findings about the paper stand in its section
+CLAIM_PREFIX = "The paper's"  # findings about the paper stand in its section
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,4 +71,4 @@ def embedded(
 
 def is_claim(finding: Finding) -> bool:
     """Return whether a finding is about a claim of the paper."""
-    return finding.question.startswith(CLAIM)
+    return finding.question.startswith(CLAIM_PREFIX)

@@ -9,7 +9,7 @@ from studies.report.style import percent
 
 NAMES = {"exact": "exact periodicity", LINE: "exact periodicity", "free": "free ends"}
 # Paddings that a figure's title names as equally fast.
-MOST_TIES = 3
+MAX_TIES = 3
 # Requested errors of the table of costs.
 DECADES = (0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4, 1e-4)
 
@@ -155,7 +155,7 @@ def title_text(measured: Comparison, verdict: Verdict) -> str:
     ties = [
         rival.measured.label for rival in verdict.rivals if rival.is_tie and rival.measured.rounds
     ]
-    named = "; ".join(ties[:MOST_TIES]) + "; ..." * (len(ties) > MOST_TIES)
+    named = "; ".join(ties[:MAX_TIES]) + "; ..." * (len(ties) > MAX_TIES)
     return f"{first}\n{second}" + f"; as fast: {named}" * bool(ties)
 
 

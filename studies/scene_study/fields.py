@@ -14,7 +14,7 @@ from contactstudy.scene_file import SceneFile
 Path = tuple[str, ...]
 
 # Short names of fields that are often varied.
-SHORT: Mapping[str, str] = {
+SHORT_NAMES: Mapping[str, str] = {
     "n": "padding.images",
     "images": "padding.images",
     "period": "plan.period",
@@ -25,7 +25,7 @@ SHORT: Mapping[str, str] = {
     "max_iterations": "solve.max_iterations",
 }
 # Keys of a measured surface in a file, which the surface has used and no longer holds.
-OF_FILE = ("file", "turn", "window")
+FILE_KEYS = ("file", "turn", "window")
 
 
 @dataclass(frozen=True)
@@ -89,8 +89,8 @@ def find(document: Document, name: str) -> SceneField:
     InvalidInput
         For a name that is no field; its message lists those that there are.
     """
-    if name in SHORT and not (name == "period" and document.grid is not None):
-        return _at(document, tuple(SHORT[name].split(".")))
+    if name in SHORT_NAMES and not (name == "period" and document.grid is not None):
+        return _at(document, tuple(SHORT_NAMES[name].split(".")))
     if name == "period":
         return _at(document, ("grid", "extent", "1"))
     path = tuple(name.replace("[", ".").replace("]", "").split("."))  # as messages write an entry
@@ -105,7 +105,7 @@ def find(document: Document, name: str) -> SceneField:
     if owners:
         several = ", ".join(f"shapes.{number}.{name}" for number in owners)
         raise InvalidInput(f"Field {name!r} is one of several shapes: give one of {several}.")
-    hint = suggestion(path[0], sorted([*keys, *SHORT]))
+    hint = suggestion(path[0], sorted([*keys, *SHORT_NAMES]))
     raise InvalidInput(
         f"Field {name!r} is not in the scene: {hint}, or a path such as load.per_length or "
         f"shapes.0.{_example(document)}."
@@ -158,14 +158,14 @@ def _at(document: Document, path: Path) -> SceneField:
 
 def _is_of_file(value: object, part: str) -> bool:
     """Return whether a key of a measured surface is known from its file only."""
-    return isinstance(value, MeasuredSurface) and part in OF_FILE
+    return isinstance(value, MeasuredSurface) and part in FILE_KEYS
 
 
 def _names(value: Any) -> list[str]:
     """Return the names of the fields of a dataclass."""
     names = [member.name for member in fields(value) if member.init]
     if isinstance(value, MeasuredSurface):
-        return [*OF_FILE, "missing", "trend", "seam", "extent"]
+        return [*FILE_KEYS, "missing", "trend", "seam", "extent"]
     return names
 
 

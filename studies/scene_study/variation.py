@@ -25,7 +25,7 @@ FORMS = (
     "give values separated by commas, such as 50 N/mm,100 N/mm, or a range with its number of values, such "
     "as 50:400:8 N/mm or, in equal ratios, 50:400:8:log N/mm"
 )
-MOST = 100_000
+MAX_VALUES = 100_000
 OPEN, CLOSED = "[{", "]}"
 
 
@@ -94,14 +94,14 @@ def _expanded(field: str, part: str, whole: bool) -> list[object]:  # noqa: FBT0
         raise InvalidInput(
             f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit."
         )
-    check_count(field, int(count or 0), "values", MOST)
+    check_count(field, int(count or 0), "values", MAX_VALUES)
     values = values_between(first, last, count, log, whole=whole)
     if values is None:
         raise InvalidInput(
             f"{field} is {part!r}: give a rising range with its number of values, such as {first}:{last}:8, with :log "
             "behind it for equal ratios above 0, or of whole numbers such as 0:10."
         )
-    check_count(field, len(values), "values", MOST)
+    check_count(field, len(values), "values", MAX_VALUES)
     suffix = f" {units.pop()}" if units else ""
     return [f"{value:.12g}{suffix}" if suffix else value for value in values]
 
@@ -278,7 +278,7 @@ def _listed(name: str, values: object) -> list[object]:
 def _made(field: SceneField, raw: object) -> Any:
     """Return a value as the type that stands at `field`."""
     if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
-        return raw  # already made in Python; the scene checks it
+        return raw  # a Python object, which the scene checks
     if isinstance(raw, tuple):
         raw = list(raw)
     kind = without_none(field.annotation)

@@ -18,7 +18,7 @@ from contactstudy.io.pictures.interference import interference_colours
 LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
 FILMS = ((1e-9, "nm"), *LENGTHS)
 PRESSURES = ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa"))
-# An interferogram is drawn up to so many of Hertz's half-widths from the axis.
+# Half-width of an interferogram in Hertz's half-widths.
 INTERFEROGRAM = 2.0
 WARNING_WIDTH = 70  # letters over one panel
 PRESSURE: dict[str, Any] = {"color": "#0072B2"}

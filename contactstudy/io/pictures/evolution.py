@@ -13,12 +13,12 @@ from contactstudy.io.pictures.contact import FILMS, LENGTHS, PRESSURES, scaled
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from contactstudy.io.quantities import readable
 
-# Profiles are drawn of so many instants.
+# Number of instants whose profiles are drawn.
 PROFILES = 6
 # Decades that a logarithmic axis of errors has at the most.
 DECADES = 6
 BESIDE: Any = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0)}
-# A film is drawn up to so many of Hertz's half-widths from the axis.
+# Half-width of a picture of a film in Hertz's half-widths.
 FILM_WIDTH = 1.5
 # Variables of each body that yields, before the suffix of the body.
 STRAIN, STRESS = "equivalent_plastic_strain", "residual_stress"
@@ -132,7 +132,7 @@ def _instants(evolved: xr.Dataset, values: Any) -> list[int]:
         required = {sorted(required)[index] for index in indices}
     for number in sorted(required - even):
         filling = sorted(even - required)
-        if len(even) >= PROFILES and filling:  # in the place of the nearest one
+        if len(even) >= PROFILES and filling:  # replace the nearest one
             even.remove(filling[int(np.abs(np.subtract(filling, number)).argmin())])
         even.add(number)
     return sorted(even)

@@ -257,7 +257,7 @@ class Roughness:
 
 
 def _folded(waves: np.ndarray, numbers: np.ndarray, count: int) -> np.ndarray:
-    """Return the rows of `waves` summed by their wave `numbers` on `count` points: short ones look like longer ones."""
+    """Return the rows of `waves` summed by their wave `numbers` on `count` points: short ones are aliased."""
     folded = np.zeros((count, waves.shape[1]), dtype=complex)
     indices = np.round(numbers).astype(int).ravel() % count
     if np.bincount(indices).max() == 1:  # an assignment takes a fifth of the time

@@ -271,7 +271,7 @@ class MeasuredSurface:
         count, length = heights.shape[1], self.extent[1]
         piece = grid.period / self.seam.lengths
         if piece < length * (1 - 1e-9):
-            # points no farther apart, and the same whatever the grid's cells
+            # a spacing no larger than measured, independent of the grid's cells
             points = ceil(count * piece / length - 1e-9)
             heights = cell_means(
                 heights, 1, extent=length, cells=points, width=piece, ends="not-a-knot"
@@ -294,7 +294,7 @@ class MeasuredSurface:
 
 @lru_cache(maxsize=2)
 def _completed(surface: MeasuredSurface) -> Array:
-    """Return the heights of a surface less their trend, which a scene asks for many times; not to be changed."""
+    """Return the heights of a surface less their trend, cached and read-only."""
     heights = surface.trend.subtracted(surface.missing.fill(surface.heights)).view()
     heights.flags.writeable = False
     return heights

@@ -34,7 +34,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Finer:
-    """The truth of the same scene on a grid ``factor`` times finer, with all images unless told."""
+    """The truth of the same scene on a grid ``factor`` times finer, with all images unless another padding is given."""
 
     factor: tuple[int, int]
     padding: cs.Padding | cs.Paddings
@@ -127,7 +127,7 @@ def errors(solution: cs.Solution, truth: Truth) -> Errors:
 
 @dataclass(frozen=True)
 class Shifted:
-    """A cylinder whose axis lies ``aside`` [m]: a shape of a user's own, without length scales."""
+    """A cylinder whose axis lies ``aside`` [m]: a user-defined shape without length scales."""
 
     aside: float
     radius: float = HERTZ.radius

@@ -199,7 +199,7 @@ def measured() -> Iterator[AccuracyCase]:
 
 @dataclass(frozen=True)
 class Bumps:
-    """Gaussian bumps on a lattice, told as a shape of a user's own; lengths in m, places from the axis."""
+    """Gaussian bumps on a lattice, as a user-defined shape; lengths in m, places from the axis."""
 
     height: float
     width: float

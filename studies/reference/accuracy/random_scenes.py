@@ -1,4 +1,4 @@
-"""Random accuracy cases of each kind, other ones for every seed: no margin of an estimate is set on them."""
+"""Random accuracy cases of each kind, by seed; no margin of an estimate is fitted to them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ Made = tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings, Finer]
 
 @dataclass(frozen=True)
 class Slits:
-    """Slits along the length, as a shape of a user's own: places, width and depth [m]."""
+    """Slits along the length, as a user-defined shape: places, width and depth [m]."""
 
     places: tuple[float, ...]
     width: float

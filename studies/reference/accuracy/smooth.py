@@ -30,7 +30,7 @@ STEEL = SCENE.solids
 
 @dataclass(frozen=True)
 class Wedge:
-    """A blunt wedge ``slope |x|``: a kink, told as a shape of a user's own."""
+    """A blunt wedge ``slope |x|``: a kink, as a user-defined shape."""
 
     slope: float
     curvature: float = 1 / HERTZ.radius  # for the scales alone
@@ -129,7 +129,7 @@ def sharp() -> Iterator[AccuracyCase]:
 
 @dataclass(frozen=True)
 class Power:
-    """A height ``h |x / a|^n``, told as a shape of a user's own."""
+    """A height ``h |x / a|^n``, as a user-defined shape."""
 
     height: float
     power: float

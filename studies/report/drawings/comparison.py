@@ -26,10 +26,10 @@ from studies.report.wording import (
     verdict_text,
 )
 
-# Relative change that is none.
-NOTHING = 5e-7
+# Relative changes below this count as zero.
+ZERO_CHANGE = 5e-7
 # Difference of two labels over the height of the axes, below which they would touch.
-APART = 0.04
+LABEL_DISTANCE = 0.04
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,19 +155,19 @@ def _label_cells(ax: Axes, line: Sequence[Measured], color: str) -> None:
 
 
 def _label_ends(ax: Axes, ends: Sequence[tuple[float, float, str]], scene_padding: str) -> None:
-    """Write the names of the lines at the right, in their colours, none upon another."""
+    """Write the names of the lines at the right, in their colours, without overlap."""
     ends = sorted(ends, key=lambda end: (end[1], end[2]))
     low, high = np.log(ax.get_ylim())
-    places = [(np.log(error) - low) / (high - low) for _, error, _ in ends]
+    heights = [(np.log(error) - low) / (high - low) for _, error, _ in ends]
     for _ in range(200):  # push overlapping labels apart
         for k in range(len(ends) - 1):
-            lacking = max(0.0, APART - (places[k + 1] - places[k]))
-            places[k] -= lacking / 2
-            places[k + 1] += lacking / 2
-    for (time, error, label), place in zip(ends, places, strict=True):
+            lacking = max(0.0, LABEL_DISTANCE - (heights[k + 1] - heights[k]))
+            heights[k] -= lacking / 2
+            heights[k + 1] += lacking / 2
+    for (time, error, label), height in zip(ends, heights, strict=True):
         color = _style(label)["color"]
         ax.annotate(
-            label, (time, error), (1.02, place), textcoords="axes fraction", xycoords="data",
+            label, (time, error), (1.02, height), textcoords="axes fraction", xycoords="data",
             ha="left", va="center", fontsize="small", color=color,
             weight="bold" if label == scene_padding else "normal",
             arrowprops={"arrowstyle": "-", "color": color, "lw": 0.6, "shrinkA": 0},
@@ -243,7 +243,7 @@ def _level(ax: Axes, error: float, text: str) -> None:
 
 
 def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
-    """Say from which n on a moving window costs no accuracy, and which paddings never do."""
+    """State the least n at which a moving window costs no accuracy, and which paddings always cost some."""
     allowed = max(verdict.best.error, verdict.error / 10) / 3
     enough = [item for item in measured.paddings if item.l1 <= allowed]
     counted = sorted(
@@ -273,7 +273,7 @@ def _which_n(measured: Comparison, verdict: Verdict) -> Finding:
 
 
 def _reference(measured: Comparison) -> Finding:
-    """Say what the errors are against, and what was left out."""
+    """State the reference of the errors, and what was left out."""
     if measured.reference is None:
         claim = "Errors are against Hertz's contact, which is exact here."
         text = "The measure is the L1 norm of the difference to the means of his pressure over each cell."
@@ -348,12 +348,12 @@ def _changes(measured: Comparison) -> Table:
     names = [
         (name, long_name)
         for name, long_name in known
-        if any(abs(one.changes.get(name, inf)) >= NOTHING for one in measured.paddings)
+        if any(abs(one.changes.get(name, inf)) >= ZERO_CHANGE for one in measured.paddings)
     ]
 
     def signed(value: float) -> str:
         sign = "+" if value > 0 else "−"
-        return "0" if abs(value) < NOTHING else f"{sign}{percent(value)}"
+        return "0" if abs(value) < ZERO_CHANGE else f"{sign}{percent(value)}"
 
     rows = tuple(
         (

@@ -312,7 +312,7 @@ def _quickest(dataset: xr.Dataset) -> Table:
 
 
 def _findings(dataset: xr.Dataset) -> Sequence[Finding]:
-    """Return what the sweep says on n, on the period and on the grid; nothing where a case has no numbers."""
+    """Return findings on n, on the period and on the grid; none where a case has no numbers."""
     good = bool((dataset["case_status"] == CaseStatus.OK).all())
     if not good or "exact" not in paddings(dataset) or not _is_of_hertz(dataset):
         return ()

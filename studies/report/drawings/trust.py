@@ -25,7 +25,7 @@ FAMILIES = {
 }
 SOLVER_COLORS = dict(zip(SOLVERS, COLORS, strict=False))
 SMALLEST_ERROR = 1e-17  # where an error of zero is drawn
-MOST_NAMES = 10  # of cases in a list
+MAX_NAMES = 10  # of cases in a list
 
 
 def _groups(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
@@ -83,7 +83,7 @@ def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         claim = "Some hard cases end neither within the stated error nor with a status that explains why."
         is_wrong = (dataset["verdict"] == WRONG).any(("padding", "solver"))
         names = [str(name) for name in dataset["case"].values[is_wrong.values]]
-        where = f" ({', '.join(names[:MOST_NAMES])}{', ...' * (len(names) > MOST_NAMES)})"
+        where = f" ({', '.join(names[:MAX_NAMES])}{', ...' * (len(names) > MAX_NAMES)})"
     return (
         Finding(
             claim,
@@ -148,16 +148,16 @@ LABELS = {
     "mean_gap": "mean gap",
 }
 # Quantities with a narrow bound; the bound of the mean gap holds, but may be wide.
-PROMISED = ("l1", "peak_pressure", "contact_area")
+TIGHTLY_BOUNDED = ("l1", "peak_pressure", "contact_area")
 SMALLEST = 1e-7  # where errors of zero are drawn
 
 
 def _accuracy_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw bounds against true errors, a panel for each quantity and a colour for each kind of surface."""
     dataset = _one_axis(dataset)
-    fig, axes = panels(len(PROMISED), columns=3, width=3.6, height=3.6)
+    fig, axes = panels(len(TIGHTLY_BOUNDED), columns=3, width=3.6, height=3.6)
     kinds = dataset["kind"].values.astype(int)
-    for ax, metric in zip(axes, PROMISED, strict=True):
+    for ax, metric in zip(axes, TIGHTLY_BOUNDED, strict=True):
         error, bound = _pairs(dataset, metric)
         for kind in np.unique(kinds):
             marks = (kinds == kind) & np.isfinite(bound) & np.isfinite(error)
@@ -183,12 +183,12 @@ def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     for number, use in enumerate(USES):
         chosen = dataset.isel(case=dataset["use"].values == number)
         if chosen.sizes["case"]:
-            fractions = [100 * _summary(*_pairs(chosen, metric))[0] for metric in PROMISED]
+            fractions = [100 * _summary(*_pairs(chosen, metric))[0] for metric in TIGHTLY_BOUNDED]
             fractions_text = " / ".join(f"{fraction:.1f}" for fraction in fractions)
             by_use.append(f"{fractions_text} % of {chosen.sizes['case']} contacts ({use})")
     dataset = dataset.isel(case=dataset["use"].values != USES.index("set"))
     parts, lowest = [], 1.0
-    for metric in PROMISED:
+    for metric in TIGHTLY_BOUNDED:
         fraction, median, missing = _summary(*_pairs(dataset, metric))
         lowest = min(lowest, fraction)
         parts.append(
@@ -215,7 +215,7 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     rows, misses = [], []
     for kind in np.unique(kinds):
         row = [KINDS[kind], str(int((kinds == kind).sum()))]
-        for metric in PROMISED:
+        for metric in TIGHTLY_BOUNDED:
             error, bound = _pairs(dataset, metric)
             fraction, median, missing = _summary(error[kinds == kind], bound[kinds == kind])
             ratio = f"{median:.2g}" if np.isfinite(median) else "none"
@@ -234,7 +234,7 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     misses.sort(key=lambda miss: -miss[0])
     heads = [
         f"{LABELS[metric]}: {what}"
-        for metric in PROMISED
+        for metric in TIGHTLY_BOUNDED
         for what in ("bounded", "median ratio", "no bound")
     ]
     return (
@@ -247,7 +247,7 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
         Table(
             f"Errors larger than their bound: the worst of {len(misses)}.",
             ("case", "quantity", "true error", "bound"),
-            tuple(row for _, row in misses[:MOST_NAMES]),
+            tuple(row for _, row in misses[:MAX_NAMES]),
         ),
     )
 

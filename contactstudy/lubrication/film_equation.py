@@ -393,7 +393,8 @@ def _couette_flow(content: Array) -> tuple[Array, Array, Array]:
     )
     nearest, further = content[1:-1], content[:-2]
     falls = further >= nearest
-    root = np.sqrt(nearest / further)
+    # a cell may hold nothing, to rounding
+    root = np.sqrt(np.divide(nearest, further, out=np.zeros_like(nearest), where=further > 0))
     flux[1:] = np.where(falls, nearest * root, 1.5 * nearest - 0.5 * further)
     at_cell[1:] = np.where(falls, 1.5 * root, 1.5)
     upstream[1:] = np.where(falls, -0.5 * root**3, -0.5)

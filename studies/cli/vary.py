@@ -78,7 +78,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 
     Raises :class:`~contactstudy.InvalidInput` for a value that the study does not vary.
     """
-    from studies.scene_study.against import against
+    from studies.advice.reference_error import against
     from studies.scene_study.variation import variation
 
     field, equals, value = (part.strip() for part in reference.partition("="))

@@ -12,13 +12,13 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import positive, whole
 from studies.advice.ladder import MULTIPLES, cells_at, is_reference
+from studies.advice.reference_error import ReferencedCase, answer_of, pressure_error
 from studies.advice.subject import REPORTED, Subject, numbers_of, paper_described
 from studies.model.axis import Axis, Value, one_of
 from studies.model.case import SceneCase, Solved, number
 from studies.model.study import Point, Study
 from studies.reference import line_contact
 from studies.reference.line_contact import PADDINGS, WIDTH, padding_at
-from studies.scene_study.against import ReferencedCase, answer_of, pressure_error
 
 FREE = "free"
 # Tolerance of the reference.

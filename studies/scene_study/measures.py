@@ -10,8 +10,8 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array, inner
 from contactstudy.io.contact_quantities import approach_datum
 from contactstudy.io.dataset import labelled
+from studies.advice.reference_error import ReferencedCase, pressure_error
 from studies.model.case import Solved, error_estimates, number
-from studies.scene_study.against import ReferencedCase, pressure_error
 
 # The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2

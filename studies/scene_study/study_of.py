@@ -17,10 +17,10 @@ from contactstudy.planning.grid_requirements import GridRequirements, halvable, 
 from contactstudy.planning.grid_search import affordable
 from contactstudy.planning.plan import MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
+from studies.advice.reference_error import ReferencedCase
 from studies.model.axis import Value, check_count
 from studies.model.case import Case, Computation
 from studies.model.study import Point, Study
-from studies.scene_study.against import ReferencedCase
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
 from studies.scene_study.variation import Variation, together, variation

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from studies.advice.reference_error import ReferencedCase
 from studies.advice.subject import Subject, described_in, paper_described, subject_of
-from studies.definitions.settings import SettingCase, measures, preset
+from studies.definitions.settings import measures, preset
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 from tests.studies.advice.test_measuring import EXAMPLES
@@ -27,8 +28,11 @@ def wavy() -> Subject:
 def measured(subject: Subject, **point: object) -> dict[str, float]:
     study = preset("padding", subject)
     case = study.scene_at({**POINT, **point})  # type: ignore[arg-type, dict-item]
-    assert isinstance(case, SettingCase)
-    small = replace(case, reference=case.reference and (96, 48))
+    assert isinstance(case, ReferencedCase)
+    small = case
+    if case.reference is not None:
+        grid = replace(case.reference.grid, cells=(96, 48))
+        small = replace(case, reference=replace(case.reference, grid=grid))
     return {
         name: float(one.values) for name, one in measures(small, small.run(small.prepare())).items()
     }
@@ -47,7 +51,7 @@ def test_the_free_ends_of_a_roller_are_one_of_its_paddings() -> None:
     study = preset("grid", roller)
     assert "free" in study.points[0].values
     case = study.scene_at({**POINT, "padding": "free"})
-    assert isinstance(case, SettingCase)
+    assert isinstance(case, ReferencedCase)
     assert case.padding == (cs.ZeroPadding(), cs.ZeroPadding())
     with pytest.raises(cs.InvalidInput, match="ends along its length"):
         study.scene_at({**POINT, "period": 2})

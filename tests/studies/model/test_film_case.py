@@ -7,6 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy import TimeSteps
+from studies.advice.reference_error import ReferencedCase
 from studies.model.case import SceneCase
 from studies.scene_study.measures import measures
 from studies.scene_study.study_of import study_of
@@ -23,7 +24,7 @@ def test_a_sweep_over_speed_has_a_grid_for_each_film() -> None:
 
 
 def test_what_is_recorded_of_a_film_is_that_of_its_contact() -> None:
-    case = SceneCase(
+    case = ReferencedCase(
         cs.read_scene(OIL).scene, cs.Grid((160, 1), (1.2e-3, 1e-3)), cs.ExactPeriodicity()
     )
     solved = case.run()

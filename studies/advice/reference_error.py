@@ -1,4 +1,4 @@
-"""A case beside a reference: the error of its pressure in L1."""
+"""L1 error of the pressure of a case against a reference."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -24,7 +24,7 @@ class ReferencedCase(SceneCase):
 
 @lru_cache(maxsize=8)
 def answer_of(reference: SceneCase) -> Answer:
-    """Return the answer of a reference, solved once in each process: it is the same for many cases."""
+    """Return the answer of a reference, solved once in each process for all cases."""
     return reference.run().answer
 
 
@@ -54,17 +54,17 @@ def pressure_error(case: ReferencedCase, answer: Answer) -> Mapping[str, xr.Vari
 
 
 def against(study: Study, axis: str, value: Value) -> Study:
-    """Return the study of a scene with errors against the value of an axis, in the place of which it has no error."""
-    place = next(each.values for each in study.points if each.name == axis).index(value)
+    """Return the study of a scene with errors against the value of an axis, at which it has none."""
+    index = next(entry.values for entry in study.points if entry.name == axis).index(value)
     return replace(
         study,
-        scene_at=_Beside(study.scene_at, axis, value),
-        attributes={**study.attributes, "reference": f"{axis}={place}"},
+        scene_at=_WithReference(study.scene_at, axis, value),
+        attributes={**study.attributes, "reference": f"{axis}={index}"},
     )
 
 
 @dataclass(frozen=True, eq=False)
-class _Beside:
+class _WithReference:
     """Function of a point that returns its case, with that at a value of an axis as its reference."""
 
     scene_at: Callable[[Point], Computation]

@@ -3,7 +3,7 @@
 import numpy as np
 
 import contactstudy as cs
-from studies.scene_study.against import against
+from studies.advice.reference_error import against
 from studies.scene_study.study_of import study_of
 
 STEEL = cs.HalfSpace(210e9, 0.3)

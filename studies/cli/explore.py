@@ -122,7 +122,9 @@ def _coarse(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray":
     """Return a field of real numbers by the means of blocks of cells, if its page would otherwise hold too many."""
     field = variable.astype(float)
     cells = {dim: dataset.sizes[dim] for dim in ("x", "y") if dataset.sizes.get(dim, 1) > 1}
-    largest = max(one.size for one in dataset.data_vars.values() if cells.keys() <= set(one.dims))
+    largest = max(
+        array.size for array in dataset.data_vars.values() if cells.keys() <= set(array.dims)
+    )
     block = ceil((largest / MAX_VALUES) ** (1 / max(len(cells), 1)))
     blocks = {dim: block for dim in cells if dim in field.dims and block <= cells[dim]}
     return field.coarsen(blocks, boundary="trim").mean() if block > 1 and blocks else field
@@ -131,9 +133,9 @@ def _coarse(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray":
 def _same_axes(field: "xr.DataArray", fields: "dict[str, xr.DataArray]") -> bool:
     """Return whether every other field has as many values along the axes that they share."""
     return all(
-        field.sizes[dim] == other.sizes[dim]
-        for other in fields.values()
-        for dim in set(field.dims) & set(other.dims)
+        field.sizes[dim] == candidate.sizes[dim]
+        for candidate in fields.values()
+        for dim in set(field.dims) & set(candidate.dims)
     )
 
 

@@ -91,13 +91,13 @@ def measured_scene(
     return comparison_of(described, error, budget, folder, log), folder
 
 
-def toml(measured: Comparison, one: Measured) -> list[str]:
+def toml(measured: Comparison, chosen: Measured) -> list[str]:
     """Return the tables of a scene file that choose a setting."""
     from contactstudy.io.scene_writer import settings_text
 
-    grid = cs.Grid(one.setting.cells, measured.extent)
-    options = cs.SolveOptions(tolerance=one.setting.tolerance)
-    return settings_text(grid, one.setting.padding, options).strip().splitlines()
+    grid = cs.Grid(chosen.setting.cells, measured.extent)
+    options = cs.SolveOptions(tolerance=chosen.setting.tolerance)
+    return settings_text(grid, chosen.setting.padding, options).strip().splitlines()
 
 
 def _fields(measured: Comparison, verdict: Verdict) -> dict[str, Any]:
@@ -117,14 +117,14 @@ def _fields(measured: Comparison, verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _setting(measured: Comparison, one: Measured) -> dict[str, Any]:
+def _setting(measured: Comparison, chosen: Measured) -> dict[str, Any]:
     """Return a setting as values for JSON."""
     return {
-        "padding": repr(one.setting.padding),
-        "cells": list(one.setting.cells),
+        "padding": repr(chosen.setting.padding),
+        "cells": list(chosen.setting.cells),
         "extent": list(measured.extent),
-        "tolerance": one.setting.tolerance,
-        "error": one.error,
-        "seconds": one.time,
-        "toml": toml(measured, one),
+        "tolerance": chosen.setting.tolerance,
+        "error": chosen.error,
+        "seconds": chosen.time,
+        "toml": toml(measured, chosen),
     }

@@ -166,11 +166,11 @@ def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
         assert isinstance(answer, cs.Contact)
         return line_contact.measures(case, answer)
     measured = dict(pressure_error(case, answer))
-    found = numbers_of(answer)
+    numbers = numbers_of(answer)
     for name, value in numbers_of(answer_of(case.reference)).items():
-        if value and name in found:
+        if value and name in numbers:
             what = f"relative error of the {REPORTED[name]}"
-            measured[f"{name}_error"] = number(found[name] / value - 1, what)
+            measured[f"{name}_error"] = number(numbers[name] / value - 1, what)
     return measured
 
 

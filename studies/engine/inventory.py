@@ -83,15 +83,15 @@ class Inventory:
             if path == self.journal.path or self.options.fields == "kept":
                 continue
             with suppress(InvalidInput):  # a damaged journal is no other study's concern
-                other = Journal(path, self.request.context, machine()).contents
+                contents = Journal(path, self.request.context, machine()).contents
                 for name in missing:
-                    record, identity = other.records.get(name), self.request.identities[name]
+                    record, identity = contents.records.get(name), self.request.identities[name]
                     if record is None or self.record(name) is not None:
                         continue
                     if record.case_status is CaseStatus.OK and record.is_of(identity):
-                        loaded = other.programs[record.stamp].loaded
+                        loaded = contents.programs[record.stamp].loaded
                         self.journal.add(identity, replace(record.outcome, loaded=loaded))
-                        for sample in other.samples_of(name):
+                        for sample in contents.samples_of(name):
                             self.journal.time(name, sample)
                         adopted += 1
         return adopted

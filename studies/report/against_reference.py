@@ -30,28 +30,30 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
         return ()
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
     true = good.isel({axis: int(place)})
-    others = good.isel({axis: [k for k in range(dataset.sizes[axis]) if k != int(place)]})
-    rest = [name for name in dataset["case_status"].dims if name != axis]
+    compared = good.isel({axis: [k for k in range(dataset.sizes[axis]) if k != int(place)]})
+    other_axes = [name for name in dataset["case_status"].dims if name != axis]
     # the datum of an approach, for one, may differ between paddings
     bounded = [name for name in names if np.isfinite(true.get(f"{name}_bound", np.inf)).all()]
     names = bounded or names
     errors = {
-        name: abs(others[name] / true[name] - 1).max(rest)
+        name: abs(compared[name] / true[name] - 1).max(other_axes)
         for name in names
         if bool((true[name] != 0).all())
     }
-    has_l1 = L1 in others and bool(others[L1].notnull().any())
+    has_l1 = L1 in compared and bool(compared[L1].notnull().any())
     if has_l1:
-        errors = {"pressure in L1": others[L1].max(rest), **errors}
+        errors = {"pressure in L1": compared[L1].max(other_axes), **errors}
     if not errors:
         return ()
-    labels = [_text(value) for value in others[axis].values]
+    labels = [_text(value) for value in compared[axis].values]
     reference = f"{axis.replace('_', ' ')} {_text(true[axis].item())}"
-    known = _known(true, list(errors)) + NOT_NESTED * (not has_l1)
-    drawn = [_over_axis(errors, labels, reference, known)]
+    bounds_text = _known(true, list(errors)) + NOT_NESTED * (not has_l1)
+    drawn = [_over_axis(errors, labels, reference, bounds_text)]
     if "solve_time" in dataset and bool(dataset["solve_time"].notnull().any()):
         name, largest = next(iter(errors.items()))
-        drawn.append(_front(name, largest, total_time(others).median(rest), labels, reference))
+        drawn.append(
+            _front(name, largest, total_time(compared).median(other_axes), labels, reference)
+        )
     return drawn
 
 
@@ -77,7 +79,7 @@ def _known(true: xr.Dataset, names: Sequence[str]) -> str:
 
 
 def _over_axis(
-    errors: dict[str, xr.DataArray], labels: Sequence[str], reference: str, known: str
+    errors: dict[str, xr.DataArray], labels: Sequence[str], reference: str, bounds_text: str
 ) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=WIDTH, height=1.6 + 0.3 * len(labels))
     for number, (name, error) in enumerate(errors.items()):
@@ -94,7 +96,7 @@ def _over_axis(
     return captioned(
         "errors",
         fig,
-        f"Relative errors against {reference}; a number without a mark does not differ.{known}",
+        f"Relative errors against {reference}; a number without a mark does not differ.{bounds_text}",
     )
 
 

@@ -120,13 +120,13 @@ def make(
             )
             drawn.append(artist.submit(section, part, dataset, out, formats))
         results = [future.result() for future in drawn]
-    sections: dict[str, Sequence[Section]] = {one.name: [one] for one in results}
+    sections: dict[str, Sequence[Section]] = {result.name: [result] for result in results}
     if SETTINGS in (part.name for part in chapter.parts):
         # it is timed while no other work runs
         measured = comparison_of(paper_described(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
         sections[SETTINGS] = scene_sections(measured, out, formats, max_parts=1)
         datasets[SETTINGS] = read(path_in(out))
-    ordered = [one for part in chapter.parts for one in sections[part.name]]
+    ordered = [result for part in chapter.parts for result in sections[part.name]]
     return write_page(chapter, ordered, datasets, out)
 
 
@@ -183,14 +183,14 @@ def write_page(
     return path
 
 
-def write_stored(out: Path, done: Iterable[Chapter] = ()) -> Sequence[Path]:
+def write_stored(out: Path, written: Iterable[Chapter] = ()) -> Sequence[Path]:
     """Write the pages of all other chapters whose data are stored, if a page is missing or older than its data."""
     pages = []
     for chapter in [*CHAPTERS.values(), *map(single, BUILT_IN)]:
         files = [out / f"{part.name}.nc" for part in chapter.parts]
         page = out / chapter.page
         is_wanted = chapter.name in CHAPTERS or page.exists()
-        if chapter in done or not is_wanted or not all(file.is_file() for file in files):
+        if chapter in written or not is_wanted or not all(file.is_file() for file in files):
             continue
         newest = max(file.stat().st_mtime for file in files)
         if not page.exists() or page.stat().st_mtime < newest:

@@ -71,12 +71,12 @@ def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
     """Return the quantities of an answer with their bounds, its errors, and what only a contact has."""
     answer = result.answer
     measured: dict[str, xr.Variable] = {}
-    for name, one in answer.quantities.items():
+    for name, quantity in answer.quantities.items():
         if name in NAMED_BY_AXES:
             continue
-        measured[name] = labelled((), one.value, one.unit, one.label)
+        measured[name] = labelled((), quantity.value, quantity.unit, quantity.label)
         measured[f"{name}_bound"] = labelled(
-            (), one.bound, one.unit, f"bound of the error: {one.label}"
+            (), quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
         )
     if isinstance(answer, cs.Contact):
         measured |= _of_contact(case, answer)

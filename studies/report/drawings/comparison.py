@@ -344,10 +344,10 @@ def _costs(measured: Comparison) -> Table:
 
 def _changes(measured: Comparison) -> Table:
     """Return what each padding alone does to the main numbers."""
-    known = reported_quantities(measured)
+    quantities = reported_quantities(measured)
     names = [
         (name, long_name)
-        for name, long_name in known
+        for name, long_name in quantities
         if any(abs(one.changes.get(name, inf)) >= ZERO_CHANGE for one in measured.paddings)
     ]
 
@@ -368,8 +368,8 @@ def _changes(measured: Comparison) -> Table:
     )
     no_bound = [long_name for name, long_name in names if measured.bounds.get(name) == inf]
     text = f" The reference has no bound on its own {enumerated(no_bound)}." if no_bound else ""
-    if kept := [long_name for name, long_name in known if (name, long_name) not in names]:
-        text += f" No padding changes the {enumerated(kept)}."
+    if omitted := [long_name for name, long_name in quantities if (name, long_name) not in names]:
+        text += f" No padding changes the {enumerated(omitted)}."
     return Table(
         f"What each padding alone does, against {padding_name(measured.own_label)} on "
         f"{cells_text(measured.paddings_on)}: the L1 error of the pressure, and the change of each number.{text}",

@@ -81,10 +81,10 @@ def _lines(dataset: xr.Dataset, over: str) -> Iterator[tuple[str, str, xr.Datase
 
 def _finest(part: xr.Dataset, over: str) -> xr.Dataset:
     """Return a part at the finest grid, the longest period and the largest n, but for the axis `over`."""
-    others = {
+    last_values = {
         axis: -1 for axis in ("images", "period", "grid") if axis in part.dims and axis != over
     }
-    return part.isel(others)
+    return part.isel(last_values)
 
 
 def _at(part: xr.Dataset, over: str) -> str:
@@ -199,8 +199,8 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
         part = dataset.sel(period=period)
         for padding in paddings(dataset):
             _front_of(ax, part.sel(padding=padding), padding)
-        own = f"period L = {period:g} a" if _is_of_hertz(dataset) else ""
-        ax.set(xlabel="wall time to set up and solve, on one thread [s]", title=own)
+        period_text = f"period L = {period:g} a" if _is_of_hertz(dataset) else ""
+        ax.set(xlabel="wall time to set up and solve, on one thread [s]", title=period_text)
     axes[0].set_ylabel(LABEL)
     return captioned(
         "front",
@@ -262,13 +262,13 @@ def _needed(dataset: xr.Dataset) -> Table:
     rows = []
     for period in dataset["period"].values:
         part = finest.sel(period=period)
-        own = f"{period:g} a" if _is_of_hertz(dataset) else f"{period:g}"
+        period_text = f"{period:g} a" if _is_of_hertz(dataset) else f"{period:g}"
         single = [
             percent(part[ERROR].sel(padding=name).isel(images=0))
             for name in ("duplicated", "exact")
             if name in paddings(dataset)
         ]
-        rows.append((own, *single, *(_least(part, target) for target in TARGETS)))
+        rows.append((period_text, *single, *(_least(part, target) for target in TARGETS)))
     single = [name for name in ("duplicated", "exact") if name in paddings(dataset)]
     return Table(
         f"Error of the paddings without an n, and the least n of a circular window whose error does not exceed that "
@@ -295,11 +295,13 @@ def _quickest(dataset: xr.Dataset) -> Table:
             continue
         best = meets.isel(point=int(np.argmin(meets["time"].values)))
         name = padding_label(str(best["padding"].values), int(best["images"]))
-        others = meets.where(meets["padding"] != best["padding"], drop=True)
+        other_paddings = meets.where(meets["padding"] != best["padding"], drop=True)
         beside = "none meets it"
-        if others.sizes["point"]:
-            other = others.isel(point=int(np.argmin(others["time"].values)))
-            beside = f"{other['padding'].values!s}: {seconds_text(float(other['time']))}"
+        if other_paddings.sizes["point"]:
+            alternative = other_paddings.isel(point=int(np.argmin(other_paddings["time"].values)))
+            beside = (
+                f"{alternative['padding'].values!s}: {seconds_text(float(alternative['time']))}"
+            )
         time = seconds_text(float(best["time"]))
         cells = str(int(best["grid"]))
         rows.append((percent(target), name, cells, percent(best[ERROR]), time, beside))
@@ -316,14 +318,14 @@ def _findings(dataset: xr.Dataset) -> Sequence[Finding]:
     good = bool((dataset["case_status"] == CaseStatus.OK).all())
     if not good or "exact" not in paddings(dataset) or not _is_of_hertz(dataset):
         return ()
-    chosen, found = _on_one_tolerance(dataset), []
+    chosen, findings = _on_one_tolerance(dataset), []
     if {"circular", "duplicated"} <= set(paddings(dataset)) and dataset.sizes["period"] > 1:
         if dataset.sizes["images"] > 2:
-            found.append(_which_n(chosen))
-        found.append(_which_period(chosen))
+            findings.append(_which_n(chosen))
+        findings.append(_which_period(chosen))
     if dataset.sizes["grid"] > 2:
-        found.append(_which_grid(chosen))
-    return found
+        findings.append(_which_grid(chosen))
+    return findings
 
 
 def _which_n(dataset: xr.Dataset) -> Finding:

@@ -1,6 +1,5 @@
 """Drawing of the influence coefficients of the smooth line contact: their errors, and the time to build them."""
 
-from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import xarray as xr
@@ -22,42 +21,20 @@ AXES = ("padding", "images", "period", "grid")
 IMAGES_LABEL = "n + ½  (n periods on each side)"
 
 
-def _each(dataset: xr.Dataset) -> Iterator[tuple[str, xr.Dataset]]:
-    """Yield the name of each padding with its part of the sweep."""
-    for name in paddings(dataset):
-        yield name, dataset.sel(padding=name)
-
-
-def _over_images(
-    dataset: xr.Dataset,
-    variable: str,
-    label: str,
-    law: Callable[[float, Array], Any],
-    law_label: str,
-) -> tuple[Any, Sequence[float]]:
-    """Draw an error against n + 1/2, a panel for each of three periods, beside `law(period, n + 1/2)`."""
+def _kernel_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
+    finest = dataset.isel(grid=-1)
     periods = select_evenly(dataset["period"].values)
     fig, axes = panels(len(periods), share="y", height=2.9)
     half = dataset["images"].values + 0.5
     for ax, period in zip(axes, periods, strict=True):
-        for name, part in _each(dataset.sel(period=period)):
-            if (error := abs(part[variable])).all():
-                ax.loglog(half, error, label=name, **style_over_images(name))
-        ax.loglog(half, law(period, half), label=law_label, **LAW_STYLE)
+        for name in paddings(dataset):
+            part = abs(finest["kernel_error"].sel(period=period, padding=name))
+            if part.all():
+                ax.loglog(half, part, label=name, **style_over_images(name))
+        law = _kernel_law(period, half)
+        ax.loglog(half, law, label="law (x²/4 + L²/8)/(2D²), circular", **LAW_STYLE)
         ax.set(title=f"period L = {period:g} a", xlabel=IMAGES_LABEL)
-    axes[0].set_ylabel(label)
-    return fig, periods
-
-
-def _kernel_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    finest = dataset.isel(grid=-1)
-    fig, _ = _over_images(
-        finest,
-        "kernel_error",
-        "error of the logarithm in the coefficients",
-        _kernel_law,
-        "law (x²/4 + L²/8)/(2D²), circular",
-    )
+    axes[0].set_ylabel("error of the logarithm")
     error = captioned(
         "error",
         fig,
@@ -84,8 +61,10 @@ def _build_time(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=6, height=3.0)
     longest = dataset.isel(period=-1)
     half = longest["images"].values + 0.5
-    for name, part in _each(longest):
-        ax.loglog(half, part["setup_time"], label=name, **style_over_images(name))
+    for name in paddings(longest):
+        ax.loglog(
+            half, longest["setup_time"].sel(padding=name), label=name, **style_over_images(name)
+        )
     text = ""
     if "superposed" in paddings(longest):
         superposed = longest.sel(padding="superposed")

@@ -49,7 +49,7 @@ FATAL_STATUSES = (
 )
 # Multiple of the unit from which on a solve that fails is no fault of too coarse a grid.
 RESOLVED_FROM = 8
-# Multiple of the unit up to which every rung is solved.
+# Multiple of the unit up to which every rung is solved that is affordable.
 COARSE_UP_TO = 6
 # Fraction of the requested error that the tolerance may take.
 TOLERANCE_FRACTION = 0.1
@@ -210,12 +210,15 @@ class _Comparing:
     def _climb(self, is_needed: Callable[[int], bool], fraction: float) -> None:
         """Solve ever finer rungs that are needed, until the next one would take a fraction of the time left.
 
-        The coarsest rungs are solved in any case.
+        The two coarsest rungs are solved in any case, and further coarse ones unless they take about half of that time.
         """
         if not self.solved:
             self._solve(MULTIPLES[0])  # warms up
         for multiple in MULTIPLES:
-            is_coarse = multiple <= COARSE_UP_TO
+            is_coarse = multiple <= MULTIPLES[1] or (
+                multiple <= COARSE_UP_TO
+                and self.forecast(multiple) < NEXT_REFERENCE_FRACTION * self.budget.left
+            )
             if not is_needed(multiple) or (not is_coarse and multiple <= max(self.solved)):
                 continue
             expected = inf if is_coarse else self.forecast(multiple)
@@ -426,7 +429,9 @@ class _Comparing:
             if images not in TIMED_IMAGES and not (short and images == max(CIRCULAR_IMAGES)):
                 continue
             mean_time = (
-                sum(measured.time for measured in settings) / len(scene_settings) * len(rungs)
+                sum(measured.time for measured in settings)
+                / max(1, len(scene_settings))
+                * len(rungs)
             )
             if (1 + REPEATS) * mean_time > self.budget.left - ROUNDS_FRACTION * self.budget.seconds:
                 untimed.append(label_of(measured.padding))

@@ -24,6 +24,8 @@ QUICK = 0.2
 # Cells and tolerance of the solutions that tell the ratio of cells, the most of them, and the factor of the ratio at
 # which it is good enough.
 TRIAL, TRIAL_TOLERANCE, TRIALS, ENOUGH = 2**11, 1e-4, 4, 1.3
+# Largest ratio of cells across over cells along of grids that are not balanced by solutions.
+SLENDER = 16
 # Factor by which a width is made larger that the contact reaches the end of.
 WIDER = 1.5
 # Quantities whose change by a padding is reported, and what they are called.
@@ -290,13 +292,19 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
         replace(scene, shapes=shapes),
         grid.extent,
         padding,
-        unit_of(grid.cells),
+        unit_of(_less_slender(grid.cells)),
         described.settings,
         described.time_steps if scene.changing and not scene.rolling else None,
         text,
         tuple(notes),
     )
     return balanced(subject, grid.cells) if described.grid is None and at_rest else subject
+
+
+def _less_slender(cells: tuple[int, int]) -> tuple[int, int]:
+    """Return cells with at most `SLENDER` times as many across as along, so that the coarsest grids are quick."""
+    across, along = cells
+    return (min(across, SLENDER * along) if along > 1 else across), along
 
 
 def _is_at_rest(scene: cs.Scene) -> bool:

@@ -202,8 +202,8 @@ def test_errors_are_no_larger_than_their_estimates(load: float, viscosity: float
         assert getattr(contact, name) == expected, name
 
 
-def rigid_film(inlet: float, cells: int) -> Film:
-    """The film of a rigid cylinder and an isoviscous lubricant at M = 1; the inlet in units of sqrt(2 H)."""
+def rigid_equation(inlet: float, cells: int) -> tuple[FilmEquation, Film]:
+    """A rigid cylinder in an isoviscous lubricant at M = 1 and its start; the inlet in units of sqrt(2 H)."""
     load_parameter = 1.0
     film = 2.447484 * pi / (8 * load_parameter**2)
     width = sqrt(2 * film)
@@ -221,10 +221,23 @@ def rigid_film(inlet: float, cells: int) -> Film:
     pressure = np.exp(-(x**2))[:, None]
     pressure[rigid.fixed] = 0
     pressure *= rigid.load / (pressure.sum() * size)
-    start = rigid.film_of(pressure, np.zeros_like(pressure), film)
+    return rigid, rigid.film_of(pressure, np.zeros_like(pressure), film)
+
+
+def rigid_film(inlet: float, cells: int) -> Film:
+    rigid, start = rigid_equation(inlet, cells)
     last = iterate(rigid, start, DirectStep.for_equation(rigid), FilmControls())
     assert last.converged(1e-8)
     return last.film
+
+
+def test_nothing_flows_out_of_a_cell_that_holds_nothing() -> None:
+    equation, start = rigid_equation(12, 64)
+    void = np.zeros_like(start.void)
+    void[40:42] = 1
+    linear = equation.linearise(equation.film_of(np.zeros_like(void), void, start.separation))
+    assert (linear.flux[40:42] == 0).all()
+    assert np.isfinite(linear.residual).all()
 
 
 @pytest.mark.cases(1)

@@ -112,5 +112,4 @@ def line_contact() -> LineContact:
         load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),)
     )
     hertz = scene.hertz
-    assert hertz is not None
     return LineContact(scene, hertz)

@@ -82,8 +82,6 @@ def test_pressure_scales_with_the_modulus_and_not_with_lengths(
     first = cs.solve(scene.problem(on, padding), tolerance=TOLERANCE)
     solid = replace(scene.solids[0], youngs_modulus=scene.solids[0].youngs_modulus * stiffer)
     cylinder, rough = scene.shapes
-    assert isinstance(cylinder, cs.Cylinder)
-    assert isinstance(rough, cs.MeasuredSurface)
     other = replace(
         scene,
         load=cs.LineLoad(scene.load.per_length * stiffer * larger),
@@ -122,7 +120,6 @@ def test_a_mirrored_contact_has_a_mirrored_pressure(
 ) -> None:
     scene, on, padding = posed
     cylinder, rough = scene.shapes
-    assert isinstance(rough, cs.MeasuredSurface)
     flipped = cs.MeasuredSurface(np.flip(rough.heights, axes))
     first = cs.solve(scene.problem(on, padding), tolerance=TOLERANCE)
     second = cs.solve(

@@ -159,7 +159,6 @@ def test_a_large_displacement_slides_all_of_the_contact() -> None:
 
 
 def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes_none() -> None:
-    assert CYCLE.forces is not None
     grid = cs.Grid((60, 1), (2.2, 1.0))
     one, other = (
         fretted(replace(CYCLE, forces=tuple(sign * f for f in CYCLE.forces)), [0.0, 2.0], grid=grid)

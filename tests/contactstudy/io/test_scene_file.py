@@ -87,8 +87,6 @@ def test_a_file_says_what_the_values_say(tmp_path: Path) -> None:
 
 def test_a_file_is_solved_with_what_it_says(tmp_path: Path) -> None:
     found = read(GOOD, tmp_path)
-    assert found.grid is not None
-    assert found.padding is not None
     ours = found.solve()
     by_hand = cs.solve(
         found.scene.problem(found.grid, found.padding),

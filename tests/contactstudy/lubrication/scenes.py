@@ -16,7 +16,6 @@ def by_moes(
 ) -> cs.Scene:
     """Steel cylinders with a Barus lubricant of constant density, unless ``laws`` name others."""
     hertz = DRY.hertz
-    assert hertz is not None
     resistance = 3 * pi**2 / (8 * load_parameter**2)
     speed = resistance * hertz.half_width**3 * hertz.peak_pressure / (12 * VISCOSITY * RADIUS**2)
     coefficient = viscosity_parameter * sqrt(load_parameter / (2 * pi)) / hertz.peak_pressure
@@ -29,7 +28,6 @@ def by_moes(
 
 def grid(cells: int, inlet: float, along: int = 1, period: float = 1.0) -> cs.Grid:
     """``inlet`` and ``period`` in Hertz's half-widths."""
-    assert DRY.hertz is not None
     a = DRY.hertz.half_width
     return cs.Grid((cells, along), (2 * inlet * a, period * a))
 
@@ -41,5 +39,4 @@ def in_moes_units(contact: FilmSolution, film: float) -> float:
 
 def total(parts: ErrorParts | None) -> float:
     """Sum of the parts of an error that is known."""
-    assert parts is not None
     return parts.total

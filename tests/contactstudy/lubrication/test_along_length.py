@@ -11,7 +11,6 @@ from contactstudy.lubrication import along_length
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
-assert DRY.hertz is not None
 A = DRY.hertz.half_width
 
 

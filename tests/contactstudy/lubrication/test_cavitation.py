@@ -10,12 +10,10 @@ from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, in_moes_units
 
-assert DRY.hertz is not None
 A = DRY.hertz.half_width
 
 
 def plain(scene: cs.Scene) -> cs.Scene:
-    assert scene.lubrication is not None
     motion = replace(scene.lubrication, cavitation=cs.ReynoldsCavitation())
     return replace(scene, lubrication=motion)
 
@@ -53,7 +51,6 @@ def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(
 
 def test_a_film_may_cavitate_plainly_in_time() -> None:
     scene = plain(by_moes(20, 5))
-    assert scene.lubrication is not None
     times = np.linspace(0, 2 * A / scene.lubrication.largest_speed, 3)
     march = evolve_lubricated(scene, grid(100, 4.5), times=times)
     assert march.central_film == pytest.approx(march.central_film[0], rel=1e-6)

@@ -53,7 +53,6 @@ def test_a_load_that_changes_is_planned_at_its_largest() -> None:
 def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     stress = cs.SubsurfaceStress(depths=(2e-5,))
     scene = replace(by_moes(20, 5, shear=cs.LimitingShear(0.1)), outputs=(stress,))
-    assert scene.lubrication is not None
     still = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
     dragged, plain = (
         lubricated(solve_lubricated(one, grid(100, 4.5))).to_dataset() for one in (scene, still)
@@ -108,7 +107,6 @@ def test_a_file_marches_a_film_with_histories_of_load_and_speed(tmp_path: Path) 
     (tmp_path / "march.toml").write_text(MARCH)
     described = cs.read_scene(tmp_path / "march.toml")
     lubrication = described.scene.lubrication
-    assert lubrication is not None
     assert lubrication.mean_speed == cs.SpeedHistory((0.0, 8e-5), (0.1, 1.0))
     every_step = replace(described, time_steps=cs.TimeSteps(error=0.01)).solve()
     assert len(every_step.times) == every_step.films.steps + 1

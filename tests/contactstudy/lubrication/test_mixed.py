@@ -9,7 +9,6 @@ import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes
 
-assert DRY.hertz is not None
 A = DRY.hertz.half_width
 UNIT = A**2 / DRY.hertz.radius
 
@@ -26,7 +25,6 @@ def ridges(height: float) -> tuple[cs.Waviness, ...]:
 def mixed(height: float, speed: float, boundary: float | None = 0.004) -> cs.Scene:
     """Ridges at M = 20, L = 5 and a fraction of that ``speed``, on a ``boundary`` film over a^2 / R."""
     scene = by_moes(20, 5, *ridges(height), shear=cs.Eyring(5e6))
-    assert scene.lubrication is not None
     layer = None if boundary is None else cs.Boundary(boundary * UNIT, 0.12)
     speed *= scene.lubrication.largest_speed
     motion = replace(scene.lubrication, mean_speed=speed, boundary=layer)
@@ -63,7 +61,6 @@ def test_load_share_film_flow_and_friction_are_those_of_the_reference(
 
 def test_asperities_bear_only_where_the_film_is_the_boundary_film() -> None:
     contact = solve_lubricated(mixed(0.06, 0.06), grid(400))
-    assert contact.contact_pressure is not None
     touching = contact.contact_pressure > 0
     assert touching.any()
     assert (contact.lubricant_pressure >= 0).all()
@@ -99,7 +96,6 @@ def test_without_contact_the_film_is_that_without_a_boundary_film() -> None:
 def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error() -> None:
     coarse, fine = (solve_lubricated(mixed(0.06, 0.01), grid(cells)) for cells in (800, 1200))
     parts = film_error(coarse).contact_load_fraction
-    assert parts is not None
     assert parts.total < 0.02
     fraction = fine.contact_load_fraction
     assert coarse.contact_load_fraction == pytest.approx(fraction, rel=parts.total)
@@ -110,11 +106,9 @@ def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error(
 def test_isoviscous_ridges_have_two_films_at_one_speed() -> None:
     """From higher speeds on a thick film; from the dry contact held flat. On 800 cells, at 0.06 of the speed."""
     scene = by_moes(20, 0, *ridges(0.06), shear=cs.Eyring(5e6))
-    assert scene.lubrication is not None
     layer = cs.Boundary(0.004 * UNIT, 0.12)
 
     def at(speed: float) -> cs.Scene:
-        assert scene.lubrication is not None
         slow = speed * scene.lubrication.largest_speed
         return replace(
             scene, lubrication=replace(scene.lubrication, mean_speed=slow, boundary=layer)
@@ -148,11 +142,9 @@ def test_a_slow_rough_film_becomes_the_dry_contact_along_the_length() -> None:
     dry = cs.solve(replace(scene, lubrication=None), cells, tolerance=1e-10)
     distances = []
     for speed in (1e-3, 1e-5):
-        assert scene.lubrication is not None
         motion = replace(scene.lubrication, mean_speed=speed * scene.lubrication.largest_speed)
         contact = solve_lubricated(replace(scene, lubrication=motion), cells, tolerance=1e-7)
         assert contact.status is not cs.Status.FILM_NOT_CONVERGED
-        assert contact.contact_pressure is not None
         touching = contact.contact_pressure > 0
         assert contact.film[touching] == pytest.approx(0.004 * UNIT, rel=1e-6)
         distances.append(float(np.abs(contact.pressure - dry.pressure).sum() / dry.pressure.sum()))
@@ -165,7 +157,6 @@ def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
     scene = mixed(0.03, 1.0)
     with pytest.raises(cs.InvalidInput, match=r"Boundary\.film is 0\.0"):
         cs.Boundary(0.0)
-    assert scene.lubrication is not None
     with pytest.raises(
         cs.InvalidInput, match=r"Lubrication\.boundary is supported for a steady film"
     ):
@@ -174,7 +165,6 @@ def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
 
 def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
     contact = cs.solve(mixed(0.06, 0.01), grid(200))
-    assert isinstance(contact, cs.LubricatedContact)
     fraction = contact.quantities["contact_load_fraction"]
     assert fraction.value == contact.contact_load_fraction
     assert fraction.bound is not None

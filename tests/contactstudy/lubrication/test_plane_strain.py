@@ -38,7 +38,6 @@ def test_the_film_is_that_of_graded_cells(
         (contact.central_film, error.central_film, central),
         (contact.minimum_film, error.minimum_film, smallest),
     ):
-        assert parts is not None
         bound = parts.by_cause["discretisation"] + 2e-4
         assert in_moes_units(contact, film) == pytest.approx(expected, rel=bound)
 
@@ -54,7 +53,6 @@ def test_heavy_loads_are_within_their_error_of_graded_cells(
 ) -> None:
     contact = solve_lubricated(by_moes(1000, viscosity), error=2e-2)
     error = contact.estimate
-    assert error is not None
     assert total(error.central_film) < 4e-2
     for film, parts, expected in (
         (contact.central_film, error.central_film, central),
@@ -91,7 +89,6 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
     )
     contact = solve_lubricated(scene, error=1e-2)
     assert contact.status is cs.Status.CONVERGED
-    assert contact.estimate is not None
     # the reference has the shorter inlet of its own, so twice that of ours, and its last digit
     error = contact.estimate
     assert contact.central_film == pytest.approx(central, rel=2 * total(error.central_film) + 2e-4)
@@ -104,7 +101,6 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
 @pytest.mark.whole
 def test_the_peak_beside_a_spike_has_no_estimate_and_says_why() -> None:
     error = solve_lubricated(by_moes(20, 10), error=2e-2).estimate
-    assert error is not None
     assert total(error.peak_pressure) == np.inf
     assert "spike" in " ".join(error.warnings)
 
@@ -181,7 +177,6 @@ def test_couette_friction_of_an_isoviscous_film_is_that_of_its_mean_inverse() ->
 
 def test_power_is_lost_in_pure_rolling_too() -> None:
     scene = by_moes(20, 5)
-    assert scene.lubrication is not None
     rolling = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
     sliding, still = (solve_lubricated(one, grid(200, 4.5)) for one in (scene, rolling))
     assert still.friction == 0

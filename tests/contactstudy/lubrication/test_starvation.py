@@ -9,12 +9,10 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
-assert DRY.hertz is not None
 A = DRY.hertz.half_width
 
 
 def supplied(scene: cs.Scene, layer: float | None) -> cs.Scene:
-    assert scene.lubrication is not None
     return replace(scene, lubrication=replace(scene.lubrication, supply=layer))
 
 

@@ -187,12 +187,10 @@ def test_the_body_that_yields_first_counts_and_both_take_memory(
         for ratio in (3.0, 2.0)
     )
     found = yielding(replace(line_contact.scene, solids=(hard, soft)))
-    assert found is not None
     assert found.ratio == pytest.approx(3)
     assert found.half_width == pytest.approx(line_contact.hertz.half_width)
     assert found.bodies == 2
     one = yielding(replace(line_contact.scene, solids=(STEEL, hard)))
-    assert one is not None
     assert (round(one.ratio, 9), one.bodies) == (2, 1)
     assert yielding(line_contact.scene) is None
     assert "2 times the lowest yield stress" in one.reason(line_contact.grid(64, 2.4, 6.0))

@@ -16,7 +16,6 @@ def true_error(refined: Refined, scene: cs.Scene) -> float:
     """Relative L1 error by cell means, against three times the cells along each axis."""
     problem = refined.solution.problem
     nx, ny = problem.grid.cells
-    assert problem.paddings is not None
     finer = cs.Grid((3 * nx, 3 * ny if ny > 1 else 1), problem.grid.extent)
     fine = cs.solve(scene.problem(finer, problem.paddings), tolerance=1e-6)
     means = on_cells(fine.pressure, (nx, ny))
@@ -67,7 +66,6 @@ def test_images_left_out_are_named_where_no_finer_grid_helps(line_contact: LineC
 def test_a_roller_that_ends_within_its_period_takes_few_cells() -> None:
     cylinder = cs.Cylinder(0.01)
     hertz = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cylinder,)).hertz
-    assert hertz is not None
     a = hertz.half_width
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cylinder, cs.FiniteLength(10 * a)))
     refined = solve_to(scene, 3e-2, period=10.2 * a)

@@ -9,7 +9,6 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import kernel
-from contactstudy.elasticity.convolution import Convolution
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(inf, 0.3)
@@ -158,7 +157,6 @@ def test_coats_are_positive_definite_but_for_a_shift(
     for thickness in (1e-8, 1e-6, 1e-5, 1e-3):
         body = cs.CoatedHalfSpace(coating, thickness, substrate)
         operator = cs.superposed(body.response(1e-4), grid, PADDINGS["lattice"])
-        assert isinstance(operator, Convolution)
         assert operator.spectrum.ravel()[1:].min() > 0
 
 

@@ -24,7 +24,6 @@ def cylinder(lam: float, load: float, law: str = "exponential", **named: str) ->
 def force(solution: cs.Solution) -> float:
     """Load per length that pressure and attraction carry [N/m]."""
     grid = solution.problem.grid
-    assert solution.adhesion is not None
     net = solution.pressure - solution.adhesion.traction
     return float(net.sum()) * grid.cell_area / grid.period
 
@@ -51,7 +50,6 @@ def test_a_cylinder_separates_at_the_pull_off_load_of_fine_grids(
     error = 1e-4
     found = pulled(cylinder(lam, 0.5), cs.Grid((cells, 1), (width, 1.0)), error)
     assert -force(found) / UNIT == pytest.approx(pull_off, rel=2 * error)
-    assert found.adhesion is not None
     assert found.adhesion.first_unstable_load == pytest.approx(force(found), rel=1.01 * error)
 
 
@@ -102,7 +100,6 @@ def test_a_sphere_separates_between_the_limits_of_bradley_and_of_johnson_kendall
     )
     free = cs.ZeroPadding(), cs.ZeroPadding()
     found = pulled(scene, cs.Grid((64, 64), (width, width)), 1e-3, free)
-    assert found.adhesion is not None
     assert found.adhesion.tabor == pytest.approx(1.0)
     assert -force(found) * width / pi == pytest.approx(1.6639, rel=2e-3)
 
@@ -124,7 +121,6 @@ CELLS = cs.Grid((128, 128), (WIDE, WIDE))
 
 def test_a_rough_roller_has_the_contact_and_the_approach_found_before() -> None:
     solution = cs.solve(ROUGH, CELLS, LINE)
-    assert solution.adhesion is not None
     assert solution.adhesion.tabor == pytest.approx(1.0725, rel=1e-4)
     assert np.mean(solution.pressure > 0) == pytest.approx(0.56830, abs=1e-5)
     assert solution.approach / (WIDE / 12) ** 2 * RADIUS == pytest.approx(4.39027, rel=1e-5)
@@ -133,8 +129,6 @@ def test_a_rough_roller_has_the_contact_and_the_approach_found_before() -> None:
 
 def test_a_rough_roller_holds_a_pull_until_it_is_lost() -> None:
     found = cs.solve(replace(ROUGH, load=cs.PullOff(HOLD, 4e-3)), CELLS, LINE)
-    assert found.adhesion is not None
-    assert found.adhesion.first_unstable_load is not None
     assert -1.031 < found.adhesion.first_unstable_load / HOLD < force(found) / HOLD < -1.023
 
 
@@ -157,7 +151,6 @@ def test_a_plain_pass_never_raises_the_energy(branch: str, law: type) -> None:
     problem = scene.problem(cs.Grid((256, 1), (24.0, 1.0)), LINE)
     plain = replace(problem.adhesion, depth=0, law=law(pi, 2.0))  # type: ignore[type-var]
     solution = cs.solve(replace(problem, adhesion=plain))
-    assert solution.adhesion is not None
     energies = np.array(solution.adhesion.energies)
     assert len(energies) > 10
     # to the tolerance of each contact, a thousandth of the range at most
@@ -173,8 +166,6 @@ def test_a_short_range_leaves_two_states_and_the_history_decides() -> None:
     assert afar.status is cs.Status.DETACHED
     assert left.status is cs.Status.CONVERGED
     assert force(left) < 2 * force(afar) < 0
-    assert afar.adhesion is not None
-    assert left.adhesion is not None
     assert left.adhesion.energy < afar.adhesion.energy
 
 

@@ -50,7 +50,6 @@ def test_a_cylinder_is_judged_by_hertz_and_solved_with_one_cell_along(cylinder: 
     assert cylinder.reference is None
     assert cylinder.floor == 0
     verdict = cylinder.verdict()
-    assert verdict is not None
     assert verdict.meets
     assert verdict.best.label in (LINE, "exact")
     solution = cs.solve(
@@ -70,7 +69,6 @@ def test_a_window_that_leaves_too_much_out_meets_the_request_on_no_grid(
     alone = {repr(one.padding): one.l1 for one in cylinder.paddings}
     assert 0.02 < alone["DuplicatedPadding()"] < 0.03
     verdict = cylinder.verdict()
-    assert verdict is not None
     assert "duplicated" not in {rival.measured.label for rival in verdict.rivals}
 
 
@@ -187,7 +185,6 @@ def of(*settings: Measured, floor: float = 0.0, error: float = 0.03) -> Comparis
 def test_a_tie_goes_to_the_boundary_of_the_scene_itself() -> None:
     # always 5 % quicker, which is clear and not worth it
     verdict = of(one(EXACT, 32, 0.02, (1.0,) * 15), one(COPIED, 32, 0.02, (0.95,) * 15)).verdict()
-    assert verdict is not None
     assert verdict.best.label == "exact"
     (rival,) = verdict.rivals
     assert rival.is_tie
@@ -199,11 +196,9 @@ def test_another_padding_is_chosen_if_it_is_quicker_by_more_than_a_tenth_in_near
 ):
     exact = one(EXACT, 32, 0.02, (1.0,) * 15)
     verdict = of(exact, one(COPIED, 32, 0.02, (0.8,) * 15)).verdict()
-    assert verdict is not None
     assert verdict.best.label == "duplicated"
     # the same median ratio from three rounds decides nothing
     verdict = of(one(EXACT, 32, 0.02, (1.0,) * 3), one(COPIED, 32, 0.02, (0.8,) * 3)).verdict()
-    assert verdict is not None
     assert verdict.best.label == "exact"
 
 
@@ -211,23 +206,19 @@ def test_the_bound_on_the_reference_is_added_to_every_error() -> None:
     fine, coarse = one(EXACT, 48, 0.015, (2.0,) * 9), one(EXACT, 32, 0.025, (1.0,) * 9)
     for floor, cells in ((0.004, 32), (0.006, 48)):
         verdict = of(coarse, fine, floor=floor).verdict()
-        assert verdict is not None
         assert verdict.meets
         assert verdict.best.setting.cells == (cells, cells)
-    assert verdict is not None
     assert verdict.coarser == coarse
 
 
 def test_a_grid_that_nothing_bounds_is_never_recommended() -> None:
     hollow = one(EXACT, 16, 0.01, (0.5,) * 9, bounded=False)
     verdict = of(hollow, one(EXACT, 32, 0.02, (1.0,) * 9)).verdict()
-    assert verdict is not None
     assert verdict.best.setting.cells == (32, 32)
 
 
 def test_without_a_bound_on_the_reference_nothing_is_said_to_meet_a_request() -> None:
     verdict = of(one(EXACT, 32, 0.001, (1.0,) * 9), floor=inf).verdict()
-    assert verdict is not None
     assert not verdict.meets
 
 

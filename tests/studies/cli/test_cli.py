@@ -194,7 +194,6 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
         [COMMAND, "run", "grid", *axes, "--repeats", "99", "--out", "here"], cwd=tmp_path,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
     )  # fmt: skip
-    assert running.stdout is not None
     assert "distinct cases" in running.stdout.readline()
     while not (journal.exists() and f'"{written}":' in journal.read_text(encoding="utf-8")):
         with suppress(subprocess.TimeoutExpired):

@@ -10,25 +10,14 @@ from click.testing import CliRunner
 import contactstudy as cs
 from studies.cli.commands import cli
 from studies.reference.line_contact import hertz_means
-
-SCENE = """
-[load]
-per_length = "100 N/mm"
-[[solids]]
-material = "steel"
-[[solids]]
-material = "steel"
-[[shapes]]
-kind = "Cylinder"
-radius = "10 mm"
-"""
+from tests.studies.scene_study.conftest import SMOOTH
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a scene and its recommendation."""
     folder = tmp_path_factory.mktemp("recommend")
-    (folder / "smooth.toml").write_text(SCENE, encoding="utf-8")
+    (folder / "smooth.toml").write_text(SMOOTH, encoding="utf-8")
     return folder
 
 
@@ -42,11 +31,8 @@ def recommended(folder: Path, *words: str) -> str:
 def test_the_block_of_a_recommendation_solves_the_scene_to_the_error(folder: Path) -> None:
     text = recommended(folder, "--error", "0.01", "--seconds", "2")
     block = text.partition("instead of its tables grid, padding and solve:\n")[2]
-    (folder / "chosen.toml").write_text(SCENE + block, encoding="utf-8")
+    (folder / "chosen.toml").write_text(SMOOTH + block, encoding="utf-8")
     answer = cs.read_scene(folder / "chosen.toml").solve()
-    assert isinstance(answer, cs.Contact)
-    assert answer.scene is not None
-    assert answer.scene.hertz is not None
     true = hertz_means(answer.scene.hertz, answer.grid)
     assert np.abs(answer.pressure - true).sum() <= 0.01 * true.sum()
 

@@ -140,6 +140,5 @@ def test_known_contacts_are_met_to_the_square_of_the_cell(ratio: float) -> None:
     # a thin coating and one as thick as the contact is wide to one side
     assert [wide for known, wide, *_ in coating.REFERENCE if known == ratio] == [0.2, 1.0]
     found = coating._reference_error(ratio, 96)
-    assert found is not None
     # half-widths of one in a width of 2.4
     assert found < (2.4 / 96) ** 2

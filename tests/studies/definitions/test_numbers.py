@@ -198,7 +198,6 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
     scene = self_affine(grid, 0.5, 4.0, 0.3)
     mean = scene.load.largest / 3e-3
     shape = scene.shapes[0]
-    assert isinstance(shape, cs.Roughness)
     assert shape.rms == cs.RmsSlope(0.1)
     assert shape.roll_off == pytest.approx(3e-3 / 4)
     assert erf(np.sqrt(2) * mean / (SCENE.contact_modulus * SLOPE)) == pytest.approx(0.3)

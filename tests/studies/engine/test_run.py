@@ -197,5 +197,4 @@ def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None
     grown = study.override({"grid": "16,24,32"})
     found = estimate_cost(grown, tmp_path, options=RunOptions(repeats=0), log=quiet)
     assert found.cases == 2
-    assert found.seconds is not None
     assert 0 < found.seconds < 10

@@ -49,7 +49,6 @@ def test_fields_of_one_case_come_back_with_their_coordinates(tmp_path: Path) -> 
     assert load_fields(tmp_path / "kept", "abd", "program", pytest.fail) is None
     assert load_fields(tmp_path / "kept", "abc", "another", pytest.fail) is None
     found = load_fields(tmp_path / "kept", "abc", "program", pytest.fail)
-    assert found is not None
     xr.testing.assert_identical(found, xr.Dataset({"pressure": pressure}, {"x": x}))
 
 

@@ -16,7 +16,6 @@ OTHER = one(COPIED, 64, 0.025, (6e-3,) * 9)
 def test_the_verdict_names_setting_error_bound_and_time() -> None:
     measured = of(COARSE, FINE, OTHER, floor=0.004)
     verdict = measured.verdict()
-    assert verdict is not None
     assert verdict_text(measured, verdict) == (
         "Use exact periodicity, 64 x 64 cells, tolerance 1e-4: the pressure is 2.0\xa0% ± 0.40\xa0% off in L1, in 4 "
         "ms "
@@ -35,7 +34,6 @@ def test_the_verdict_names_setting_error_bound_and_time() -> None:
 def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> None:
     measured = of(FINE, floor=inf)
     verdict = measured.verdict()
-    assert verdict is not None
     text = verdict_text(measured, verdict)
     assert not parts(measured)[0].tables
     assert text.startswith("No setting can be shown to meet 3.0\xa0%")

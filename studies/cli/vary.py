@@ -48,7 +48,8 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
     if others and others[0].startswith("--"):
         option = others[0].partition("=")[0]
         known = [name for each in click.get_current_context().command.params for name in each.opts]
-        raise click.NoSuchOption(option, possibilities=get_close_matches(option, known))
+        message = f"No such option {option!r}; fields of a scene are varied by {EXAMPLE}."
+        raise click.NoSuchOption(option, message, get_close_matches(option, known))
     if others:
         raise InvalidInput(f"Argument {others[0]!r} is not expected: write {EXAMPLE}.")
     fields: dict[str, object] = {}

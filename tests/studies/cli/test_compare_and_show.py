@@ -151,7 +151,6 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         (["--vary", "radius=1 kg"], "a length"),
         (["--vary", "radius=1 mm,"], "lacks a value"),
         (["--vary", "padding={kind="], "close its brackets"),
-        (["--radius", "1 mm", "--vary", "radius=1 mm"], "--vary"),
         (["--vary", "surfaces=*.x3p"], "MeasuredSurface"),
     ],
 )
@@ -160,6 +159,12 @@ def test_ten_mistakes_with_vary_are_answered_in_a_sentence(
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         said("run", folder / "smooth.toml", *words, "--out", folder / "mistakes")
+
+
+def test_an_option_that_is_a_field_of_the_scene_is_answered_with_vary(folder: Path) -> None:
+    message = said("run", folder / "smooth.toml", "--radius", "1 mm", code=2)
+    assert "No such option '--radius'" in message
+    assert "--vary" in message
 
 
 def test_a_plan_says_where_a_surface_is_that_of_its_grid(folder: Path) -> None:

@@ -230,5 +230,8 @@ def test_an_interrupt_while_processes_start_is_shown_by_none_of_them(
 
 def imports(process: psutil.Process) -> bool:
     """Whether this is the process that worker processes are forked from, half way through its imports."""
-    is_server = "forkserver" in str(process.cmdline())
-    return is_server and any("_multiarray_umath" in part.path for part in process.memory_maps())
+    try:
+        is_server = "forkserver" in str(process.cmdline())
+        return is_server and any("_multiarray_umath" in part.path for part in process.memory_maps())
+    except psutil.ZombieProcess:
+        return False

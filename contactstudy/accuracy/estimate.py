@@ -21,6 +21,7 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import LARGE, Array, in_blocks, inner
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
+from contactstudy.domain.units import readable
 from contactstudy.problem.constraint import violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import is_layered
@@ -201,7 +202,8 @@ def _spikes(problem: Problem) -> tuple[float, float, str]:
             width = max(width, coating.thickness)
             reason = (
                 f"The grid has {cells:.2g} cells in a coating {stiffer:.3g} times as stiff as its substrate, which do "
-                f"not show how the pressure rises at the edges: the peak there is at most about {pressure:.3g} Pa."
+                "not show how the pressure rises at the edges: the peak there is at most about "
+                f"{readable(pressure, 'Pa', 3)}."
             )
     return pressure, width, reason
 
@@ -374,7 +376,7 @@ def _unresolved_length(problem: Problem) -> str:
             count = int(np.ceil(2 * problem.grid.extent[axis] / length))
             return (
                 f"No bound for the discretisation error: Grid.cells[{axis}] is {problem.grid.cells[axis]}, "
-                f"whose cells of {cell:.4g} m do not show lengths of {length:.4g} m, give {count} or more."
+                f"whose cells of {readable(cell)} do not show lengths of {readable(length)}, give {count} or more."
             )
     return ""
 

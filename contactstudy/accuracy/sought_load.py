@@ -6,6 +6,7 @@ from math import inf, log
 
 from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, change, coarse_solution, halved
 from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import CohesiveTraction, Solution
 from contactstudy.solvers.solve import SolveOptions
@@ -66,8 +67,8 @@ def range_warning(solution: Solution) -> tuple[str, ...]:
         return ()
     below = reduction_below_jkr(adhesion.tabor)
     return (
-        f"The range of the attraction, {adhesion.range:.3g} m, is the shortest that this grid can hold: the pull-off "
-        f"load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {below:.1%} "
+        f"The range of the attraction, {readable(adhesion.range)}, is the shortest that this grid can hold: the "
+        f"pull-off load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {below:.1%} "
         "below the JKR limit.",
     )
 

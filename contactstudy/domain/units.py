@@ -1,5 +1,6 @@
 """Types of physical quantities with their SI units, to which texts such as ``"10 mm"`` are converted."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -33,3 +34,34 @@ Seconds = Annotated[float, Unit("s", "a time", "2 min")]
 Hertz = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
 Radians = Annotated[float, Unit("rad", "an angle", "90 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]
+
+# Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used.
+READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
+    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
+    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
+    "m2": ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²")),
+    "m3": ((1.0, "m³"), (1e-9, "mm³"), (1e-18, "µm³")),
+    "m2 m-1": ((1e-3, "mm²/mm"), (1e-6, "µm²/µm")),
+    "m3 m-1": ((1e-6, "mm³/mm"), (1e-12, "µm³/µm")),
+    "N": ((1e3, "kN"), (1.0, "N")),
+    "N m-1": ((1e3, "N/mm"), (1.0, "N/m")),
+    "W": ((1e3, "kW"), (1.0, "W"), (1e-3, "mW")),
+    "W m-1": ((1.0, "W/m"),),
+    "J m-1": ((1.0, "J/m"), (1e-3, "mJ/m"), (1e-6, "µJ/m"), (1e-9, "nJ/m")),
+    "rad": ((1.0, "rad"), (1e-3, "mrad")),
+    "1": ((1.0, ""),),
+}
+
+
+def usual_unit(largest: float, unit: str) -> tuple[float, str]:
+    """Return size and name of the unit in which numbers up to `largest`, in the SI unit `unit`, are read best."""
+    scales = READ_AS.get(unit, ((1.0, unit),))
+    # successive units of areas and volumes differ by 1e6 and more
+    least = 1e-3 if unit[:2] in ("m2", "m3") else 1.0
+    return next((scale for scale in scales if abs(largest) >= least * scale[0]), scales[-1])
+
+
+def readable(value: float, unit: str = "m", digits: int = 4) -> str:
+    """Return a value as text in a unit with few digits, such as ``"0.5 GPa"``, by default a length."""
+    size, name = usual_unit(value, unit)
+    return f"{value / size:.{digits}g} {name}".strip()

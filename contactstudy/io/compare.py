@@ -12,8 +12,8 @@ import xarray as xr
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import needed_for
+from contactstudy.domain.units import readable
 from contactstudy.io.dataset import labelled
-from contactstudy.io.quantities import readable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,7 +71,7 @@ class Comparison:
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
         if isfinite(self.approach):
-            lines.append(f"approach: {'+' * (self.approach > 0)}{readable(self.approach, 'm')}")
+            lines.append(f"approach: {'+' * (self.approach > 0)}{readable(self.approach)}")
         for name, ratio in self.quantities.items():
             lines += [f"{name}: {100 * ratio:+.3g} %"] * (abs(ratio) > ROUNDING)
         if self.time is not None:
@@ -275,7 +275,8 @@ def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tu
     lengths = a[-1] - a[0], b[-1] - b[0]
     if abs(lengths[1] / lengths[0] - 1) > 1e-6:
         raise InvalidInput(
-            f"The contacts have the periods {lengths[0]:.4g} m and {lengths[1]:.4g} m: compare contacts of one period."
+            f"The contacts have the periods {readable(lengths[0])} and {readable(lengths[1])}: compare contacts of "
+            "one period."
         )
     return a, b
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.io.quantities import Quantity, bounded, own_length, per_length, readable
+from contactstudy.domain.units import readable
+from contactstudy.io.quantities import Quantity, bounded, own_length, per_length
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction

@@ -7,7 +7,8 @@ import numpy as np
 
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.io.quantities import FORMULA, Quantity, bounded, readable
+from contactstudy.domain.units import readable
+from contactstudy.io.quantities import FORMULA, Quantity, bounded
 from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:

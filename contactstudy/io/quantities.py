@@ -5,25 +5,10 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite
 
 from contactstudy.domain.errors import ErrorParts
+from contactstudy.domain.units import readable
 from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import Scene
 
-# Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used.
-READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
-    "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
-    "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
-    "m2": ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²")),
-    "m3": ((1.0, "m³"), (1e-9, "mm³"), (1e-18, "µm³")),
-    "m2 m-1": ((1e-3, "mm²/mm"), (1e-6, "µm²/µm")),
-    "m3 m-1": ((1e-6, "mm³/mm"), (1e-12, "µm³/µm")),
-    "N": ((1e3, "kN"), (1.0, "N")),
-    "N m-1": ((1e3, "N/mm"), (1.0, "N/m")),
-    "W": ((1e3, "kW"), (1.0, "W"), (1e-3, "mW")),
-    "W m-1": ((1.0, "W/m"),),
-    "J m-1": ((1.0, "J/m"), (1e-3, "mJ/m"), (1e-6, "µJ/m"), (1e-9, "nJ/m")),
-    "rad": ((1.0, "rad"), (1e-3, "mrad")),
-    "1": ((1.0, ""),),
-}
 NO_ESTIMATE = "no estimate is known for it"
 FORMULA = "it is the value of a formula"
 
@@ -68,20 +53,6 @@ class Quantity:
 
 
 Quantities = Mapping[str, Quantity]
-
-
-def usual_unit(largest: float, unit: str) -> tuple[float, str]:
-    """Return size and name of the unit in which numbers up to `largest`, in the SI unit `unit`, are read best."""
-    scales = READ_AS.get(unit, ((1.0, unit),))
-    # successive units of areas and volumes differ by 1e6 and more
-    least = 1e-3 if unit[:2] in ("m2", "m3") else 1.0
-    return next((scale for scale in scales if abs(largest) >= least * scale[0]), scales[-1])
-
-
-def readable(value: float, unit: str, digits: int = 4) -> str:
-    """Return a value as text in a unit with few digits, such as ``"0.5 GPa"``."""
-    size, name = usual_unit(value, unit)
-    return f"{value / size:.{digits}g} {name}".strip()
 
 
 def bounded(quantity: Quantity, parts: ErrorParts | None, why: Sequence[str] = ()) -> Quantity:

@@ -11,6 +11,7 @@ from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
+from contactstudy.domain.units import readable
 from contactstudy.elasticity.convolution import Convolution, superposed
 from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
@@ -135,16 +136,17 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         )
     if grid.extent[0] < 2 * MIN_WIDTH * bearing:
         raise InvalidInput(
-            f"Grid.extent[0] is {grid.extent[0]:.4g} m, too narrow for a film that bears load over {2 * bearing:.4g} m: "
-            f"give {2 * MIN_WIDTH * bearing:.4g} m at the least, or take film_grid(scene)."
+            f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that bears load over "
+            f"{readable(2 * bearing)}: "
+            f"give {readable(2 * MIN_WIDTH * bearing)} at the least, or take film_grid(scene)."
         )
     assert isinstance(scene.load, ConstantLoad)
     problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     if opening > EDGE * scales.film:
         raise InvalidInput(
-            f"Scene.shapes open the gap by {opening:.3g} m along the length, as a roller's sharp end does: a film that "
-            "ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
+            f"Scene.shapes open the gap by {readable(opening)} along the length, as a roller's sharp end does: a film "
+            "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
         )
     hertz = scales.hertz
     outlet = max(OUTLET, 1 + OUTLET_GROWTH * sqrt(2 * scales.expected_film)) * hertz.half_width

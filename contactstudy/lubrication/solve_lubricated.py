@@ -9,6 +9,7 @@ from contactstudy.domain.checks import InvalidInput, positive, whole
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.units import readable
 from contactstudy.lubrication.film_equation import Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
 from contactstudy.lubrication.posed_film import LEVELS, between_cells, lubricated_scales
@@ -154,7 +155,7 @@ def solve_lubricated(
     if grid is None:
         return contact
     cause = (
-        f"the width of {grid.extent[0]:.3g} m leaves an error of {inlet:.2g} to the inlet, give a larger one"
+        f"the width of {readable(grid.extent[0])} leaves an error of {inlet:.2g} to the inlet, give a larger one"
         if inlet > error / 2
         else f"{contact.grid.cells[0]} x {contact.grid.cells[1]} cells leave an error of {cells:.2g}, give more"
     )

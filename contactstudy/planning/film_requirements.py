@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import prod
 
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import readable
 from contactstudy.lubrication.posed_film import lubricated_scales
 from contactstudy.lubrication.solve_lubricated import CELLS_PER_WAVE, film_grid
 from contactstudy.planning.grid_requirements import GridRequirements
@@ -88,10 +89,10 @@ def film_requirements(
     (nx, ny), width = grid.cells, grid.extent[0]
     inlet = width / 2 / scales.hertz.half_width
     reasons = [
-        f"the formula of Moes expects a film of {scales.expected_film * scales.film:.3g} m at "
+        f"the formula of Moes expects a film of {readable(scales.expected_film * scales.film)} at "
         f"M = {scales.load_parameter:.3g}, L = {scales.viscosity_parameter:.3g}",
         f"the inlet begins {inlet:.2g} half-widths from the axis: its error falls as that distance^-2",
-        f"cells of {grid.cell[0]:.2g} m across resolve the pressure's rise in the inlet",
+        f"cells of {readable(grid.cell[0])} across resolve the pressure's rise in the inlet",
     ]
     seconds = (
         MIN_SECONDS + SECONDS_PER_CELLS_SQUARED * nx**2

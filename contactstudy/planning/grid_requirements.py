@@ -18,6 +18,7 @@ from contactstudy.domain.grid import (
     ZeroPadding,
     across_and_along,
 )
+from contactstudy.domain.units import readable
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import Scene
@@ -232,7 +233,7 @@ class GridRequirements:
     def period_check(self, period: float) -> str:
         """Return a sentence on how `period` [m] suits the scene."""
         if self.roller:
-            return f"The length is free, from end to end {period:.4g} m."
+            return f"The length is free, from end to end {readable(period)}."
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
         broken = [
@@ -242,16 +243,16 @@ class GridRequirements:
         ]
         if broken:
             return (
-                f"The period {period:.4g} m is no whole number of {broken[0]:.4g} m, after which a shape "
+                f"The period {readable(period)} is no whole number of {readable(broken[0])}, after which a shape "
                 "repeats: give a multiple of that."
             )
         if 0 < period < WAVES_PER_PERIOD * self.longest * (1 - 1e-9):
             return (
-                f"The period {period:.4g} m holds {period / self.longest:.2g} of the longest wavelength "
-                f"{self.longest:.4g} m: give {WAVES_PER_PERIOD * self.longest:.4g} m, or the answer is that of one "
-                "short sample."
+                f"The period {readable(period)} holds {period / self.longest:.2g} of the longest wavelength "
+                f"{readable(self.longest)}: give {readable(WAVES_PER_PERIOD * self.longest)}, or the answer is that "
+                "of one short sample."
             )
-        return f"The period {period:.4g} m holds what repeats along it a whole number of times."
+        return f"The period {readable(period)} holds what repeats along it a whole number of times."
 
     def reasons(self, grid: Grid, error: float) -> tuple[str, ...]:
         """Return a sentence each on the width, the cells, the dimension, the padding and the coatings of `grid`.
@@ -265,8 +266,8 @@ class GridRequirements:
         """
         a = self.hertz.half_width
         width = (
-            f"width {grid.extent[0]:.4g} m: the contact is expected to end within "
-            f"{self.half_width / a:.3g} half-widths of Hertz (a = {a:.4g} m) from the axis."
+            f"width {readable(grid.extent[0])}: the contact is expected to end within "
+            f"{self.half_width / a:.3g} half-widths of Hertz (a = {readable(a)}) from the axis."
         )
         cell = f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell[0]:.3g} in a half-width"
         cell += f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.rough
@@ -295,15 +296,16 @@ class GridRequirements:
         """Return a sentence on what a coating does to the plan."""
         coating_modulus, substrate_compliance = 1 / coating.compliance, coating.substrate.compliance
         substrate = (
-            f"{1 / substrate_compliance:.3g} Pa"
+            f"{readable(1 / substrate_compliance, 'Pa', 3)}"
             if substrate_compliance
             else "infinite, a rigid substrate"
         )
         modulus = 1 / coating.compliance_at(self.hertz.half_width)
         return (
-            f"coating {coating.thickness:.4g} m: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
+            f"coating {readable(coating.thickness)}: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
             f"{coating.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
-            f"the effective modulus of a smooth contact is about {modulus:.3g} Pa, between {coating_modulus:.3g} Pa "
+            f"the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
+            f"{readable(coating_modulus, 'Pa', 3)} "
             f"of the coating and {substrate}. Width and error are those of small solutions with the coating."
         )
 
@@ -321,15 +323,15 @@ class GridRequirements:
         hertz = self.hertz
         if hertz.half_width > MAX_WIDTH_OVER_RADIUS * hertz.radius:
             messages.append(
-                f"The half-width of Hertz is {hertz.half_width:.3g} m on a radius of {hertz.radius:.3g} m, too "
+                f"The half-width of Hertz is {readable(hertz.half_width)} on a radius of {readable(hertz.radius)}, too "
                 "large a fraction for half-spaces: give loads and radii in N/m and m, and "
                 "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
         for axis, (cell, wave) in enumerate(zip(grid.cell, self.finest, strict=True)):
             if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
-                    f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {cell:.4g} m do not show the "
-                    f"finest wavelength, {wave:.4g} m, give {int(np.ceil(2 * grid.extent[axis] / wave))} "
+                    f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not show the "
+                    f"finest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} "
                     "or more."
                 )
         if self.varies and ": give" in (check := self.period_check(grid.period)):

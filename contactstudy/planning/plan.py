@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.units import readable
 from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, times_faster
 from contactstudy.planning.grid_requirements import (
     CELL_FRACTION,
@@ -204,7 +205,7 @@ def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Pla
         error=inf,
         seconds=ESTIMATE_COST * seconds / times_faster(grid, padding, on),
         bytes=memory(grid, padding),
-        period_check=f"The period {grid.period:.4g} m is that of the measured surface.",
+        period_check=f"The period {readable(grid.period)} is that of the measured surface.",
         reasons=(
             "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
             "periodic; the solution tells its error.",
@@ -322,9 +323,9 @@ def _warnings(
         remedy = "give a width of "
         width = WIDENING * grid.extent[0]
         if width > requirements.widest:
-            remedy = f"the surface is known over {requirements.widest:.4g} m only; give a smaller load, or "
+            remedy = f"the surface is known over {readable(requirements.widest)} only; give a smaller load, or "
             remedy += "a surface as wide as "
-        yield f"Grid.extent[0] is {grid.extent[0]:.4g} m: the contact outgrows it, {remedy}{width:.4g} m."
+        yield f"Grid.extent[0] is {readable(grid.extent[0])}: the contact outgrows it, {remedy}{readable(width)}."
     needed = memory(grid, requirements.padding())
     if needed > limit:
         yield (

@@ -6,6 +6,7 @@ from math import inf, pi, prod, sqrt
 import numpy as np
 
 from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import layers
 from contactstudy.planning.grid_requirements import WIDTH_FACTOR
@@ -79,7 +80,7 @@ class Yielding:
         count, across, _ = volume.shape
         return (
             f"yield: Hertz's peak pressure is {self.ratio:.3g} times the lowest yield stress; some {count} layers down "
-            f"to {volume.edges[-1]:.3g} m below {across} cells across, as thick as a cell is wide at the surface "
+            f"to {readable(volume.edges[-1])} below {across} cells across, as thick as a cell is wide at the surface "
             "and thicker with depth."
         )
 
@@ -176,7 +177,9 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         least, warnings = load.per_length, ()
     reasons: tuple[str, ...] = ()
     if least < load.per_length:
-        reasons = (f"load: the cells are those that the smallest load asks for, {least:.4g} N/m.",)
+        reasons = (
+            f"load: the cells are those that the smallest load asks for, {readable(least, 'N m-1')}.",
+        )
     return TransientRequirements(
         replace(elastic, load=LineLoad(least)),
         2 * WIDTH_FACTOR * half_width,
@@ -199,7 +202,8 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
     after = times[np.argmax(loads >= least)]
     returns = bool((loads[times > after] < least).any())
     return least, (
-        f"The load is below {least:.3g} N/m {'at times' if returns else f'until {after:.3g} s'}, where the contact is "
+        f"The load is below {readable(least, 'N m-1', 3)} {'at times' if returns else f'until {after:.3g} s'}, where "
+        "the contact is "
         "so narrow that the discretisation error is larger than planned: give a finer grid, or a larger first load.",
     )
 

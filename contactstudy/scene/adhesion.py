@@ -15,7 +15,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import JoulesPerSquareMetre, Metres
+from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.scene.bodies import BodyContext
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.shapes.roller import Sphere
@@ -132,8 +132,8 @@ class Adhesion:
             first = load.at(load.start) if isinstance(load, ChangingLoad) else load.largest
             if first <= 0:
                 raise InvalidInput(
-                    f"Scene.load begins with {first:g} N/m together with Adhesion: bodies from afar do not touch "
-                    "without a load, give a first load above 0 N/m, an Approach, or Adhesion.branch = "
+                    f"Scene.load begins with {readable(first, 'N m-1')} together with Adhesion: bodies from afar do "
+                    "not touch without a load, give a first load above 0 N/m, an Approach, or Adhesion.branch = "
                     "'from full contact'."
                 )
 
@@ -170,9 +170,9 @@ class Adhesion:
         if cells < MIN_CELLS:
             shortest = sqrt(4 * MIN_CELLS * cell * self.work / (pi * scene.contact_modulus))
             raise InvalidInput(
-                f"Adhesion.range is {self.range!r}: its cohesive zone of {zone:.3g} m is {cells:.2g} cells of this "
-                f"grid wide; give a range of at least {shortest:.3g} m, cells of at most {zone / MIN_CELLS:.3g} m, or "
-                "leave the range out for the limit of short ranges on this grid."
+                f"Adhesion.range is {self.range!r}: its cohesive zone of {readable(zone)} is {cells:.2g} cells of this "
+                f"grid wide; give a range of at least {readable(shortest)}, cells of at most "
+                f"{readable(zone / MIN_CELLS)}, or leave the range out for the limit of short ranges on this grid."
             )
         tabor, radius = None, scene.radius
         if radius is None:

@@ -15,7 +15,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds, readable
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction import (
     FrictionContact,
@@ -134,8 +134,8 @@ class Fretting:
         for number, force in enumerate(self.forces or ()):
             if not abs(force) < limit:
                 raise InvalidInput(
-                    f"Fretting.forces[{number}] is {force!r}: friction bears less than {limit:g} N/m, beyond which "
-                    "the bodies slide without end, give less."
+                    f"Fretting.forces[{number}] is {force!r}: friction bears less than {readable(limit, 'N m-1')}, "
+                    "beyond which the bodies slide without end, give less."
                 )
 
     def _check_motion(self, scene: FrictionContact) -> None:
@@ -165,9 +165,9 @@ class Fretting:
             force = history.at(time)
             if abs(force) > 0 and not abs(force) < self.coefficient * pressed:
                 raise InvalidInput(
-                    f"Fretting.forces are {force:g} N/m at {time:g} s, where friction bears less than "
-                    f"{self.coefficient * pressed:g} N/m: the bodies would slide without end, give less, or "
-                    "displacements."
+                    f"Fretting.forces are {readable(force, 'N m-1')} at {time:g} s, where friction bears less than "
+                    f"{readable(self.coefficient * pressed, 'N m-1')}: the bodies would slide without end, give less, "
+                    "or displacements."
                 )
 
     def law(

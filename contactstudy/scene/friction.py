@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import NewtonsPerMetre, Number
+from contactstudy.domain.units import NewtonsPerMetre, Number, readable
 from contactstudy.elasticity.tangential import (
     ALIKE,
     GeneralConvolution,
@@ -200,8 +200,8 @@ class PartialSlip:
         limit = self.coefficient * scene.load.largest
         if not abs(self.tangential) < limit:
             raise InvalidInput(
-                f"PartialSlip.tangential is {self.tangential!r}: friction bears less than {limit:g} N/m, give "
-                "less, or Sliding."
+                f"PartialSlip.tangential is {self.tangential!r}: friction bears less than {readable(limit, 'N m-1')}, "
+                "give less, or Sliding."
             )
 
     def law(

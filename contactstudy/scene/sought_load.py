@@ -10,7 +10,7 @@ from contactstudy.domain.checks import (
     set_fields,
     suggest_fields,
 )
-from contactstudy.domain.units import Metres, NewtonsPerMetre, Number
+from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, readable
 
 # Half-widths of a contact to the datum, from which its size is estimated where no datum is given.
 DATUM_DISTANCE = 4.0
@@ -55,7 +55,7 @@ class Approach:
             return width
         if self.datum < width / 2:
             raise InvalidInput(
-                f"Approach.datum is {self.datum!r}: give at least half the width of the grid, {width / 2:g} m, or "
+                f"Approach.datum is {self.datum!r}: give at least half the width of the grid, {readable(width / 2)}, or "
                 "parts of the surface would rise under pressure."
             )
         return self.datum

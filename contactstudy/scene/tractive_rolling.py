@@ -12,7 +12,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre
+from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
 from contactstudy.elasticity.tangential import Sheared, ShearResponse, shear_response
 from contactstudy.scene.friction import (
     FrictionContact,
@@ -106,8 +106,8 @@ class TractiveRolling:
         limit = self.coefficient * scene.load.largest
         if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(
-                f"TractiveRolling.tangential is {self.tangential!r}: friction bears less than {limit:g} N/m, give "
-                "less, or a longitudinal creepage."
+                f"TractiveRolling.tangential is {self.tangential!r}: friction bears less than "
+                f"{readable(limit, 'N m-1')}, give less, or a longitudinal creepage."
             )
 
     def law(

@@ -10,7 +10,7 @@ import numpy as np
 from contactstudy.domain.checks import InvalidInput, positive, set_fields, suggest_fields, whole
 from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
 from contactstudy.domain.fields import Array
-from contactstudy.domain.units import Number
+from contactstudy.domain.units import Number, readable
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, in_double
@@ -188,8 +188,8 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
         carried = bare.sum()
     if problem.resultant.approach is None and not np.finfo(np.float64).tiny <= carried < inf:
         raise InvalidInput(
-            f"solve.start is at most {pressure.max():g} Pa: give a pressure that carries some load, of "
-            f"the order of {problem.scales.pressure:g} Pa."
+            f"solve.start is at most {readable(pressure.max(), 'Pa')}: give a pressure that carries some load, of "
+            f"the order of {readable(problem.scales.pressure, 'Pa')}."
         )
     # scaled to the load in double precision: single precision may have no number for the factor
     unit = 1 / problem.scales.pressure

@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from contactstudy import InvalidInput
-from contactstudy.io.quantities import readable, usual_unit
+from contactstudy.domain.units import readable, usual_unit
 from studies.cli.options import out_option
 
 if TYPE_CHECKING:

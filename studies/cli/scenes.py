@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import click
 
 import contactstudy as cs
+from contactstudy.domain.units import readable
 from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
 from studies.model.plain_text import thread_count
 
@@ -50,7 +51,9 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
         click.echo(json.dumps(fields))
         return
     cells, extent = planned.grid.cells, planned.grid.extent
-    click.echo(f"{scene}: {cells[0]} x {cells[1]} cells over {extent[0]:.4g} m x {extent[1]:.4g} m")
+    click.echo(
+        f"{scene}: {cells[0]} x {cells[1]} cells over {readable(extent[0])} x {readable(extent[1])}"
+    )
     for reason in planned.reasons:
         click.echo(f"  {reason}")
     click.echo(f"  period: {planned.period_check}")
@@ -143,8 +146,8 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
             continue
         if length < grid.period * (1 - 1e-9):
             notes.append(
-                f"shapes[{number}] is {length:.4g} m long on a grid {grid.period:.4g} m long, and stays at its end drop "
-                f"beyond its ends: add the shape FiniteLength(length={length:g}) if the roller ends there"
+                f"shapes[{number}] is {readable(length)} long on a grid {readable(grid.period)} long, and stays at "
+                f"its end drop beyond its ends: add the shape FiniteLength(length={length:g}) if the roller ends there"
             )
         elif length <= grid.period * (1 + 1e-9):
             notes.append(

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
-from contactstudy.io.quantities import usual_unit
+from contactstudy.domain.units import usual_unit
 from studies.cli.options import PLOT, figures_option, names_in, out_option
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array, inner
+from contactstudy.domain.units import readable
 from contactstudy.io.contact_quantities import approach_datum
 from contactstudy.io.dataset import labelled
 from studies.advice.reference_error import ReferencedCase, pressure_error
@@ -93,7 +94,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     perimeter = _perimeter(touching, grid, contact.problem.paddings)
     load = float(contact.pressure.sum()) * grid.cell_area / grid.period
     scene_datum, datum = approach_datum(contact), common_datum(contact)
-    described = {"description": f"counted from {datum:.4g} m beside the axis"} if datum else {}
+    described = {"description": f"counted from {readable(datum)} beside the axis"} if datum else {}
     farther = _compliance_between(contact, scene_datum, datum)
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),

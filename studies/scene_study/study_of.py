@@ -11,6 +11,7 @@ import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.domain.checks import divides
 from contactstudy.domain.device import available_bytes
+from contactstudy.domain.units import readable
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import GridRequirements, halvable, requirements_of
@@ -82,7 +83,8 @@ def _check(name: str, shape: object, grid: cs.Grid) -> None:
     width, length = shape.extent
     if grid.extent[0] > width * (1 + 1e-9):
         raise InvalidInput(
-            f"{name} is {width:.4g} m wide, and the grid {grid.extent[0]:.4g} m: give a grid no wider than the surface."
+            f"{name} is {readable(width)} wide, and the grid {readable(grid.extent[0])}: give a grid no wider than "
+            "the surface."
         )
     period = shape.seam.lengths * length
     if grid.period > period * (1 + 1e-9) and grid.cells[1] > 1:
@@ -112,8 +114,8 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     narrowest = min((shape.extent[0] for shape in measured if shape.extent), default=width)
     if narrowest < width:
         notes.append(
-            f"the contact may become {width:.4g} m wide, but a measured surface is {narrowest:.4g} m wide, which "
-            "the grid takes: where contact reaches its edge, the outcome says so"
+            f"the contact may become {readable(width)} wide, but a measured surface is {readable(narrowest)} wide, "
+            "which the grid takes: where contact reaches its edge, the outcome says so"
         )
         width = narrowest
     # a grid shows the middle of a longer measured surface
@@ -188,13 +190,13 @@ def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[
         )
         return None, [differ]
     return (width, period), [
-        f"random surfaces are fixed at {width:.4g} m x {period:.4g} m for all points"
+        f"random surfaces are fixed at {readable(width)} x {readable(period)} for all points"
     ]
 
 
 def _size_text(grid: cs.Grid) -> str:
     """Return the cells and the extent of a grid in words."""
-    return f"{grid.cells[0]} x {grid.cells[1]} cells over {grid.extent[0]:.4g} m x {grid.extent[1]:.4g} m"
+    return f"{grid.cells[0]} x {grid.cells[1]} cells over {readable(grid.extent[0])} x {readable(grid.extent[1])}"
 
 
 def _counted(points: Sequence[SceneFile]) -> str:

@@ -9,9 +9,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from contactstudy.domain.units import readable
 from contactstudy.io.pictures.contact import FILMS, LENGTHS, PRESSURES, scaled
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
-from contactstudy.io.quantities import readable
 
 # Number of instants whose profiles are drawn.
 PROFILES = 6

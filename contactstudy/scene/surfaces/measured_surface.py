@@ -20,7 +20,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.domain.units import Metres
+from contactstudy.domain.units import Metres, readable
 from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.surfaces import measurement
 from contactstudy.scene.surfaces.preparation import (
@@ -165,7 +165,7 @@ class MeasuredSurface:
         points = " x ".join(str(count) for count in self.heights.shape)
         size = "cell for cell on the grid"
         if self.extent is not None:
-            size = f"over {self.extent[0]:.4g} m x {self.extent[1]:.4g} m"
+            size = f"over {readable(self.extent[0])} x {readable(self.extent[1])}"
         tilt = [1e6 * rise for rise in Trend.rise(self.missing.fill(self.heights))]
         plane = f"a plane that rises {tilt[0]:.3g} um across and {tilt[1]:.3g} um along"
         verb = "has" if self.trend.value < Trend.PLANE.value else "was freed of"

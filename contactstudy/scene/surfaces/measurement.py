@@ -147,9 +147,16 @@ def _table(name: str) -> Array:
         del rows[0]
     if rows and not any(row[-1] for row in rows):  # each line ends with a separator
         rows = [row[:-1] for row in rows]
-    if not rows or len({len(row) for row in rows}) > 1:
+    uneven = next((number for number, row in enumerate(rows) if len(row) != len(rows[0])), None)
+    if not rows or uneven is not None:
+        found = (
+            f", whose row {uneven + 1} has {len(rows[uneven])} numbers beside {len(rows[0])}"
+            if uneven
+            else ""
+        )
         raise InvalidInput(
-            f"path is {name!r}: give rows of equally many numbers, separated by commas, semicolons, tabs or blanks."
+            f"path is {name!r}{found}: give rows of equally many numbers, separated by commas, semicolons, tabs or "
+            "blanks."
         )
     return np.array([[_value(name, word) for word in row] for row in rows])
 

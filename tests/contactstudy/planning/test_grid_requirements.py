@@ -9,6 +9,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.analytic import HertzLine
+from contactstudy.domain.units import readable
 from contactstudy.planning.film_requirements import film_requirements
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
@@ -95,13 +96,13 @@ WAVES = LengthScales(finest=(inf, 0.2))
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     waves = requirements(replace(WAVES, repeat=0.25, longest=0.125))
     assert "holds what repeats" in waves.period_check(0.5)
-    assert "no whole number of 0.25 m" in waves.period_check(0.6)
-    assert "holds 2 of the longest wavelength 0.125 m: give 0.5 m" in waves.period_check(0.25)
+    assert "no whole number of 250 mm" in waves.period_check(0.6)
+    assert "holds 2 of the longest wavelength 125 mm: give 500 mm" in waves.period_check(0.25)
     rough = requirements(replace(WAVES, longest=0.25))
     for fraction, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
         assert ("holds what repeats" in rough.period_check(fraction)) == enough
     assert "any period" in SMOOTH.period_check(0.1)
-    assert "from end to end 0.5 m" in requirements(LengthScales(roller=0.5)).period_check(0.5)
+    assert "from end to end 500 mm" in requirements(LengthScales(roller=0.5)).period_check(0.5)
 
 
 def coat(stiffer: float) -> Any:
@@ -163,7 +164,7 @@ def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
     moes, inlet, cells = found.reasons
     assert moes.endswith(" at M = 20, L = 5")
     assert inlet.startswith("the inlet begins 4.5 half-widths from the axis")
-    assert cells.startswith(f"cells of {given.cell[0]:.2g} m across")
+    assert cells.startswith(f"cells of {readable(given.cell[0])} across")
     assert found.bytes == 8 * 6 * 100**2
     assert "the grid is given" in found.warnings[0]
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.units import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
 SCENE = cs.Scene(
@@ -84,7 +85,7 @@ def test_a_range_that_the_grid_cannot_hold_names_the_range_and_the_cell_that_wou
         short.problem(GRID, LINE)
     # two cells in pi E* rho^2 / (4 w)
     enough = sqrt(8 * cell * work / (pi * modulus))
-    with pytest.raises(cs.InvalidInput, match=f"a range of at least {enough:.3g} m"):
+    with pytest.raises(cs.InvalidInput, match=f"a range of at least {readable(enough)}"):
         short.problem(GRID, LINE)
     solution = cs.solve(replace(SCENE, adhesion=cs.Adhesion(work, 1.001 * enough)), GRID, LINE)
     assert solution.adhesion.cells_in_zone == pytest.approx(2 * 1.001**2)

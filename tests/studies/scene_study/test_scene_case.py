@@ -84,7 +84,7 @@ def test_every_contact_is_measured_without_asking(rough: Path, tmp_path: Path) -
 
 def _width(dataset: xr.Dataset) -> float:
     """Of the grid, as the notes say it, to four digits."""
-    return float(dataset.attrs["notes"].split(" over ")[1].split(" m ")[0])
+    return 1e-6 * float(dataset.attrs["notes"].split(" over ")[1].split(" µm ")[0])
 
 
 def test_points_that_are_stored_are_not_solved_again(rough: Path, tmp_path: Path) -> None:

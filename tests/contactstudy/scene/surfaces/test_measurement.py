@@ -240,7 +240,7 @@ def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
         ("units.csv", "a;b\num;um\n1;2\n", "'um' stands for a height: .* one line of heading"),
         ("comma.csv", rows(",") + "1.5 2.5\n", "give rows of equally many numbers"),
         ("thousands.csv", rows(";").replace("1.75", "1.000,75"), "'1.000.75' stands for a height"),
-        ("ragged.csv", "1,2\n3\n", "give rows of equally many numbers"),
+        ("ragged.csv", "1,2\n3\n", "row 2 has 1 numbers beside 2: give rows of equally many"),
         ("two.xyz", "0 0\n1 1\n", "give columns x, y and height"),
         ("uneven.xyz", "0 0 1\n1 0 1\n3 0 1\n0 1 1\n", "not equidistant"),
     ],

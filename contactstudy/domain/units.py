@@ -4,6 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -45,6 +48,7 @@ READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "m3 m-1": ((1e-6, "mm³/mm"), (1e-12, "µm³/µm")),
     "N": ((1e3, "kN"), (1.0, "N")),
     "N m-1": ((1e3, "N/mm"), (1.0, "N/m")),
+    "N m-2": ((1e6, "N/mm per mm"),),
     "W": ((1e3, "kW"), (1.0, "W"), (1e-3, "mW")),
     "W m-1": ((1.0, "W/m"),),
     "J m-1": ((1.0, "J/m"), (1e-3, "mJ/m"), (1e-6, "µJ/m"), (1e-9, "nJ/m")),
@@ -59,6 +63,12 @@ def usual_unit(largest: float, unit: str) -> tuple[float, str]:
     # successive units of areas and volumes differ by 1e6 and more
     least = 1e-3 if unit[:2] in ("m2", "m3") else 1.0
     return next((scale for scale in scales if abs(largest) >= least * scale[0]), scales[-1])
+
+
+def usual_unit_of(values: ArrayLike, unit: str) -> tuple[float, str]:
+    """Return size and name of the unit in which the largest finite number of `values`, in SI units, is read best."""
+    sizes = np.abs(np.asarray(values))
+    return usual_unit(float(np.max(sizes, where=np.isfinite(sizes), initial=0.0)), unit)
 
 
 def readable(value: float, unit: str = "m", digits: int = 4) -> str:

@@ -70,10 +70,17 @@ def contact_quantities(
     half_width = _half_width(touching, grid.cell[0])
     solved = ErrorParts(residual=solution.residual)
     wide = "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
-    label = f"peak pressure{_mirrored(pressure, grid.y, peak_position)}"
     numbers = {
         "peak_pressure": bounded(
-            Quantity(peak, "Pa", label, position=peak_position), estimate.peak_pressure, why
+            Quantity(
+                peak,
+                "Pa",
+                "peak pressure",
+                position=peak_position,
+                detail=_mirrored(pressure, grid.y, peak_position),
+            ),
+            estimate.peak_pressure,
+            why,
         )
     }
     coordinates = {"x": grid.x, "y": grid.y}
@@ -99,7 +106,7 @@ def contact_quantities(
             why,
         ),
         "mean_gap": bounded(
-            Quantity(solution.mean_gap, "m", f"mean gap{wide}"), estimate.mean_gap, why
+            Quantity(solution.mean_gap, "m", "mean gap", detail=wide), estimate.mean_gap, why
         ),
         "approach": _approach(solution, estimate),
     }
@@ -118,10 +125,11 @@ def contact_quantities(
 def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
     """Return the approach, which is exact where it is given, and the point that it is counted from."""
     datum = approach_datum(solution)
-    label = "approach" + (f", from {readable(datum, 'm')} beside the axis" if datum else "")
+    detail = f", from {readable(datum)} beside the axis" if datum else ""
     if solution.problem.resultant.approach is not None:
-        return Quantity(solution.approach, "m", label, 0.0, "")
-    return bounded(Quantity(solution.approach, "m", label), estimate.approach, estimate.warnings)
+        return Quantity(solution.approach, "m", "approach", 0.0, "", detail=detail)
+    approach = Quantity(solution.approach, "m", "approach", detail=detail)
+    return bounded(approach, estimate.approach, estimate.warnings)
 
 
 def approach_datum(solution: Solution) -> float | None:

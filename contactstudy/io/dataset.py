@@ -280,7 +280,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             for name, units, long_name, *dimensions in labels
         }
 
-    area = labelled("time", evolution.contact_area, "m2", "area in contact, over the grid")
+    area = labelled("time", evolution.contact_area, "m2", "contact area of the grid")
     statuses = [frame.status for frame in frames]
     dataset = xr.Dataset(
         over_time(

@@ -59,7 +59,7 @@ def evolution_quantities(
             values = [frame[name].value for frame in frames]
             number = values.index(extreme(values))
             position = {"time": float(times[number])}
-            numbers[name] = replace(frames[number][name], label=words, position=position)
+            numbers[name] = replace(frames[number][name], label=words, position=position, detail="")
     reported = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
     peak = frames[-1].get("peak_pressure")
     is_apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
@@ -67,7 +67,10 @@ def evolution_quantities(
         if name in frames[-1] and not (is_apart and name == "approach"):
             final = frames[-1][name]
             numbers[f"final_{name}"] = replace(
-                final, label=f"{final.label} at the end", position=None
+                final,
+                label=f"{final.label} at the end",
+                position=None,
+                detail="" if final.position else final.detail,
             )
     fields = {} if last is None else last.fields
     if "worn_depth" in fields:

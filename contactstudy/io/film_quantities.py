@@ -86,9 +86,11 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
     rough = [shape for shape in contact.scene.shapes if _rough(shape)]
     heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))
     if rough and (rms := float(np.std(heights))):
-        label = f"lambda ratio, film by Moes over the rms height of {readable(rms, 'm', 3)}"
+        detail = f", film by Moes over the rms height of {readable(rms, digits=3)}"
         ratio = scales.expected_film * scales.film / rms
-        numbers["lambda_ratio"] = Quantity(ratio, "1", label, reason=FORMULA)
+        numbers["lambda_ratio"] = Quantity(
+            ratio, "1", "lambda ratio", reason=FORMULA, detail=detail
+        )
     return numbers
 
 

@@ -25,6 +25,8 @@ class Quantity:
         SI unit, such as ``"Pa"`` or ``"m2 m-1"``.
     label
         Name for display.
+    detail
+        What is said of this value alone, behind its label.
     bound
         Upper estimate of the absolute error, in the same unit; infinite where it is not known.
     reason
@@ -39,6 +41,7 @@ class Quantity:
     bound: float = inf
     reason: str = NO_ESTIMATE
     position: Mapping[str, float] | None = None
+    detail: str = ""
 
     @property
     def relative_bound(self) -> float:
@@ -100,7 +103,7 @@ def as_text(quantities: Quantities) -> str:
     """Return quantities as a table: label, value with unit, error, place; those by formulas in one line."""
     rows = [
         (
-            quantity.label,
+            quantity.label + quantity.detail,
             readable(quantity.value, quantity.unit),
             _percent(quantity),
             ", ".join(_position_text(axis, at) for axis, at in (quantity.position or {}).items()),
@@ -114,7 +117,7 @@ def as_text(quantities: Quantities) -> str:
         line = f"  {label:<{widths[0]}}  {value:>{widths[1]}}  {error:<{widths[2]}}"
         lines.append(f"{line}  at {position_text}" if position_text else line.rstrip())
     formulas = [
-        f"{quantity.label} {readable(quantity.value, quantity.unit)}"
+        f"{quantity.label}{quantity.detail} {readable(quantity.value, quantity.unit)}"
         for quantity in quantities.values()
         if quantity.reason == FORMULA
     ]
@@ -141,7 +144,7 @@ def as_json(quantities: Quantities) -> dict[str, dict[str, object]]:
             "unit": quantity.unit,
             "bound": quantity.bound if isfinite(quantity.bound) else None,
             **({"reason": quantity.reason} if quantity.reason else {}),
-            "label": quantity.label,
+            "label": quantity.label + quantity.detail,
             **({"at": dict(quantity.position)} if quantity.position else {}),
         }
         for name, quantity in quantities.items()

@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from contactstudy import InvalidInput
-from contactstudy.domain.units import readable, usual_unit
+from contactstudy.domain.units import readable, usual_unit_of
 from studies.cli.options import out_option
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ def _axis(field: "xr.DataArray", dim: str, *, in_study: bool) -> dict[str, Any]:
     if values.dtype.kind not in "iuf" or not np.isfinite(values).all():
         texts = [str(value) for value in values.tolist()]
         return axis | {"unit": "", "values": texts, "canLog": False, "log": False}
-    factor, unit = _display(values, units)
+    factor, unit = usual_unit_of(values, units)
     can_log = bool(values.min() > 0)
     return axis | {
         "unit": unit,
@@ -168,7 +168,7 @@ def _in_ratios(values: np.ndarray) -> bool:
 def _variable(field: "xr.DataArray") -> dict[str, Any]:
     """Return a variable: label, unit, names of its axes, values as text of float32 numbers."""
     values = field.values.astype(float)
-    factor, unit = _display(values, _units(field))
+    factor, unit = usual_unit_of(values, _units(field))
     data = np.ascontiguousarray(values / factor, dtype="<f4").tobytes()
     dims = [str(dim) for dim in field.dims]
     return {
@@ -177,12 +177,6 @@ def _variable(field: "xr.DataArray") -> dict[str, Any]:
         "dims": dims,
         "data": b64encode(data).decode("ascii"),
     }
-
-
-def _display(values: np.ndarray, units: str) -> tuple[float, str]:
-    """Return the factor and the name of the unit in which the largest of the values is read best."""
-    finite = np.abs(values[np.isfinite(values)])
-    return usual_unit(float(finite.max()) if finite.size else 0.0, units)
 
 
 def _label(variable: "xr.DataArray") -> str:

@@ -14,6 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 
 from contactstudy import InvalidInput
+from contactstudy.domain.units import usual_unit_of
 from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
@@ -34,13 +35,6 @@ FORMULAS = {
 # Axes that number samples.
 SAMPLES = ("seed", "window")
 MOST_PANELS, MOST_LINES, MOST_FIGURES = 6, 8, 12
-SIZES: dict[str, Sequence[tuple[float, str]]] = {
-    "m": ((1e-9, "nm"), (1e-6, "µm"), (1e-3, "mm"), (1.0, "m")),
-    "Pa": ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa")),
-    "N m-1": ((1.0, "N/m"), (1e3, "N/mm")),
-    "N m-2": ((1e6, "N/mm per mm"),),
-    "1": ((1.0, ""),),
-}
 
 
 def curves(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFigure]:
@@ -285,13 +279,8 @@ def _is_sample(axis: str) -> bool:
 
 
 def _scale(values: xr.DataArray) -> tuple[float, str]:
-    """Return the size and name of the unit in which the largest value is short."""
-    units = values.attrs.get("units", "1")
-    finite = np.abs(values.values[np.isfinite(values.values)])
-    largest = float(finite.max()) if finite.size else 1.0
-    sizes: Sequence[tuple[float, str]] = SIZES.get(units, ((1.0, units),))
-    fitting = [entry for entry in sizes if largest >= entry[0]] or [sizes[0]]
-    return fitting[-1]
+    """Return the size and name of the unit in which the largest value is read best."""
+    return usual_unit_of(values, values.attrs.get("units", "1"))
 
 
 def _scaled(values: xr.DataArray) -> tuple[xr.DataArray, str]:

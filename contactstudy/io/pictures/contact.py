@@ -11,13 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.units import usual_unit_of
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from contactstudy.io.pictures.interference import interference_colours
 
 # Lengths are drawn in the unit in which the numbers on the axes are shortest.
-LENGTHS = ((1e-6, "µm"), (1e-3, "mm"), (1.0, "m"))
-FILMS = ((1e-9, "nm"), *LENGTHS)
-PRESSURES = ((1e3, "kPa"), (1e6, "MPa"), (1e9, "GPa"))
 # Half-width of an interferogram in Hertz's half-widths.
 INTERFEROGRAM = 2.0
 WARNING_WIDTH = 70  # letters over one panel
@@ -43,18 +41,11 @@ def picture(solved: xr.Dataset) -> Figure:
     return figure
 
 
-def scaled(values: xr.DataArray, units: tuple[tuple[float, str], ...]) -> tuple[float, str]:
-    """Return the size and the name of the largest unit that is no larger than the largest value."""
-    largest = float(np.abs(values).max())
-    fitting = [(size, name) for size, name in units if largest >= size] or [units[0]]
-    return fitting[-1]
-
-
 def _map(ax: Axes, solved: xr.Dataset) -> None:
     pressure = solved["pressure"]
-    length, metres = scaled(solved["y"], LENGTHS)
-    width, across = scaled(solved["x"], LENGTHS)
-    size, pascals = scaled(pressure, PRESSURES)
+    length, metres = usual_unit_of(solved["y"], "m")
+    width, across = usual_unit_of(solved["x"], "m")
+    size, pascals = usual_unit_of(pressure, "Pa")
     mesh = ax.pcolormesh(
         solved["y"] / length,
         solved["x"] / width,
@@ -69,8 +60,8 @@ def _map(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _along(ax: Axes, solved: xr.Dataset) -> None:
-    length, metres = scaled(solved["y"], LENGTHS)
-    size, pascals = scaled(solved["pressure"], PRESSURES)
+    length, metres = usual_unit_of(solved["y"], "m")
+    size, pascals = usual_unit_of(solved["pressure"], "Pa")
     axis = np.abs(solved["x"]) <= np.abs(solved["x"]).min() * (1 + 1e-9)
     middle = solved["pressure"].where(axis, drop=True).mean("x")
     ax.plot(solved["y"] / length, middle / size, label="in the middle", **PRESSURE)
@@ -80,8 +71,8 @@ def _along(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _across(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = scaled(solved["x"], LENGTHS)
-    size, pascals = scaled(solved["pressure"], PRESSURES)
+    width, metres = usual_unit_of(solved["x"], "m")
+    size, pascals = usual_unit_of(solved["pressure"], "Pa")
     x, pressure = solved["x"] / width, solved["pressure"] / size
     style = PRESSURE
     if solved.sizes["y"] > 1:
@@ -101,18 +92,18 @@ def _across(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _gap(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = scaled(solved["x"], LENGTHS)
+    width, metres = usual_unit_of(solved["x"], "m")
     middle = solved.isel(y=solved.sizes["y"] // 2)
-    size, height = scaled(middle["gap"], FILMS)
+    size, height = usual_unit_of(middle["gap"], "m")
     ax.plot(solved["x"] / width, middle["gap"] / size, **GAP)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"gap [{height}]", title="gap in the middle")
 
 
 def _stress(ax: Axes, solved: xr.Dataset) -> None:
     middle = solved["von_mises"].isel(y=solved.sizes["y"] // 2)
-    width, across = scaled(solved["x"], LENGTHS)
-    depth, metres = scaled(solved["z"], LENGTHS)
-    size, pascals = scaled(middle, PRESSURES)
+    width, across = usual_unit_of(solved["x"], "m")
+    depth, metres = usual_unit_of(solved["z"], "m")
+    size, pascals = usual_unit_of(middle, "Pa")
     if middle.sizes["z"] == 1:
         ax.plot(solved["x"] / width, middle.isel(z=0) / size, **STRESS)
         ax.set(xlabel=f"across [{across}]", ylabel=f"von Mises [{pascals}]")
@@ -129,12 +120,12 @@ def _stress(ax: Axes, solved: xr.Dataset) -> None:
 
 def compare_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
     """Draw the difference of two contacts as a map, and both pressures across the place `at` (x, y) [m]."""
-    size, pascals = scaled(fields["a"], PRESSURES)
-    width, metres = scaled(fields["x"], LENGTHS)
+    size, pascals = usual_unit_of(fields["a"], "Pa")
+    width, metres = usual_unit_of(fields["x"], "m")
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(1 if fields.sizes["y"] == 1 else 2, columns=2, width=4.6, height=3.4)
         if fields.sizes["y"] > 1:
-            length, along = scaled(fields["y"], LENGTHS)
+            length, along = usual_unit_of(fields["y"], "m")
             change = fields["difference"] / size
             largest = float(np.abs(change).max()) or 1.0
             mesh = axes[0].pcolormesh(
@@ -177,8 +168,8 @@ def film_picture(
         figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
         _across(axes[0], contact)
         middle = contact["film"].isel(y=contact.sizes["y"] // 2)
-        width, metres = scaled(contact["x"], LENGTHS)
-        size, height = scaled(middle, FILMS)
+        width, metres = usual_unit_of(contact["x"], "m")
+        size, height = usual_unit_of(middle, "m")
         axes[1].semilogy(contact["x"] / width, middle / size, **GAP)
         axes[1].set(
             xlabel=f"across [{metres}]", ylabel=f"film [{height}]", title="film in the middle"
@@ -197,8 +188,8 @@ def _interferogram(
     """Draw the film near the contact in colours of interference; one line of cells as a band."""
     reach = INTERFEROGRAM * float(contact["hertz_half_width"])
     film = contact["film"].sel(x=slice(-reach, reach))
-    width, across = scaled(film["x"], LENGTHS)
-    length, along = scaled(film["y"], LENGTHS)
+    width, across = usual_unit_of(film["x"], "m")
+    length, along = usual_unit_of(film["y"], "m")
     x, y = film["x"].values / width, film["y"].values / length
     dx, dy = x[1] - x[0], y[1] - y[0] if len(y) > 1 else 1.0
     ax.imshow(

@@ -55,7 +55,7 @@ def test_numbers_are_those_of_the_fields(line_contact: LineContact) -> None:
         }
     )
     assert numbers["contact_area"].unit == "m2 m-1"
-    assert "over the grid's width of 4 mm" in numbers["mean_gap"].label
+    assert "over the grid's width of 4 mm" in numbers["mean_gap"].detail
     assert numbers["peak_pressure"].position == pytest.approx({"x": 0.5e-3, "y": 1.5e-3})
 
 
@@ -200,3 +200,15 @@ def test_the_worn_volume_is_archard_s_within_its_bound() -> None:
     scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=wear)
     worn = cs.solve(scene, error=5e-2, times=(0.0, 50.0)).quantities["worn_volume"]
     assert abs(worn.value - 1e-15 * 1e5 * 0.1 * 50) <= worn.bound < 0.1 * worn.value
+
+
+def test_a_peak_that_stands_again_on_the_other_end_says_where() -> None:
+    steel = cs.HalfSpace(2.1e11, 0.3)
+    shapes = (cs.Cylinder(0.01), cs.FiniteLength(1e-3))
+    contact = cs.solve(
+        cs.Scene(cs.LineLoad(1e5), (steel, steel), shapes), cs.Grid((24, 24), (3e-4, 1.2e-3))
+    )
+    peak = contact.quantities["peak_pressure"]
+    assert peak.position is not None
+    assert peak.label == "peak pressure"
+    assert peak.detail == f", as high at y = {readable(-peak.position['y'], digits=3)}"

@@ -74,9 +74,10 @@ def report(
     repeats: int,
     formats: tuple[str, ...],
 ) -> None:
-    """Run the studies of each CHAPTER and write its page; without one, report.html.
+    """Run the studies of each CHAPTER and write its page.
 
-    CHAPTER is effects, lubrication, trust, cost, the name of any study, or all. What is stored is not computed again.
+    Without a chapter, the page is report.html. CHAPTER is effects, lubrication, trust, cost, the name of any study, or
+    all. What is stored is not computed again.
     With --scene, the page is about that contact, in a folder of its name.
     """
     if scene is not None:
@@ -200,9 +201,9 @@ def run(
     reference: str | None,
     **settings: Any,  # further options of a run
 ) -> None:
-    """Run STUDY, a built-in name, a .py file or a scene in a .toml file, over its axes or those given here.
+    """Run STUDY over its axes, or a scene over those given.
 
-    What is stored in the folder is not computed again.
+    STUDY is a built-in name, a .py file or a scene in a .toml file. What is stored in the folder is not computed again.
     """
     from studies.engine.options import RETRIES, RunOptions
     from studies.engine.run import estimate_cost
@@ -252,9 +253,9 @@ def run(
 @OUT
 @FORMAT
 def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
-    """Draw the figures of STUDY, or the pages of all chapters that are stored, from the netCDF files in the folder.
+    """Draw the figures of STUDY, or the pages of stored chapters.
 
-    STUDY is a built-in name or a .py file. Nothing is solved.
+    They are drawn from the netCDF files in the folder; nothing is solved. STUDY is a built-in name or a .py file.
     """
     from studies.report import page as reporting
     from studies.report.chapters import MAIN
@@ -280,7 +281,7 @@ for command in (compare, explore, new, plan, show, solve, recommendation):
 
 @cli.command()
 def studies() -> None:
-    """List the built-in studies, one a line, with their axes and how many values each has."""
+    """List the built-in studies with the lengths of their axes."""
     for name in (*BUILT_IN, *OPTIONAL):
         study = load(name)
         axes = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in study.points)

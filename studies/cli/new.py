@@ -18,7 +18,10 @@ from contactstudy.domain.checks import suggestion
 )
 @click.option("--list", "listed", is_flag=True, help="List the kinds of scenes, one a line.")
 def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT001 (click's own way)
-    """Write a commented scene of a KIND, such as roller, that plan, solve and run take. No file is replaced."""
+    """Write a commented scene of a KIND, such as roller.
+
+    plan, solve and run take it. No file is replaced.
+    """
     scenes = templates()
     if kind is None:
         if not listed:

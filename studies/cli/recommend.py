@@ -49,9 +49,10 @@ def recommendation(
     as_json: bool,  # noqa: FBT001 (click's own way)
     out: Path,
 ) -> None:
-    """Recommend the quickest padding, grid and tolerance that meet an error, from what was measured.
+    """Recommend the quickest padding, grid and tolerance.
 
-    The rounds stored by an earlier report or recommendation are read; without them they are measured.
+    They are the quickest measured ones that meet an error. The rounds stored by an earlier report or recommendation are
+    read; without them they are measured.
     """
     from studies.report.wording import rivals_text, verdict_text
 

@@ -43,7 +43,10 @@ LONG, LARGE = 60.0, 4e9
 @DEVICE
 @JSON
 def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None:  # noqa: FBT001 (click's own way)
-    """Print the grid and padding that the scene in the TOML file SCENE needs, and its estimated cost."""
+    """Print the grid and padding that SCENE needs, and the cost.
+
+    SCENE is a TOML file.
+    """
     described = cs.read_scene(scene)
     planned = described.plan(on=_device(device, threads))
     if as_json:
@@ -100,9 +103,9 @@ def solve(
     formats: tuple[str, ...],
     as_json: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
-    """Solve the scene in the TOML file SCENE; write its fields as netCDF and a picture of them.
+    """Solve SCENE; write its fields as netCDF and a picture.
 
-    The exit code is 0 if the solution converged, else 1; the result is written in both cases.
+    SCENE is a TOML file. The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
     from studies.cli.solving import solved
     from studies.store.netcdf import check_kind, open_folder

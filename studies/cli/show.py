@@ -43,7 +43,7 @@ def show(
     plot: str,
     as_table: bool,  # noqa: FBT001 (click's own way)
 ) -> None:
-    """Draw what is in FILE: a solution, with pressure, gap, profiles and stress, or a study."""
+    """Draw what is in FILE, a solution or a study."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import open_folder, read_any
 
@@ -193,7 +193,10 @@ def _edges(centres: np.ndarray) -> np.ndarray:
 @click.argument("second", metavar="B", type=click.Path(path_type=Path))
 @out_option("Folder for a picture of the difference.  [default: none is drawn]", None)
 def compare(first: Path, second: Path, out: Path | None) -> None:
-    """Print how B differs from A: two solutions on any grids of one period, or two runs of one study."""
+    """Print how B differs from A.
+
+    Both are solutions on any grids of one period, or runs of one study.
+    """
     import contactstudy as cs
     from contactstudy.domain.files import replacing
     from studies.report.changes import changes

@@ -17,7 +17,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.solve import ReportingSolver, SolveOptions
+from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
 
 if TYPE_CHECKING:
     from contactstudy.accuracy.bounded_solution import BoundedSolution
@@ -246,7 +246,7 @@ class _Request:
         options = self.options
         if self.progress is not None:
             options = replace(options, solver=ReportingSolver(self._seen(problem), options.solver))
-        return contact_of(options.solved(problem, self.first_pressure, self.on))
+        return contact_of(solve_contact(problem, options, self.first_pressure, self.on))
 
     def _seen(self, problem: Problem) -> Callable[[float, Array], None]:
         """Return what takes residual and pressure of each iteration, and reports them as progress."""

@@ -9,7 +9,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.problem.problem import Problem, Source
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Tolerance of the coarse solution, whose difference needs two digits.
 TOLERANCE = 1e-4
@@ -94,7 +94,7 @@ def coarse_solution(
         law = coarse.adhesion.continued(on_cells(attraction, coarse.grid.cells))
         coarse = replace(coarse, adhesion=law)
     tolerance = TOLERANCE if coarse.adhesion is None else ADHESIVE_TOLERANCE
-    solution = SolveOptions(tolerance).solved(coarse, start)
+    solution = solve_contact(coarse, SolveOptions(tolerance), start)
     return None if solution.status.is_failure else solution
 
 

@@ -9,7 +9,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import CohesiveTraction, Solution
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Pull-off load of a cylinder over its JKR limit (large Tabor parameter), by that parameter, for the exponential law;
 # found on grids of 1024 to 4096 cells.
@@ -101,8 +101,8 @@ def _range_error(solution: Solution, adhesion: CohesiveTraction, load: float) ->
     posed = problem.description
     if not adhesion.regularised or not isinstance(posed, PosedScene):
         return None
-    longer = SolveOptions(ADHESIVE_TOLERANCE).solved(
-        posed.scene.problem(halved(problem.grid), posed.padding)
+    longer = solve_contact(
+        posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE)
     )
     changed = abs(longer.load_per_length - load) / abs(load) if load else inf
     return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)

@@ -21,7 +21,7 @@ from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.adhesion import Adhesive
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
 def follow_adhesion(
@@ -110,7 +110,7 @@ def _solved(problem: Problem, last: Solution | None, options: SolveOptions) -> S
     if last is not None:
         law = law.after(last)
         start = last.pressure if last.pressure.any() else None
-    return options.solved(replace(problem, adhesion=law), start)
+    return solve_contact(replace(problem, adhesion=law), options, start)
 
 
 def _frame(time: float, load: float, solution: Solution) -> Frame:

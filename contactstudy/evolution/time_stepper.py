@@ -29,7 +29,7 @@ from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
 # error.
@@ -84,7 +84,9 @@ def solved_or_unloaded(
     if problem.resultant.uniform(1) == 0:
         return unloaded(problem)
     begin = start if start is not None and start.any() else None
-    return replace(options, tolerance=tolerance_factor * options.tolerance).solved(problem, begin)
+    return solve_contact(
+        problem, replace(options, tolerance=tolerance_factor * options.tolerance), begin
+    )
 
 
 @dataclass(eq=False)

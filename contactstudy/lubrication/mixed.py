@@ -16,7 +16,7 @@ from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film
 from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, step_solver
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,9 @@ def _film_start(posed: PosedFilm) -> Film:
 def _dry_start(posed: PosedFilm) -> Film:
     """Return the dry contact on the boundary film, with streamers of lubricant that fill the gaps."""
     equation = posed.equation
-    dry = SolveOptions(tolerance=TUNING.dry_residual).solved(posed.problem).pressure[: len(posed.x)]
+    dry = solve_contact(posed.problem, SolveOptions(tolerance=TUNING.dry_residual)).pressure[
+        : len(posed.x)
+    ]
     contact = np.asarray(dry / posed.scales.hertz.peak_pressure)
     none = np.zeros_like(contact)
     below = (equation.gap + equation.deflection(contact)).min()

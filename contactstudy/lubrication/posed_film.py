@@ -22,7 +22,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import response
 from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Length of the outlet in half-widths, and its growth over sqrt(2 H).
 OUTLET, OUTLET_GROWTH = 1.5, 2.5
@@ -245,7 +245,7 @@ def _dry_pressure(posed: PosedFilm) -> Array:
     """Return the pressure of the dry contact over p_H, averaged over the cells of a coarser grid."""
     (nx, ny), fine = posed.upstream.cells, posed.problem.grid
     across = round(posed.upstream.cell[0] / fine.cell[0])
-    dry = SolveOptions(tolerance=1e-4).solved(posed.problem).pressure[: nx * across]
+    dry = solve_contact(posed.problem, SolveOptions(tolerance=1e-4)).pressure[: nx * across]
     blocks = dry.reshape(nx, across, ny, fine.cells[1] // ny)
     return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
 

@@ -26,7 +26,7 @@ from contactstudy.scene.load import LineLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Transform pairs of the full grid in a solve of a smooth contact to DIGITS, coarser grids included.
 SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
@@ -144,7 +144,7 @@ def timed(
         start = process_time()
         problem = problem_on(grid)
         ready = process_time()
-        solution = SolveOptions(tolerance).solved(problem)
+        solution = solve_contact(problem, SolveOptions(tolerance))
         setup, solve, count = setup + ready - start, solve + process_time() - ready, count + 1
     assert problem.paddings is not None
     timing = Timing(

@@ -25,7 +25,7 @@ from contactstudy.planning.grid_requirements import (
 )
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Cells of a small solution at most, in one and in two dimensions, more of them where the surface is finer; and the
 # tolerance that it is solved to.
@@ -141,7 +141,9 @@ def forecast(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridFo
             halved = list(small.cells)
             halved[axis] = ceil(halved[axis] / 2 ** len(solutions))
             coarser = Grid((halved[0], halved[1]), small.extent)
-            solutions.append(SolveOptions(TOLERANCE).solved(scene.problem(coarser, padding)))
+            solutions.append(
+                solve_contact(scene.problem(coarser, padding), SolveOptions(TOLERANCE))
+            )
         steps = [change(fine, coarse).l1 for fine, coarse in pairwise(solutions)]
         changes[axis] = steps[0] if steps else 0.0
         is_resolved = small.cells[axis] >= 4 * fewest[axis] or not requirements.rough

@@ -26,7 +26,7 @@ from contactstudy.planning.grid_requirements import WIDTH_FACTOR, GridRequiremen
 from contactstudy.planning.grid_search import GridForecast, affordable, contact_width
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Least cells of the first grid (across, along), and of the shortest wavelength; most cells of the first grid.
 FIRST_CELLS, CELLS_PER_WAVE, MAX_FIRST_CELLS = (16, 12), 2, 2**14
@@ -253,7 +253,7 @@ class GridRefinement:
     def _solved(self, grid: Grid, start: Array | None, options: SolveOptions) -> Solution:
         """Return the solution on `grid` from a pressure on another of the same extent."""
         begin = None if start is None else on_cells(start, grid.cells)
-        return options.solved(self.scene.problem(grid, self.padding), begin, self.on)
+        return solve_contact(self.scene.problem(grid, self.padding), options, begin, self.on)
 
     def first(self, extent: tuple[float, float]) -> Grid:
         """Return the first grid: coarse, but fine enough to show the surface, where that takes few cells."""

@@ -87,7 +87,7 @@ class Source(Protocol):
 class FrictionLaw(Protocol):
     """Law that adds shear to the pressure of a frictionless contact."""
 
-    def solved(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
+    def solve(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
         """Return the Solution of a frictionless `problem` with its shear, by SolveOptions, from a pressure [Pa]."""
         ...
 
@@ -95,7 +95,7 @@ class FrictionLaw(Protocol):
 class AdhesionLaw(Protocol):
     """Law that adds attraction to the pressure of a contact."""
 
-    def solved(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
+    def solve(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
         """Return the Solution of a `problem` with its attraction, by SolveOptions, from a pressure [Pa]."""
         ...
 

@@ -29,7 +29,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.solvers.anderson import anderson_mixture
 from contactstudy.solvers.cohesive_law import CohesiveLaw
 from contactstudy.solvers.solution import Branch, CohesiveTraction, Solution, Status
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Change of the traction in the last pass over its sum, in tolerances of the contact.
 CHANGE = 1e3
@@ -87,7 +87,7 @@ class Adhesive:
         """Return the search for the pull-off load to a relative `error`."""
         return PullOffSearch(self, error)
 
-    def solved(
+    def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the solution of the contact `problem` with adhesion, from the state that the branch names."""
@@ -129,12 +129,12 @@ class PullOffSearch:
         """Return this search, which begins with the load of its problem in any case."""
         return self
 
-    def solved(
+    def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the last stable state; its part `adhesion` has the first unstable load."""
         assert isinstance(problem.resultant, PrescribedLoad)
-        last_stable = self.adhesive.solved(problem, options, start, on)
+        last_stable = self.adhesive.solve(problem, options, start, on)
         iterations, convolutions = last_stable.iterations, last_stable.convolutions
         load, first_unstable = problem.resultant.total, -inf
         # just beyond the last stable load the iteration takes long to detach
@@ -146,7 +146,7 @@ class PullOffSearch:
             pull = LOAD_STEP * float(last_stable.adhesion.traction.sum())
             trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
             lowered = replace(problem, resultant=PrescribedLoad(trial))
-            state = self.adhesive.after(last_stable).solved(
+            state = self.adhesive.after(last_stable).solve(
                 lowered, options, last_stable.pressure, on
             )
             iterations += state.iterations
@@ -302,7 +302,7 @@ class _Passes:
             adhesion=None,
         )
         options = replace(self.options, tolerance=self._inner(fraction))
-        contact = options.solved(frozen, pressure, self.on)
+        contact = solve_contact(frozen, options, pressure, self.on)
         self.count += 1
         self.iterations += contact.iterations
         self.convolutions += contact.convolutions

@@ -10,7 +10,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.anderson import anderson_mixture
 from contactstudy.solvers.solution import Solution, Status
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Number of pressures that the next one is mixed of; tolerance of a solve over the change in the pass before.
 DEPTH, FINER = 8, 1e-3
@@ -81,7 +81,7 @@ def solve_lagged(
             gap = gap + lagged(guess)
         coarse = 0.0 if lagged is None else min(FINER * last_change, 1e-4)
         loose = replace(options, tolerance=max(options.tolerance, coarse))
-        solution = loose.solved(replace(problem, undeformed_gap=gap), start)
+        solution = solve_contact(replace(problem, undeformed_gap=gap), loose, start)
         passes += 1
         iterations += solution.iterations
         convolutions += solution.convolutions
@@ -125,7 +125,7 @@ def solve_coupled(
     max_passes
         Limit of the number of passes.
     """
-    solution = options.solved(problem, start, on)
+    solution = solve_contact(problem, options, start, on)
     if not solution.pressure.any():
         return solution
     iterations, convolutions, passes = solution.iterations, solution.convolutions, 1
@@ -137,7 +137,7 @@ def solve_coupled(
             break
         added = displacement
         lowered = replace(problem, undeformed_gap=problem.undeformed_gap + added)
-        solution = options.solved(lowered, solution.pressure, on)
+        solution = solve_contact(lowered, options, solution.pressure, on)
         iterations += solution.iterations
         convolutions += solution.convolutions
         passes += 1

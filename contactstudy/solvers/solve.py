@@ -77,79 +77,82 @@ class SolveOptions:
             "it must be a whole number of at least 0",
         )
 
-    def solved(
-        self,
-        problem: Problem,
-        start: Array | None = None,
-        on: Device = Cpu(),  # noqa: B008 (a frozen value)
-    ) -> Solution:
-        """Return the solution of a problem.
 
-        Parameters
-        ----------
-        problem
-            The contact in SI units.
-        start
-            Pressure (x, y) [Pa] to begin with; None begins on coarser grids.
-        on
-            The device that the fields of the iteration are held on.
+def solve_contact(
+    problem: Problem,
+    options: SolveOptions = SolveOptions(),
+    start: Array | None = None,
+    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+) -> Solution:
+    """Return the solution of a problem.
 
-        Returns
-        -------
-        Solution
-            Fields in SI units, and a status; a solve that did not converge returns too.
+    Parameters
+    ----------
+    problem
+        The contact in SI units.
+    options
+        Accuracy and method.
+    start
+        Pressure (x, y) [Pa] to begin with; None begins on coarser grids.
+    on
+        The device that the fields of the iteration are held on.
 
-        Raises
-        ------
-        InvalidInput
-            If the start is no pressure on the grid, or the device cannot hold or solve the problem.
-        """
-        if not isinstance(problem, Problem):
-            raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
-        if start is not None:
-            start = _finite_pressure(start, problem)
-        if problem.friction is not None:
-            frictionless = replace(problem, friction=None)
-            solution: Solution = problem.friction.solved(frictionless, self, start, on)
-            return replace(solution, problem=problem)
-        if problem.adhesion is not None:
-            adhered: Solution = problem.adhesion.solved(problem, self, start, on)
-            return adhered
-        if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
-            return _without_pressure(problem)
-        if isinstance(on, Cpu):
-            refuse_solve(problem, self.precision)
-        else:
-            _refuse_other_device(checked(on, "solve.on"), problem, self.precision)
-        if start is not None:
-            start = _admitted(start, problem, self.precision)
-        with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            bare = problem.bare(self.precision)
-            last = self.solver.iterate(
-                bare,
-                tolerance=self.tolerance,
-                max_iterations=self.max_iterations,
-                start=None if start is None else on.put(start),
-            )
-        pressure, displacement = on.take(last.pressure), on.take(last.displacement)
-        last = replace(last, pressure=pressure, displacement=displacement)
-        status, scales = _status(bare, last, self, problem), problem.scales
-        displacement = in_double(displacement, scales.gap)
-        approach = last.approach * scales.gap + problem.datum
-        gap = problem.undeformed_gap + displacement
-        gap -= approach
-        return Solution(
-            problem=problem,
-            pressure=problem.constraint.in_unit(pressure, scales.pressure),
-            displacement=displacement,
-            gap=gap,
-            approach=approach,
-            status=status,
-            iterations=last.iterations,
-            convolutions=last.convolutions,
-            residual=last.residual,
-            note=last.note,
+    Returns
+    -------
+    Solution
+        Fields in SI units, and a status; a solve that did not converge returns too.
+
+    Raises
+    ------
+    InvalidInput
+        If the start is no pressure on the grid, or the device cannot hold or solve the problem.
+    """
+    if not isinstance(problem, Problem):
+        raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
+    if start is not None:
+        start = _finite_pressure(start, problem)
+    if problem.friction is not None:
+        frictionless = replace(problem, friction=None)
+        solution: Solution = problem.friction.solve(frictionless, options, start, on)
+        return replace(solution, problem=problem)
+    if problem.adhesion is not None:
+        adhered: Solution = problem.adhesion.solve(problem, options, start, on)
+        return adhered
+    if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
+        return _without_pressure(problem)
+    if isinstance(on, Cpu):
+        refuse_solve(problem, options.precision)
+    else:
+        _refuse_other_device(checked(on, "solve.on"), problem, options.precision)
+    if start is not None:
+        start = _admitted(start, problem, options.precision)
+    with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        bare = problem.bare(options.precision)
+        last = options.solver.iterate(
+            bare,
+            tolerance=options.tolerance,
+            max_iterations=options.max_iterations,
+            start=None if start is None else on.put(start),
         )
+    pressure, displacement = on.take(last.pressure), on.take(last.displacement)
+    last = replace(last, pressure=pressure, displacement=displacement)
+    status, scales = _status(bare, last, options, problem), problem.scales
+    displacement = in_double(displacement, scales.gap)
+    approach = last.approach * scales.gap + problem.datum
+    gap = problem.undeformed_gap + displacement
+    gap -= approach
+    return Solution(
+        problem=problem,
+        pressure=problem.constraint.in_unit(pressure, scales.pressure),
+        displacement=displacement,
+        gap=gap,
+        approach=approach,
+        status=status,
+        iterations=last.iterations,
+        convolutions=last.convolutions,
+        residual=last.residual,
+        note=last.note,
+    )
 
 
 def _refuse_other_device(on: Device, problem: Problem, precision: Precision) -> None:

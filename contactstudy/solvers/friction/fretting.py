@@ -17,7 +17,7 @@ from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.laws import with_traction
 from contactstudy.solvers.friction.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, Status, worst
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,11 +38,11 @@ class FrettingShear:
     fractions: tuple[float, ...]
     response: ShearResponse
 
-    def solved(
+    def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the normal contact with the shear after the last force, and the history of slip."""
-        normal = options.solved(problem, start, on)
+        normal = solve_contact(problem, options, start, on)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
         applications, residual, statuses = 0, 0.0, [Status.CONVERGED]

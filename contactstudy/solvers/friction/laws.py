@@ -12,7 +12,7 @@ from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import slip_step
 from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.solution import Solution, Status, Traction
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Errors fall by at least 1.7 from one pass to the next where both bodies are elastic and friction is below 1.
 MAX_PASSES = 200
@@ -29,7 +29,7 @@ class FullSliding:
     coefficient: float
     coupling: GeneralConvolution | None
 
-    def solved(
+    def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the solution under shear, in one pass or with the shear of the pass before until it no longer changes.
@@ -39,7 +39,7 @@ class FullSliding:
         """
         coupling = self.coupling
         if coupling is None:
-            solution = options.solved(problem, start, on)
+            solution = solve_contact(problem, options, start, on)
             return replace(solution, traction=self.traction(solution.pressure))
         passes = 0
 
@@ -74,17 +74,17 @@ class CiavarellaJaeger:
     coefficient: float
     fraction: float
 
-    def solved(
+    def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the solution with its shear from two normal contacts; its status is that of the worse."""
-        outer = options.solved(problem, start, on)
+        outer = solve_contact(problem, options, start, on)
         if self.fraction == 0:
             shear = np.zeros((2, *outer.pressure.shape))
             stick = outer.pressure > 0
             return replace(outer, traction=Traction(shear, stick, "Ciavarella-Jaeger", 1))
         reduced = replace(problem, resultant=problem.resultant.scaled(1 - abs(self.fraction)))
-        inner = options.solved(reduced, outer.pressure, on)
+        inner = solve_contact(reduced, options, outer.pressure, on)
         across = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
         across *= np.sign(self.fraction)
         # to the exact resultant after clipping
@@ -109,11 +109,11 @@ class CoulombDisks:
     fraction: float
     response: ShearResponse
 
-    def solved(
+    def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the normal contact with its shear, by one step from no shear."""
-        normal = options.solved(problem, start, on)
+        normal = solve_contact(problem, options, start, on)
         limit = self.coefficient * normal.pressure
         step = slip_step(
             self.response,

@@ -29,7 +29,7 @@ from contactstudy.solvers.friction.rolling_traction import Creepage, RollingTrac
 from contactstudy.solvers.friction.slip import RollingSlip
 from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.solution import Solution, Status, Traction
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fewest cells along an axis of a coarser grid.
 COARSEST = 24
@@ -103,7 +103,7 @@ class TractiveShear:
     coupling: Coupling | None
     note: str = ""
 
-    def solved(
+    def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the normal contact with its shear; for dissimilar bodies, iterated until neither changes."""
@@ -124,7 +124,7 @@ class TractiveShear:
         if self.coupling is not None:
             normal = solve_coupled(problem, lagged, options, start, on, MAX_PASSES)
         else:
-            normal = options.solved(problem, start, on)
+            normal = solve_contact(problem, options, start, on)
             if normal.pressure.any():
                 lagged(normal.pressure)
         if state is None:

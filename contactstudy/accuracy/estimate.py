@@ -360,7 +360,10 @@ def _no_peak(inside: Subcell, *, isolated: bool, sharp_end: bool) -> str:
     """
     reason = ""
     if inside.corner > SHARP_RISE:
-        reason = f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, or ask for another quantity"
+        reason = (
+            f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, close the seam of a measured surface, or "
+            "ask for another quantity"
+        )
     elif sharp_end:
         reason = "the roller bears pressure up to its sharp end, where it is infinite: give a profile that drops more"
     elif isolated:

@@ -96,7 +96,10 @@ class Turn(Enum):
 
 @dataclass(frozen=True)
 class MeasuredFile:
-    """Measured surface given by its file; a relative path starts at the folder of the scene file."""
+    """Measured surface given by its file; a relative path starts at the folder of the scene file.
+
+    Beside no curved shape its width is made periodic as its length is, unless `seam_across` says otherwise.
+    """
 
     file: str
     extent: tuple[Metres, Metres] | None = None
@@ -104,11 +107,13 @@ class MeasuredFile:
     missing: Missing = field(default_factory=RefuseMissing)
     trend: Trend = Trend.PLANE
     seam: Seam = field(default_factory=Tapered)
+    seam_across: Seam | None = None
     turn: Turn = Turn.NONE
     window: Window | None = None
 
-    def shape(self, folder: Path, _: ProfileContext) -> MeasuredSurface:
+    def shape(self, folder: Path, context: ProfileContext) -> MeasuredSurface:
         """Return the surface, read from the file."""
+        curvature, _ = context
         path = folder / self.file
         if not path.is_file():
             raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give a file that is there.")
@@ -119,6 +124,7 @@ class MeasuredFile:
             missing=self.missing,
             trend=self.trend,
             seam=self.seam,
+            seam_across=self.seam_across or (None if curvature else self.seam),
         )
         surface = surface if self.window is None else surface.cut(self.window)
         return surface.turned() if self.turn is Turn.QUARTER else surface

@@ -110,6 +110,6 @@ def _measured(surface: MeasuredSurface, number: int, beside: Path | None) -> dic
     else:
         table["file"] = f"{beside.stem}-surface-{number}.nc"
         surface.write(beside.parent / table["file"])
-    for name in ("missing", "trend", "seam"):
+    for name in ("missing", "trend", "seam", "seam_across"):
         table[name] = _plain(getattr(surface, name), f"Scene.shapes[{number}].{name}")
     return table

@@ -60,6 +60,8 @@ class MeasuredSurface:
         Polynomial subtracted from all points, applied second.
     seam
         Rule that makes the length periodic, applied last.
+    seam_across
+        Rule that makes the width periodic, for a flat that repeats across; unchanged heights otherwise.
     file
         File that the heights were read from, if any.
     is_turned
@@ -85,6 +87,7 @@ class MeasuredSurface:
     window: Window | None = field(default=None, compare=False, repr=False)
     unit: str | None = field(default=None, compare=False, repr=False)
     file_extent: tuple[Metres, Metres] | None = field(default=None, compare=False, repr=False)
+    seam_across: Seam = field(default_factory=AsMeasured)
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -106,6 +109,7 @@ class MeasuredSurface:
             ("missing", "fill", "RefuseMissing()"),
             ("trend", "subtracted", "Trend.PLANE"),
             ("seam", "close", "Mirrored()"),
+            ("seam_across", "close", "Mirrored()"),
         ):
             value = getattr(self, name)
             if isinstance(value, type) or not hasattr(value, duty):
@@ -126,6 +130,7 @@ class MeasuredSurface:
         missing: Missing | None = None,
         trend: Trend = Trend.PLANE,
         seam: Seam | None = None,
+        seam_across: Seam | None = None,
     ) -> Self:
         """Read a surface from a file; by default its tilt is subtracted and its ends are tapered.
 
@@ -138,8 +143,9 @@ class MeasuredSurface:
             Size (width, length) [m] of a file without sizes. Rows of numbers without it are heights of the grid's cells.
         unit
             Unit of the numbers in a file without units, such as ``"um"``.
-        missing, trend, seam
-            As for the class; the defaults are to refuse missing points, ``Trend.PLANE`` and ``Tapered()``.
+        missing, trend, seam, seam_across
+            As for the class; the defaults are to refuse missing points, ``Trend.PLANE``, ``Tapered()`` and
+            ``AsMeasured()``.
 
         Raises
         ------
@@ -157,6 +163,7 @@ class MeasuredSurface:
             named,
             unit=unit,
             file_extent=extent,
+            seam_across=seam_across or AsMeasured(),
         )
 
     @property
@@ -169,7 +176,8 @@ class MeasuredSurface:
         tilt = [1e6 * rise for rise in Trend.rise(self.missing.fill(self.heights))]
         plane = f"a plane that rises {tilt[0]:.3g} um across and {tilt[1]:.3g} um along"
         verb = "has" if self.trend.value < Trend.PLANE.value else "was freed of"
-        return f"{points} points {size}; the surface {verb} {plane}; ends: {self.seam!r}"
+        ends = f"{self.seam!r} along, {self.seam_across!r} across"
+        return f"{points} points {size}; the surface {verb} {plane}; ends: {ends}"
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the heights to a netCDF file that :meth:`read` reads."""
@@ -202,7 +210,8 @@ class MeasuredSurface:
         """Return this surface with the extent that it has on `grid`, so that it can be put on others."""
         if self.extent is not None:
             return self
-        return replace(self, extent=(grid.extent[0], grid.period / self.seam.lengths))
+        width, length = grid.extent
+        return replace(self, extent=(width / self.seam_across.lengths, length / self.seam.lengths))
 
     @property
     def curvature(self) -> float:
@@ -232,7 +241,7 @@ class MeasuredSurface:
             repeat=period if along.any() else 0.0,
             height=height,
             slope=slope,
-            widest=extent[0],
+            widest=self.seam_across.lengths * extent[0],
             spacing=steps,
         )
 
@@ -243,47 +252,47 @@ class MeasuredSurface:
     def gap(self, grid: Grid) -> Array:
         """Return depths below the datum [m], of shape (width, length), or (nx, 1) if all is one profile."""
         heights = self._complete()
-        if (heights == heights[:, :1]).all():
-            heights, period = heights[:, :1], None
-        else:
-            heights, period = self._period(heights, grid)
+        is_profile = bool((heights == heights[:, :1]).all())
+        if is_profile:
+            heights = heights[:, :1]
         if self.extent is None:
-            return self._on_cells(heights, grid)
+            heights = heights if is_profile else self.seam.close(heights)
+            return self._on_cells(self.seam_across.close(heights.T).T, grid)
+        if not is_profile:
+            heights = self._periodic(heights, 1, self.seam, grid)
+        if not isinstance(self.seam_across, AsMeasured):
+            return -self._periodic(heights, 0, self.seam_across, grid)
         width = self.extent[0]
         if grid.extent[0] > width * (1 + 1e-9):
             raise InvalidInput(
                 f"MeasuredSurface.extent is {self.extent!r}: give a grid no wider than that, which is "
                 f"{grid.extent[0]!r} m wide, or a wider surface."
             )
-        heights = cell_means(
+        return -cell_means(
             heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot"
         )
-        if period is not None:
-            heights = cell_means(
-                heights, 1, extent=period, cells=grid.cells[1], width=grid.period, ends="periodic"
-            )
-        return -heights
 
-    def _period(self, heights: Array, grid: Grid) -> tuple[Array, float | None]:
-        """Return one period of the surface, or of its middle where the grid's is shorter, and its length [m]."""
-        if self.extent is None:
-            return self.seam.close(heights), None
-        count, length = heights.shape[1], self.extent[1]
-        piece = grid.period / self.seam.lengths
+    def _periodic(self, heights: Array, axis: int, seam: Seam, grid: Grid) -> Array:
+        """Return means over the cells along an axis of one period, or of its middle where the grid's is shorter."""
+        assert self.extent is not None
+        count, length = heights.shape[axis], self.extent[axis]
+        piece = grid.extent[axis] / seam.lengths
         if piece < length * (1 - 1e-9):
             # a spacing no larger than measured, independent of the grid's cells
             points = ceil(count * piece / length - 1e-9)
             heights = cell_means(
-                heights, 1, extent=length, cells=points, width=piece, ends="not-a-knot"
+                heights, axis, extent=length, cells=points, width=piece, ends="not-a-knot"
             )
             length = piece
-        period = self.seam.lengths * length
-        divides("MeasuredSurface period", period, grid.period)
-        return self.seam.close(heights), period
+        period = seam.lengths * length
+        divides("MeasuredSurface period", period, grid.extent[axis])
+        closed = seam.close(heights) if axis else seam.close(heights.T).T
+        cells, width = grid.cells[axis], grid.extent[axis]
+        return cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")
 
     def _on_cells(self, heights: Array, grid: Grid) -> Array:
         count = self.heights.shape[1]
-        points = (len(heights), 1 if count == 1 else count * self.seam.lengths)
+        points = len(heights), 1 if count == 1 else count * self.seam.lengths
         if points not in (grid.cells, (grid.cells[0], 1)):
             raise InvalidInput(
                 f"MeasuredSurface.heights has {points} points in a period: give a grid of as many "

@@ -401,6 +401,21 @@ def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_
     assert cs.read_scene(tmp_path / "again.toml").scene == read.scene
 
 
+def test_a_measured_flat_repeats_across_by_the_rule_of_its_length(tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "heights.csv", np.arange(72.0).reshape(8, 9) ** 2, delimiter=",")
+    surface = 'kind = "MeasuredSurface"\nfile = "heights.csv"\nextent = [1e-3, 2e-3]\nunit = "um"'
+    solids = '[[solids]]\nmaterial = "steel"\n' * 2
+    for seam, expected in (
+        ("", cs.Tapered()),
+        ('seam = "Mirrored"', cs.Mirrored()),
+        ('seam_across = "AsMeasured"', cs.AsMeasured()),
+    ):
+        read = described(f"load.per_length = 1e5\n{solids}[[shapes]]\n{surface}\n{seam}", tmp_path)
+        assert read.scene.shapes[0].seam_across == expected
+        cs.write_scene(read, tmp_path / "again.toml")
+        assert cs.read_scene(tmp_path / "again.toml").scene == read.scene
+
+
 def test_a_table_in_single_brackets_is_answered_with_double_ones(tmp_path: Path) -> None:
     text = STEEL_ROLLER.replace("[[shapes]]", "[shapes]").replace(
         'total = "2 kN"', "per_length = 1e5"

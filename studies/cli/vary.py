@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from contactstudy import InvalidInput, read_scene
+from contactstudy import InvalidInput
 from studies.cli.options import figures_option
 
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
         if field in fields:
             raise InvalidInput(f"--vary names {field} twice: write all its values in one list.")
         fields[field] = values.strip()
+    from contactstudy import read_scene
     from studies.scene_study.study_of import study_of
 
     described = read_scene(name)
@@ -79,6 +80,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
 
     Raises :class:`~contactstudy.InvalidInput` for a value that the study does not vary.
     """
+    from contactstudy import read_scene
     from studies.advice.reference_error import against
     from studies.scene_study.variation import variation
 

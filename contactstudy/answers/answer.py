@@ -8,7 +8,7 @@ from itertools import islice
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.io.quantities import Quantities, as_text
 from contactstudy.solvers.solution import Status
@@ -17,6 +17,15 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+# What to change where the bound is too large, by the cause of its largest part.
+REMEDIES = {
+    "truncation": "the images that the padding leaves out: give ExactPeriodicity",
+    "discretisation": "the cells: give a grid of more cells",
+    "residual": "the residual of the solver: give a smaller tolerance",
+    "steps": "the steps in time: give them a smaller error",
+    "inlet": "the finite inlet: give a wider grid",
+    "range": "the range of the attraction: give a grid of more cells",
+}
 # Quantities in a representation, which has ten lines with the accuracy and the status.
 SHOWN = 8
 
@@ -70,27 +79,32 @@ class Answer:
         raise NotImplementedError
 
     @property
-    def judged(self) -> tuple[str, float]:
-        """Name of the error measure of the requested accuracy, and its bound."""
-        return "in L1", self.error.l1.total
+    def judged(self) -> tuple[str, ErrorParts]:
+        """Name of the error measure of the requested accuracy, and its bound by cause."""
+        return "in L1", self.error.l1
 
     @property
     def met(self) -> bool | None:
         """True if the bound meets the requested accuracy; None without a request."""
         if self.requested is None:
             return None
-        return self.judged[1] <= self.requested
+        return self.judged[1].total <= self.requested
 
     @property
     def accuracy(self) -> str:
         """Sentence on the accuracy, such as ``1 % met: 0.7 % in L1``."""
-        measure, bound = self.judged
+        measure, parts = self.judged
+        bound = parts.total
         reached = f"{100 * bound:.2g} % {measure}" if isfinite(bound) else f"no bound {measure}"
         if self.requested is None:
             return f"error at most {reached}" if isfinite(bound) else reached
         why = "" if self.met else self.error.l1.reason
         if not (why or isfinite(bound)):
             why = next(iter(self.error.warnings), "")
+        elif not (why or self.met):
+            why = (
+                f"most of it is by {REMEDIES[max(parts.by_cause, key=parts.by_cause.__getitem__)]}"
+            )
         verdict = "met" if self.met else "not met"
         return f"{100 * self.requested:g} % {verdict}: {reached}{f'; {why}' * bool(why)}"
 

@@ -125,10 +125,10 @@ class Contact(Answer, Solution):
         return contact_quantities(self, self.error, self.derived, self.rolling)
 
     @property
-    def judged(self) -> tuple[str, float]:
+    def judged(self) -> tuple[str, ErrorParts]:
         """The bound of the load of separation where that is sought, else of the pressure in L1."""
         if self.error.pull_off is not None:
-            return "in the pull-off load", self.error.pull_off.total
+            return "in the pull-off load", self.error.pull_off
         return super().judged
 
     @property

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from contactstudy.answers.answer import Answer, Counts
-from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.film_quantities import film_quantities
 from contactstudy.io.quantities import Quantities
@@ -45,10 +45,11 @@ class LubricatedContact(Answer, FilmSolution):
         return film_quantities(self, self.error)
 
     @property
-    def judged(self) -> tuple[str, float]:
+    def judged(self) -> tuple[str, ErrorParts]:
         """The larger bound of the central and the minimum film thickness."""
         films = self.error.central_film, self.error.minimum_film
-        return "in the film", max(parts.total for parts in films if parts is not None)
+        known = [parts for parts in films if parts is not None]
+        return "in the film", max(known, key=lambda parts: parts.total)
 
     @property
     def counts(self) -> Counts:

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 # smooth contacts against the closed form, and less in 16 rough ones. Cells by which the zone may be wider for its
 # largest slip, which grows as the width to the power of 3/2: at most 1.1.
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
+# Relative difference of largest values that are equal but for the residual of the solver.
+SYMMETRY = 1e-7
 NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is one cell wide; solve again on cells of half the width."
 )
@@ -291,6 +293,10 @@ def _of_stress(
     strength = min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
     if strength < inf and largest:
         margin = Quantity(strength / largest, "1", "yield strength over von Mises stress")
+        error = estimate.largest_von_mises
+        if error is not None and error.total < 1:
+            bound = margin.value * error.total / (1 - error.total)
+            margin = replace(margin, bound=bound, reason="")
         numbers["safety_factor"] = margin
     return numbers
 
@@ -310,14 +316,19 @@ def _half_width(touching: np.ndarray, dx: float) -> float:
 def _largest(
     values: Array, axes: Mapping[str, Array], dimensions: Sequence[str] = ("x", "y")
 ) -> tuple[float, dict[str, float]]:
-    """Return the largest value and where it is, of equal ones the one nearest to the middle; one cell has no place."""
+    """Return the largest value and where it is: of equal ones the nearest to the middle, between two of them the mean.
+
+    One cell has no place.
+    """
     largest = values.max()
-    indices = np.argwhere(values >= largest * (1 - 1e-9) if largest > 0 else values == largest)
-    middle = np.array([(size - 1) / 2 for size in values.shape])
-    index = indices[np.abs(indices - middle).sum(axis=1).argmin()]
+    equal = values >= largest * (1 - SYMMETRY) if largest > 0 else values == largest
+    indices = np.argwhere(equal)
+    distances = np.abs(indices - [(size - 1) / 2 for size in values.shape]).sum(axis=1)
+    nearest = indices[distances == distances.min()]
+    neighbours = nearest[np.abs(nearest - nearest[0]).max(axis=1) <= 1]
     position = {
-        name: float(axes[name][at])
-        for name, at in zip(dimensions, index, strict=True)
+        name: float(axes[name][at].mean())
+        for name, at in zip(dimensions, neighbours.T, strict=True)
         if name in axes and len(axes[name]) > 1
     }
     return float(largest), position

@@ -17,7 +17,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.io.quantities import Quantities
+from contactstudy.io.quantities import Quantities, own_length, per_length
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.problem.problem import Field, Sheared
 from contactstudy.scene.load import ChangingLoad, ConstantLoad
@@ -280,7 +280,9 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             for name, units, long_name, *dimensions in labels
         }
 
-    area = labelled("time", evolution.contact_area, "m2", "contact area of the grid")
+    length = own_length(evolution.description.scene)
+    of_one = per_length(1.0, "m2", "contact area", length, grid.period)
+    area = labelled("time", evolution.contact_area * of_one.value, of_one.unit, of_one.label)
     statuses = [frame.status for frame in frames]
     dataset = xr.Dataset(
         over_time(

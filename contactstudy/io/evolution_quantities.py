@@ -94,10 +94,22 @@ def evolution_quantities(
             slid, "m", "largest distance slipped", inf, NO_BOUND_OF_SLIP
         )
     if "residual_displacement" in fields:
-        dent = float(np.abs(fields["residual_displacement"].values).max())
-        numbers["dent_depth"] = Quantity(
-            dent, "m", "depth of the dent at the end", inf, NO_BOUND_OF_STRAIN
-        )
+        left = fields[
+            "residual_displacement"
+        ].values  # into the bodies, from the undeformed surface
+        for name, height, words in (
+            (
+                "dent_depth",
+                left.max(),
+                "depth of the dent at the end, below the undeformed surface",
+            ),
+            (
+                "shoulder_height",
+                -left.min(),
+                "height of its shoulders, above the undeformed surface",
+            ),
+        ):
+            numbers[name] = Quantity(float(height), "m", words, inf, NO_BOUND_OF_STRAIN)
     for name, stress in plastic_fields.items():
         if name.startswith("residual_stress"):
             of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""

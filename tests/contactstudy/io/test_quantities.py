@@ -99,9 +99,21 @@ def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
     von_mises = contact.to_dataset()["von_mises"]
     number = contact.quantities["largest_von_mises"]
     assert number.value == float(von_mises.max())
-    at = von_mises.sel(x=number.position["x"], z=number.position["z"])
+    at = von_mises.sel(x=number.position["x"], z=number.position["z"], method="nearest")
+    assert number.position["x"] == pytest.approx(0, abs=1e-12)  # the middle, between two cells
     assert float(at.max()) == pytest.approx(number.value, rel=1e-9)
     assert contact.quantities["largest_von_mises_depth"].value == number.position["z"]
+
+
+def test_a_safety_factor_holds_within_the_bound_of_the_stress(line_contact: LineContact) -> None:
+    steel = replace(STEEL, yield_strength=1e9)
+    outputs = (cs.SubsurfaceStress((2e-5, 4e-5, 8e-5)),)
+    scene = replace(line_contact.scene, solids=(steel, steel), outputs=outputs)
+    numbers = cs.solve(scene, line_contact.grid((32, 1), 1.4), cs.ExactPeriodicity()).quantities
+    stress, factor = numbers["largest_von_mises"], numbers["safety_factor"]
+    assert factor.value * stress.value == pytest.approx(1e9)
+    # the least stress that the bound allows gives the largest factor
+    assert factor.value + factor.bound == pytest.approx(1e9 / (stress.value - stress.bound))
 
 
 ROWS = {

@@ -92,21 +92,17 @@ def report(
         path = write_scene(measured, folder, with_png(formats))
         click.echo(f"report: wrote {path}")
         return
-    from studies.engine.cluster import Cluster
     from studies.engine.options import RunOptions
     from studies.report import page as reporting
     from studies.report.chapters import chapters
 
     chosen = chapters(chapter)
     options = RunOptions(workers=workers, repeats=repeats)
-    with Cluster(workers, log=click.echo) as cluster:
-        executor = cluster if workers else None
-        for page_chapter in chosen:
-            path = reporting.make(
-                page_chapter, out, options=options, log=click.echo, executor=executor,
-                formats=with_png(formats),
-            )  # fmt: skip
-            click.echo(f"report: wrote {path}")
+    for page_chapter in chosen:
+        path = reporting.make(
+            page_chapter, out, options=options, log=click.echo, formats=with_png(formats)
+        )
+        click.echo(f"report: wrote {path}")
     for path in reporting.write_stored(out, chosen):
         click.echo(f"report: wrote {path}")
 

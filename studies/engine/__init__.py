@@ -1,1 +1,1 @@
-"""Computation of cases: the run, executors, supervised workers, timing, forecasts. May import `store` and `model`."""
+"""Computation of cases: what is stored and missing, dask, supervised workers, timing. May import `store` and `model`."""

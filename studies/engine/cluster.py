@@ -10,18 +10,17 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from time import monotonic
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import cloudpickle
 
 from contactstudy import InvalidInput
-from studies.engine.executors import packed
 from studies.engine.stop import Stop
 from studies.engine.workers.compute import failed
-from studies.engine.workers.process import Worker
+from studies.engine.workers.process import Worker, packed
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Finished, Outcome, Work
 
@@ -33,156 +32,165 @@ BATCHES_AHEAD = 3  # batches for each thread of a worker, so that it does not wa
 CHECK_INTERVAL = 1.0  # seconds between two checks of the workers and of lost batches
 POLL_INTERVAL = 0.05  # seconds between two checks for outcomes
 STOP_TIMEOUT = 5.0  # seconds to collect finished batches when a run is stopped
+PATIENCE = 10.0  # seconds in which a lost scheduler may come back; it gets unfinished cases again
 LOOPBACK = "127.0.0.1:0"
 
 
 class Workers:
-    """Worker processes of this process, each taken by a thread for one batch at a time."""
+    """Worker processes of this process by a name, each taken by a thread for one batch at a time."""
 
-    def __init__(self) -> None:
+    by_name: ClassVar[dict[str, "Workers"]] = {}
+
+    def __init__(self, name: str) -> None:
+        self.name = name
         self._lock = threading.Lock()
         self._idle: list[Worker] = []
         self._all: list[Worker] = []
+        self.by_name[name] = self
 
     @contextmanager
     def reserved(self, work: bytes) -> Iterator[Worker]:
-        """Reserve a worker with the pickled `work` for a block: an idle one, or a new one."""
+        """Reserve a worker for the pickled `work` for a block: an idle one, or a new one."""
         with self._lock:
-            if not self._idle:
-                self._idle.append(Worker(work))
-                self._all.append(self._idle[-1])
-            worker = self._idle.pop()
-        worker.set_work(work)
+            worker = self._idle.pop() if self._idle else None
+            if worker is None or worker.work != work:
+                if worker is not None:
+                    self._all.remove(worker)
+                    worker.end()
+                worker = Worker(work)
+                self._all.append(worker)
         try:
             yield worker
         finally:
             with self._lock:
-                if not worker.has_ended:
+                if not worker.over.is_set():
                     self._idle.append(worker)
 
     def end(self) -> None:
-        """End all processes at once."""
+        """End all processes at once; batches that still wait for them are not computed."""
+        self.by_name.pop(self.name, None)
         with self._lock:
             ended, self._all, self._idle = self._all, [], []
         for worker in ended:
             worker.end()
 
 
-# workers of each run of this process, by its token; and those of this dask worker for runs elsewhere
-WORKERS_OF_RUN: dict[str, Workers] = {}
-WORKERS_OF_DASK = Workers()
+ELSEWHERE = ""  # name of the workers that this process has for runs elsewhere
+Workers(ELSEWHERE)
 
 
-def compute_batch(token: str, work: bytes, batch: bytes, names: Sequence[str]) -> list[Outcome]:
+def compute_batch(
+    workers: str, work: bytes, limit: float | None, batch: bytes, names: Sequence[str]
+) -> list[Outcome]:
     """Compute a batch of cases on a dask worker, in a process that is kept for the next batch.
 
     Returns the outcomes that were there after a quarter of a second; none where the run is over, or where the cases
     cannot be read together.
     """
-    workers = WORKERS_OF_RUN.get(token) if token else WORKERS_OF_DASK
-    if workers is None:  # the run in this process is over
+    present = Workers.by_name.get(workers)
+    if present is None:  # the run in this process is over
         return []
     from distributed import get_worker
 
-    address = "" if token else str(get_worker().address)
-    with workers.reserved(work) as worker:
-        return [replace(outcome, worker=address) for outcome in worker.run(batch, names)]
+    address = str(get_worker().address) if workers == ELSEWHERE else ""
+    with present.reserved(work) as worker:
+        return [replace(outcome, worker=address) for outcome in worker.run(batch, names, limit)]
 
 
-@dataclass
-class Cluster:
-    """An executor on dask, in a ``with`` statement.
+@contextmanager
+def dask_here(threads: int, log: Callable[[str], object]) -> "Iterator[Client]":
+    """Run dask in this process for a block, since an idle one takes 3 % of a core, and provide its client."""
+    from distributed import Client, LocalCluster
 
-    The worker processes are kept from one study to the next. If one dies, its case alone is lost; if a dask
-    worker is lost, the scheduler gives its cases to another.
+    with (
+        LocalCluster(
+            n_workers=1,
+            threads_per_worker=threads,
+            processes=False,
+            # without an address, they would listen to other machines
+            dashboard_address=LOOPBACK,
+            worker_dashboard_address=LOOPBACK,
+            memory_limit=0,  # cases use the memory of their own processes
+            silence_logs=logging.CRITICAL,
+        ) as cluster,
+        Client(cluster, set_as_default=False) as client,
+    ):
+        if find_spec("bokeh"):
+            log(f"dask shows its work at {client.dashboard_link}")
+        yield client
+
+
+@contextmanager
+def dask_at(address: str, patience: float) -> "Iterator[Client]":
+    """Provide a client of the scheduler at an address for a block."""
+    from distributed import Client
+
+    # errors of the connection are reported here
+    loggers = [logging.getLogger(name) for name in ("distributed", "tornado.application")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        try:
+            if ":" not in address:
+                raise ValueError(address)
+            client = Client(address, timeout=patience, set_as_default=False)
+        except (OSError, ValueError, TypeError, RuntimeError) as error:
+            raise InvalidInput(
+                f"Scheduler {address!r} cannot be reached ({type(error).__name__}): give the address that "
+                "'dask scheduler' shows, such as tcp://127.0.0.1:8786."
+            ) from None
+        with client:
+            yield client
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+def compute_on_dask(
+    cases: Mapping[str, Computation],
+    work: Work,
+    finished: Finished,
+    stop: Stop,
+    *,
+    workers: int = 2,
+    address: str | None = None,
+    patience: float = PATIENCE,
+    log: Callable[[str], object] = lambda text: None,
+) -> None:
+    """Compute cases in worker processes: small ones in batches, large ones singly.
+
+    If a process dies, its case alone is lost; if a dask worker is lost, the scheduler gives its cases to another. An
+    error that `finished` raises ends the run and is raised here; outcomes that workers had by then are still reported.
 
     Parameters
     ----------
+    cases
+        Cases by name.
+    work
+        Instructions for every case.
+    finished
+        Called with the name and the outcome of each case, one call at a time.
+    stop
+        Raises where a signal asks to stop.
     workers
         Threads of the dask started here, without an address.
     address
         Address of a dask scheduler; None starts one here.
     patience
-        Seconds in which a lost scheduler may come back; it gets unfinished cases again.
+        Seconds in which a lost scheduler may come back.
     log
         Takes messages.
     """
-
-    workers: int = 2
-    address: str | None = None
-    patience: float = 10.0
-    log: Callable[[str], object] = lambda text: None
-    processes: Workers = field(default_factory=Workers, init=False)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *raised: object) -> None:
-        self.processes.end()
-
-    def run(
-        self, cases: Mapping[str, Computation], work: Work, finished: Finished, stop: Stop
-    ) -> None:
-        """Compute `cases`: small ones in batches, large ones singly."""
-        payload = packed(work)
-        if not cases:
-            return
-        token = "" if self.address else secrets.token_hex(8)
-        if token:
-            WORKERS_OF_RUN[token] = self.processes
-        try:
-            with self._connection() if self.address else self._dask_here() as client:
-                _ClusterRun(self, client, token, cases, payload, finished, stop).run()
-        finally:
-            WORKERS_OF_RUN.pop(token, None)
-
-    @contextmanager
-    def _dask_here(self) -> "Iterator[Client]":
-        """Run dask in this process for a block, since an idle one takes 3 % of a core, and provide its client."""
-        from distributed import Client, LocalCluster
-
-        with (
-            LocalCluster(
-                n_workers=1,
-                threads_per_worker=self.workers,
-                processes=False,
-                # without an address, they would listen to other machines
-                dashboard_address=LOOPBACK,
-                worker_dashboard_address=LOOPBACK,
-                memory_limit=0,  # cases use the memory of their own processes
-                silence_logs=logging.CRITICAL,
-            ) as cluster,
-            Client(cluster, set_as_default=False) as client,
-        ):
-            if find_spec("bokeh"):
-                self.log(f"dask shows its work at {client.dashboard_link}")
-            yield client
-
-    @contextmanager
-    def _connection(self) -> "Iterator[Client]":
-        """Provide a client of the scheduler at the address for a block."""
-        from distributed import Client
-
-        # errors of the connection are reported here
-        loggers = [logging.getLogger(name) for name in ("distributed", "tornado.application")]
-        levels = [logger.level for logger in loggers]
-        for logger in loggers:
-            logger.setLevel(logging.CRITICAL)
-        try:
-            try:
-                if ":" not in str(self.address):
-                    raise ValueError(self.address)
-                client = Client(self.address, timeout=self.patience, set_as_default=False)
-            except (OSError, ValueError, TypeError, RuntimeError) as error:
-                raise InvalidInput(
-                    f"Scheduler {self.address!r} cannot be reached ({type(error).__name__}): give the address that "
-                    "'dask scheduler' shows, such as tcp://127.0.0.1:8786."
-                ) from None
-            with client:
-                yield client
-        finally:
-            for logger, level in zip(loggers, levels, strict=True):
-                logger.setLevel(level)
+    payload, processes = packed(work), Workers(secrets.token_hex(8))
+    try:
+        with dask_at(address, patience) if address else dask_here(workers, log) as client:
+            about = ELSEWHERE if address else processes.name, payload, work.time_limit
+            _ClusterRun(
+                client, processes, about, cases, finished, stop, log, address, patience
+            ).run()
+    finally:
+        processes.end()
 
 
 @dataclass(eq=False)
@@ -192,13 +200,15 @@ class _ClusterRun:
     A batch that takes too long comes back in part, and the next one is twice what came back.
     """
 
-    cluster: Cluster
     client: "Client"
-    token: str
+    processes: Workers
+    about: tuple[str, bytes, float | None]  # name of the workers, pickled work, time limit
     cases: Mapping[str, Computation]
-    payload: bytes
     finished: Finished
     stop: Stop
+    log: Callable[[str], object]
+    address: str | None
+    patience: float
     size: int = 1
     threads: int = 1
 
@@ -227,9 +237,7 @@ class _ClusterRun:
                 for future, result in completed:
                     self._collect(future, result)
         except BaseException:
-            # batches that dask still holds are not computed, and further outcomes are not read
-            WORKERS_OF_RUN.pop(self.token, None)
-            self.cluster.processes.end()
+            # further outcomes are not read
             self._collect_last()
             raise
         finally:
@@ -257,9 +265,8 @@ class _ClusterRun:
                 self._send_singly(names)  # which cannot be unpickled together
         elif future.status == "error":
             self._handle_failure(future, names)
-        elif (
-            future.status == "pending"
-        ):  # its worker died with the result, and dask computes it again
+        elif future.status == "pending":
+            # its worker died with the result, and dask computes it again
             self._track(future, names)
         else:
             self._send_again(names)
@@ -283,8 +290,9 @@ class _ClusterRun:
         from distributed import wait
 
         until = monotonic() + STOP_TIMEOUT
-        with suppress(Exception):
-            if self.token:  # its processes have been ended, and its batches with them
+        self.processes.end()
+        if self.address is None:  # its batches have ended with them
+            with suppress(Exception):
                 wait(list(self._running), timeout=STOP_TIMEOUT)
         for future, names in self._running.items():
             with suppress(Exception):
@@ -299,7 +307,7 @@ class _ClusterRun:
         self._checked_at = monotonic()
         if self.client.status not in ("running", "connecting"):
             raise InvalidInput(
-                f"Scheduler {self.cluster.address!r} is lost: start it again and run the same "
+                f"Scheduler {self.address!r} is lost: start it again and run the same "
                 "command, which goes on from what is stored."
             )
         for future in [key for key in self._running if key.status in ("cancelled", "lost")]:
@@ -310,9 +318,9 @@ class _ClusterRun:
                 self.threads = max(1, threads)
                 if threads:
                     self._idle_since = monotonic()
-                elif monotonic() > self._idle_since + self.cluster.patience:
-                    self.cluster.log(
-                        f"waiting for workers of {self.cluster.address}: start some, or stop the run and go on later"
+                elif monotonic() > self._idle_since + self.patience:
+                    self.log(
+                        f"waiting for workers of {self.address}: start some, or stop the run and go on later"
                     )
                     self._idle_since = float("inf")
 
@@ -338,9 +346,7 @@ class _ClusterRun:
                 self._send_singly(names)
             return
         # impure: a case that is requested again is recomputed
-        future = self.client.submit(
-            compute_batch, self.token, self.payload, batch, names, pure=False
-        )
+        future = self.client.submit(compute_batch, *self.about, batch, names, pure=False)
         self._track(future, names)
 
     def _handle_failure(self, future: Any, names: list[str]) -> None:

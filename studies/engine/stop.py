@@ -22,7 +22,8 @@ class Stop:
     """Record of signals that ask to stop, in a ``with`` statement in the main thread.
 
     :meth:`check` raises :class:`StopRun` for a signal that came, and :meth:`interruptible` lets signals raise it at
-    once.
+    once. The block ends with what ends a program that was stopped by the signal: KeyboardInterrupt, or the exit of the
+    signal.
     """
 
     def __init__(self) -> None:
@@ -40,10 +41,13 @@ class Stop:
                     self._before[number] = signal.signal(number, self._note)
         return self
 
-    def __exit__(self, *raised: object) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *raised: object) -> None:
         for number, before in self._before.items():
             signal.signal(number, before)
         self._before.clear()
+        if self.signal is not None and kind in (None, StopRun):
+            is_interrupt = self.signal == signal.SIGINT
+            raise KeyboardInterrupt if is_interrupt else SystemExit(128 + self.signal) from None
 
     def check(self) -> None:
         """Raise :class:`StopRun` if one of the signals came."""
@@ -69,9 +73,3 @@ class Stop:
         if self._raises:
             self._raises = False
             raise StopRun(number)
-
-
-def end_like(stopped: StopRun) -> BaseException:
-    """Return the exception that ends a program stopped by a signal: KeyboardInterrupt, or the exit of the signal."""
-    number = int(stopped.args[0]) if stopped.args else signal.SIGINT
-    return KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)

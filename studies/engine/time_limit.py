@@ -58,10 +58,5 @@ def limit_of_timed_run(expected: float, limit: float | None) -> float:
 
 def timed_out(limit: float | None, stage: str, seconds: float) -> Outcome:
     """Return the outcome of a case that took longer than ``limit`` [s]."""
-    return Outcome(CaseStatus.TIMEOUT, {}, too_late(limit, stage), seconds)
-
-
-def too_late(limit: float | None, stage: str) -> Failure:
-    """Return the failure of a case that took longer than ``limit`` [s]."""
     sentence = f"TimeLimitError: not done after {limit:g} s; give more with --time-limit"
-    return Failure("TimeLimitError", sentence, stage)
+    return Outcome(CaseStatus.TIMEOUT, {}, Failure("TimeLimitError", sentence, stage), seconds)

@@ -1,7 +1,6 @@
 """Outcomes of computations, and their times, as variables of a Dataset."""
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol, runtime_checkable
@@ -67,6 +66,8 @@ class Outcome:
         What the process that computed it had loaded, see :class:`~studies.store.loaded.Loaded`.
     worker
         Address of the dask worker that computed it; empty for this machine.
+    sample
+        Times of a timed run.
     """
 
     case_status: CaseStatus
@@ -77,6 +78,7 @@ class Outcome:
     cpu: float = 0.0
     loaded: Mapping[str, str] = field(default_factory=dict)
     worker: str = ""
+    sample: "Sample | None" = None
 
     @property
     def error(self) -> str:
@@ -84,42 +86,21 @@ class Outcome:
         return self.failure.sentence if self.failure else ""
 
 
-class Stored(Protocol):
-    """Protocol of a stored case, or of a computation that has ended."""
-
-    @property
-    def case_status(self) -> CaseStatus:
-        """Status of the computation."""
-        ...
-
-    def variable(self, name: str) -> xr.Variable | None:
-        """Return the measured variable with the name `name`; None if there is none."""
-        ...
-
-    @property
-    def error(self) -> str:
-        """Sentence on the failure; empty without one."""
-        ...
-
-
-def summary_messages(outcomes: Iterable[Stored]) -> Iterator[str]:
-    """Yield sentences on how many cases failed, and how many solves did not converge."""
-    cases = failed = solves = 0
-    ended: Counter[str] = Counter()
-    first = ""
-    for outcome in outcomes:
-        cases += 1
-        if outcome.case_status in (CaseStatus.FAILED, CaseStatus.TIMEOUT, CaseStatus.KILLED):
-            failed += 1
-            first = first or outcome.error
-        elif (status := outcome.variable("solver_status")) is not None and status.ndim == 0:
-            solves += 1
-            if number := int(status.values.item()):
-                ended[str(status.attrs["flag_meanings"]).split()[number].upper()] += 1
-    if failed:
-        yield f"{failed} of {cases} cases failed, the first with {first}"
-    for name, count in ended.items():
-        yield f"{count} of {solves} solves ended with {name}; see 'solver_status'"
+def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
+    """Yield sentences on how many cases failed, and how many solves did not converge, from a study's Dataset."""
+    keys, statuses = dataset["case_key"].values.astype(str).ravel(), dataset["case_status"].values
+    _, places = np.unique(keys, return_index=True)
+    places = places[~np.isin(statuses.ravel()[places], (CaseStatus.NOT_RUN, CaseStatus.SKIPPED))]
+    failed = places[statuses.ravel()[places] != CaseStatus.OK]
+    if failed.size:
+        first = dataset["error"].values.ravel()[failed.min()]
+        yield f"{failed.size} of {places.size} cases failed, the first with {first}"
+    if "solver_status" in dataset and dataset["solver_status"].shape == statuses.shape:
+        ended = dataset["solver_status"].values.ravel()[places]
+        solves, meanings = np.isfinite(ended).sum(), dataset["solver_status"].attrs["flag_meanings"]
+        for number, name in enumerate(str(meanings).upper().split()):
+            if number and (count := np.count_nonzero(ended == number)):
+                yield f"{count} of {solves} solves ended with {name}; see 'solver_status'"
 
 
 @runtime_checkable

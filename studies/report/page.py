@@ -15,10 +15,10 @@ from studies.advice.comparison import Comparison
 from studies.advice.measuring import Budget
 from studies.advice.stored import from_dataset, path_in
 from studies.advice.subject import paper_described
-from studies.engine.executors import Executor
 from studies.engine.options import RunOptions
 from studies.engine.progress import Progress
-from studies.engine.run import Log, run
+from studies.engine.results import Log
+from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
 from studies.model.study import Study
@@ -97,7 +97,6 @@ def make(
     *,
     options: RunOptions,
     log: Log,
-    executor: Executor | None = None,
     formats: Sequence[str] = FORMATS,
 ) -> Path:
     """Run the studies of a chapter, draw each while the next is run, and write the page; return its path."""
@@ -109,7 +108,7 @@ def make(
                 continue
             study = part.study()
             timed = replace(options, repeats=min(options.repeats, part.repeats))
-            dataset = run(study, out, options=timed, log=messages.append, executor=executor).load()
+            dataset = run(study, out, options=timed, log=messages.append).load()
             datasets[part.name] = dataset
             failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
             for message in messages if failed.any() else ():

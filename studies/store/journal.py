@@ -1,9 +1,11 @@
 """The journal of a study: one line for each result, added as it arrives and never changed."""
 
+import hashlib
 import os
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
+from functools import cached_property
 from pathlib import Path
 from time import monotonic
 from types import TracebackType
@@ -11,17 +13,15 @@ from typing import Any, Self
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, reason, replacing, set_aside
-from studies.model.outcome import Outcome, Sample
-from studies.store.journal_lines import START, decoded, encoded, encoded_variable, short_hash
-from studies.store.records import (
-    FORMAT,
-    MALFORMED_RECORD,
-    CaseIdentity,
-    Contents,
-    Context,
-    Program,
-)
+from contactstudy.domain.identity import Tree, differences, text
+from studies.model.outcome import CaseStatus, Outcome, Sample
+from studies.store.journal_lines import START, decoded, encoded, encoded_variable
+from studies.store.loaded import digest, shown
+from studies.store.records import CaseIdentity, Context, Program, Record, failure_of
 
+FORMAT = 6
+# errors that a line may raise which no version has written
+MALFORMED_LINE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
 SYNC_INTERVAL = 0.05
 
@@ -31,9 +31,9 @@ class Journal:
 
     Every line starts with a checksum of its content. A line that fails it, or that this version does not write, goes to
     ``<path>.damaged`` when the journal is opened for writing, and its content counts as not stored; a torn last line is
-    cut off. Lines are runs (study part, machine, time), values of an axis, programs (what was loaded), the beginning of
-    a case, cases and their times. A case names its program, a line above. A journal of another format is set aside as a
-    whole. Only one process at a time may write.
+    cut off. Lines are runs (study part, time, new values of axes), programs (what was loaded), the beginning of a case,
+    cases and their times. A case names its program, a line above. A journal of another format is set aside as a whole.
+    Only one process at a time may write.
 
     Parameters
     ----------
@@ -42,15 +42,32 @@ class Journal:
     context
         Part of the study, and what would be loaded now; records of another program are kept apart.
     machine
-        Name of this machine; times of another machine are kept apart.
+        Name of this machine; times of another machine do not count.
+
+    Attributes
+    ----------
+    notes
+        What there is to say of damaged lines.
+    records, other_records
+        Records of the present program and of others, by key.
+    programs
+        Programs by their stamps.
+    samples, untimed
+        Timed runs on this machine, or why there are none, by the key of the case and the stamp of its program.
+    times
+        Hash of all lines on times.
+    axes
+        Values that each axis ever had with this part of the study.
+    history
+        Time and command of each run.
+    begun
+        Key of the case during which the last run ended; None if it ended otherwise.
     """
 
     def __init__(self, path: Path, context: Context, machine: str) -> None:
-        self.path = path
-        self.notes: list[str] = []
+        self.path, self.notes = path, list[str]()
         self._context, self._machine = context, machine
         self._synced = monotonic()
-        self._run = ""
         self._stamps: dict[tuple[int, str], tuple[object, str]] = {}
         self._read()
 
@@ -91,16 +108,12 @@ class Journal:
         axes
             Values of each axis.
         """
-        run = {"format": FORMAT, "part": dict(self._context.part), "machine": self._machine}
-        self._run = short_hash(run)
-        self._write({"run": self._run, "history": history} | run)
-        self.contents.history.append(history)
-        for name, values in axes.items():
-            known_values = self.contents.axes.setdefault(name, {})
-            new_values = [value for value in values if value not in known_values]
-            known_values.update(dict.fromkeys(new_values))
-            if new_values:
-                self._write({"axis": name, "values": new_values, "run": self._run})
+        new_values = {
+            name: [value for value in values if value not in self.axes.get(name, ())]
+            for name, values in axes.items()
+        }
+        part = dict(self._context.part)
+        self._write({"format": FORMAT, "history": history, "part": part, "axes": new_values})
         self.sync()
 
     def stamp(self, state: str, loaded: Mapping[str, str]) -> str:
@@ -113,16 +126,16 @@ class Journal:
         loaded
             What the process that computed it had loaded.
         """
-        cached = self._stamps.get((id(loaded), state))
-        if cached is None:
+        known = self._stamps.get((id(loaded), state))
+        if known is None:
             program = {"part": dict(self._context.part), "state": state, "loaded": dict(loaded)}
-            stamp = short_hash(program)
-            if stamp not in self.contents.programs:
+            stamp = digest(text(program).encode())
+            if stamp not in self.programs:
                 self._write({"program": stamp} | program)
             # what this run computes counts in it, also where a file has been edited meanwhile
-            self.contents.add_program(stamp, Program(**program), computes=True)  # type: ignore[arg-type]
-            cached = self._stamps[id(loaded), state] = loaded, stamp
-        return cached[1]
+            self._present.add(stamp)
+            known = self._stamps[id(loaded), state] = loaded, stamp
+        return known[1]
 
     def begin(self, key: str) -> None:
         """Write that this process begins a case, so that the next run knows the case in which a run died."""
@@ -134,7 +147,7 @@ class Journal:
             "case": identity.key,
             "program": self.stamp(identity.state, outcome.loaded),
             "status": outcome.case_status.name.lower(),
-            "point": dict(identity.point),
+            "point": identity.point,
             "tree": identity.tree,
             "exact": identity.exact,
             "seconds": outcome.seconds,
@@ -143,35 +156,58 @@ class Journal:
         }
         if outcome.failure is not None:
             line["failure"] = asdict(outcome.failure)
-        raw = self._write(line)
-        self.contents.records[identity.key] = self.contents.record(line, raw)
-        if outcome.seconds > SYNC_INTERVAL / 2 or monotonic() - self._synced > SYNC_INTERVAL:
-            self.sync()
-            return True
-        return False
+        self._write(line)
+        return self._sync_now_and_then(outcome.seconds)
 
     def time(self, key: str, sample: Sample) -> None:
         """Write a timed run of the case `key`."""
-        case = self._write_time(key, {"sample": asdict(sample)})
-        self.contents.samples.setdefault(case, []).append(sample)
-        if monotonic() - self._synced > SYNC_INTERVAL:
-            self.sync()
+        self._write_time(key, {"sample": asdict(sample)})
+        self._sync_now_and_then()
 
     def cannot_time(self, key: str, reason: str) -> None:
         """Write why the case `key` has no times; the next run does not time it."""
-        self.contents.untimed[self._write_time(key, {"reason": reason})] = reason
+        self._write_time(key, {"reason": reason})
 
-    def _write_time(self, key: str, line: Mapping[str, Any]) -> tuple[str, str]:
-        """Write a line on the times of a case, and return its key and the stamp of its program."""
-        stamp = self.contents.records[key].stamp
-        about = {"program": stamp, "machine": self._machine}
-        self._write({"time": key} | about | dict(line))
-        return key, stamp
+    def _write_time(self, key: str, line: dict[str, Any]) -> None:
+        """Write a line on the times of a case."""
+        about = {"time": key, "program": self.records[key].stamp, "machine": self._machine}
+        self._write(about | line)
 
     def forget_times(self) -> None:
-        """Make all timed runs of earlier runs invalid."""
-        self.contents.forget_times()
-        self._write({"retime": self.contents.epoch})
+        """Make all timed runs so far invalid."""
+        self._write({"retime": True})
+
+    def samples_of(self, key: str) -> list[Sample]:
+        """Return the timed runs of the present record of a case."""
+        return self.samples.get(self._time_key(key), [])
+
+    def reason_without_times(self, key: str) -> str:
+        """Return why the present record of a case has no times; empty where it may have some."""
+        return self.untimed.get(self._time_key(key), "")
+
+    def _time_key(self, key: str) -> tuple[str, str]:
+        """Return the key of the times of the present record of a case."""
+        record = self.records.get(key)
+        return key, record.stamp if record else ""
+
+    def reason_to_recompute(self, identity: CaseIdentity) -> str:
+        """Return in one line why the stored record of a case, or at its point, cannot be used; empty without one."""
+        before = self.records.get(identity.key) or self.other_records.get(identity.key)
+        tree = before.identity.tree if before else self._trees.get(_place(identity.point))
+        changes = [] if tree is None else differences(tree, identity.tree)
+        if before is not None:
+            names = self._context.changes(self.programs[before.stamp])
+            if before.state != identity.state:
+                names = ["the state of the case's classes", *names]
+            changes += [f"{shown(names)} changed"] if names else []
+        return ", ".join(changes)
+
+    @cached_property
+    def _trees(self) -> Mapping[object, Tree]:
+        """Parameters stored at each point, when this is first asked."""
+        records = (*self.other_records.values(), *self.records.values())
+        identities = (record.identity for record in records)
+        return {_place(identity.point): identity.tree for identity in identities}
 
     def sync(self) -> None:
         """Write everything through to the disk, in the file that has the journal's name.
@@ -197,8 +233,15 @@ class Journal:
             )
         self._synced = monotonic()
 
-    def _write(self, line: Mapping[str, Any]) -> bytes:
-        """Write a line at the end of the file, and return it; cut it off where the disk takes only a part."""
+    def _sync_now_and_then(self, seconds: float = 0.0) -> bool:
+        """Sync after a case of so many seconds, or if the last time is some time ago; return whether it was done."""
+        is_due = seconds > SYNC_INTERVAL / 2 or monotonic() - self._synced > SYNC_INTERVAL
+        if is_due:
+            self.sync()
+        return is_due
+
+    def _write(self, line: Mapping[str, Any]) -> None:
+        """Write a line at the end of the file, and take it in; cut it off where the disk takes only a part."""
         raw = encoded(line)
         try:
             unwritten = memoryview(raw)
@@ -209,7 +252,7 @@ class Journal:
                 os.ftruncate(self._descriptor, self._end)
             raise self._refused(error) from None
         self._end += len(raw)
-        return raw
+        self._take(line, raw)
 
     def _refused(self, error: OSError) -> InvalidInput:
         """Return the error of a journal that cannot be written."""
@@ -218,11 +261,24 @@ class Journal:
             "make room or give another folder with --out, and run the same command again."
         )
 
+    def _forget(self) -> None:
+        """Hold nothing."""
+        self.records: dict[str, Record] = {}
+        self.other_records: dict[str, Record] = {}
+        self.programs: dict[str, Program] = {}
+        self.samples: dict[tuple[str, str], list[Sample]] = {}
+        self.untimed: dict[tuple[str, str], str] = {}
+        self.axes: dict[str, dict[Any, None]] = {}
+        self.history: list[str] = []
+        self.times = hashlib.blake2b(digest_size=8)
+        self.begun: str | None = None
+        self._present: set[str] = set()
+        self._damaged: dict[int, bytes] = {}
+        self._is_foreign, self._end = False, 0
+
     def _read(self) -> None:
         """Read the journal from the start."""
-        self.contents = Contents(self._context, self._machine)
-        self._end, self._is_foreign = 0, False
-        self._damaged: list[bytes] = []
+        self._forget()
         try:
             with open(open_descriptor(self.path, os.O_RDONLY), "rb") as file:  # noqa: PTH123 (a descriptor)
                 self._read_lines(file)
@@ -235,32 +291,70 @@ class Journal:
 
     def _read_lines(self, file: Iterable[bytes]) -> None:
         """Take in every line of the file without a torn last one."""
-        first, is_journal = b"", False
-        for raw in file:
-            first = first or raw
+        is_journal, is_foreign = True, False
+        for number, raw in enumerate(file):
+            if number == 0:
+                is_journal = raw.startswith(START) or START.startswith(raw)
             if not raw.endswith(b"\n"):
                 break  # torn
             line = decoded(raw)
-            is_journal |= line is not None
-            if line is None or not self._accepted(line, raw):
-                self._damaged.append(raw)
+            if line is None or not self._is_taken(line, raw):
+                self._damaged[number] = raw
+            if line is not None:
+                is_journal, is_foreign = True, is_foreign or line.get("format", FORMAT) != FORMAT
             self._end += len(raw)
-        if not is_journal and first and not (first.startswith(START) or START.startswith(first)):
+        if not is_journal:
             raise InvalidInput(
                 f"Journal {str(self.path)!r} is not a journal of this program: move the file away, or give "
                 "another folder with --out."
             )
-        if self.contents.is_foreign:
-            self._is_foreign, self._end = True, 0
-            self.contents = Contents(self._context, self._machine)
+        if is_foreign:
+            self._forget()
+            self._is_foreign = True
 
-    def _accepted(self, line: Mapping[str, Any], raw: bytes) -> bool:
+    def _is_taken(self, line: Mapping[str, Any], raw: bytes) -> bool:
         """Take in a line, and return whether it has the form that this version writes."""
         try:
-            self.contents.take(line, raw)
-        except MALFORMED_RECORD:
+            self._take(line, raw)
+        except MALFORMED_LINE:
             return False
         return True
+
+    def _take(self, line: Mapping[str, Any], raw: bytes) -> None:
+        """Take in a line, also as bytes; raise a ``MALFORMED_LINE`` for one that this version does not write."""
+        match line:
+            case {"case": key, "program": stamp, "values": dict()}:
+                failure_of(line)
+                status, state = CaseStatus[line["status"].upper()], self.programs[stamp].state
+                records = self.records if stamp in self._present else self.other_records
+                records[key] = Record(
+                    key, status, line["seconds"], line["exact"], stamp, state, raw
+                )
+                self.begun = None if self.begun == key else self.begun
+            case {"time": _, "machine": machine} if machine != self._machine:
+                pass
+            case {"time": key, "program": stamp, "sample": sample}:
+                timed_run = Sample(**sample)
+                self.samples.setdefault((key, stamp), []).append(timed_run)
+                self.times.update(raw)
+            case {"time": key, "program": stamp, "reason": why}:
+                self.untimed[key, stamp] = why
+            case {"retime": True}:
+                self.times.update(raw)
+                self.samples.clear()
+                self.untimed.clear()
+            case {"begin": key}:
+                self.begun = key
+            case {"program": stamp, "part": part, "state": state, "loaded": loaded}:
+                self.programs[stamp] = program = Program(part, state, loaded)
+                if not self._context.changes(program):
+                    self._present.add(stamp)
+            case {"format": _, "history": history, "part": part, "axes": axes}:
+                self.history.append(history)
+                for name, values in axes.items() if part == self._context.part else ():
+                    self.axes.setdefault(name, {}).update(dict.fromkeys(values))
+            case _:
+                raise ValueError(line)
 
     def _set_aside(self) -> None:
         """Move damaged lines to another file, and keep the others in the journal."""
@@ -268,14 +362,19 @@ class Journal:
         with open(  # noqa: PTH123 (a descriptor)
             open_descriptor(damaged, os.O_WRONLY | os.O_CREAT | os.O_APPEND), "ab"
         ) as aside:
-            aside.writelines(self._damaged)
+            aside.writelines(self._damaged.values())
             aside.flush()
             os.fsync(aside.fileno())
-        lines, bad = len(self._damaged), frozenset(self._damaged)
+        self._end -= sum(map(len, self._damaged.values()))
         with self.path.open("rb") as file, replacing(self.path) as partial:
-            partial.write_bytes(b"".join(raw for raw in file if raw not in bad))
+            kept = [raw for number, raw in enumerate(file) if number not in self._damaged]
+            partial.write_bytes(b"".join(kept)[: self._end])
             file.close()  # Windows replaces no open file
-        self._read()
         self.notes.append(
-            f"{lines} damaged lines of the journal are set aside in {damaged}; what they held is recomputed"
+            f"{len(self._damaged)} damaged lines of the journal are set aside in {damaged}; what they held is recomputed"
         )
+
+
+def _place(point: Mapping[str, str]) -> object:
+    """Return a point as a key that does not depend on the order of its axes."""
+    return tuple(sorted(point.items()))

@@ -38,12 +38,6 @@ def _checksum(content: bytes) -> bytes:
     return hashlib.blake2b(content, digest_size=DIGITS // 2).hexdigest().encode()
 
 
-def short_hash(tree: object) -> str:
-    """Return twelve digits of a hash of a value's JSON, by which later lines refer to a run."""
-    text = json.dumps(tree, separators=(",", ":"), sort_keys=True).encode()
-    return hashlib.blake2b(text, digest_size=6).hexdigest()
-
-
 Json = Any
 PLAIN = ("<f8", "<i8")  # dtypes of a scalar that JSON holds as a number
 

@@ -56,12 +56,12 @@ class Request:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(reserved)}: these names are taken, choose others."
             )
-        memory, states = CanonicalMemo(), CaseStates()
+        states = CaseStates()
         keys, cases, identities = [], {}, {}
         for point, case in study.visits():
             if not all(hasattr(case, part) for part in ("prepare", "run", "record")):
                 raise InvalidInput(_no_case(study, point, case))
-            identity = states.identity(point, case, memory)
+            identity = states.identity(point, case)
             keys.append(identity.key)
             if identity.key not in cases:
                 cases[identity.key], identities[identity.key] = case, identity
@@ -69,18 +69,18 @@ class Request:
 
 
 class CaseStates:
-    """States of the classes of cases, each taken once."""
+    """Identities of cases, and states of their classes, each taken once."""
 
     def __init__(self) -> None:
-        self.states = States()
+        self.states, self._memory = States(), CanonicalMemo()
         self._digests: dict[frozenset[str], str] = {}
 
-    def identity(self, point: Point, case: object, memory: CanonicalMemo) -> CaseIdentity:
+    def identity(self, point: Point, case: object) -> CaseIdentity:
         """Return the identity of the case at a point."""
-        tree = canonical(case, memory)
+        tree, kinds_by_name = canonical(case, self._memory), self._memory.kinds
         names = frozenset(_classes(tree))
         if names not in self._digests:
-            kinds = [memory.kinds[name] for name in sorted(names) if name in memory.kinds]
+            kinds = [kinds_by_name[name] for name in sorted(names) if name in kinds_by_name]
             state = text([self.states.of_class(kind) for kind in kinds])
             self._digests[names] = digest(state.encode())
         about = {axis: str(value) for axis, value in point.items()}

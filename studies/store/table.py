@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass, field
+from dataclasses import astuple, dataclass, replace
 from itertools import product
 from math import prod
 from typing import Any
@@ -10,55 +10,39 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from contactstudy.domain.identity import CanonicalMemo
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, Value
 from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
 from studies.model.study import Study
-from studies.store.records import Contents
+from studies.store.journal import Journal
 from studies.store.request import CaseStates, Request
 
 # a table of all points may take this many times the bytes stored of a variable, and this many bytes more
 MAX_FILL_FACTOR, FREE_BYTES = 4, 2**28
+MAX_POINTS = 1_000_000  # points of a table with more than is requested
 # attributes in which variables of one quantity agree
 MEANING_ATTRIBUTES = ("units", "standard_name", "flag_values", "flag_meanings", "positive")
-Signature = Hashable
+Variables = Mapping[int, xr.Variable]  # by the number of the case
 
 
-@dataclass(eq=False)
-class _Column:
-    """A variable of several cases with equal dimensions, type and meaning."""
+@dataclass(frozen=True, eq=False)
+class PointTable:
+    """Axes of a table, and the key of the case at every point, in the order of the axes (last one fastest).
 
-    kind: xr.Variable
-    rows: list[int] = field(default_factory=list)
-    values: list[Any] = field(default_factory=list)
-    dtypes: set[np.dtype] = field(default_factory=set)
+    The key is empty where a case neither is requested nor stored.
+    """
 
-    @property
-    def is_text(self) -> bool:
-        return bool(self.kind.dtype.kind == "U")
-
-    def filled(self, count: int) -> np.ndarray:
-        """Return the values of `count` cases; nan or empty text where a case has none."""
-        stored = np.array(self.values, object if self.is_text else np.result_type(*self.dtypes))
-        stored = stored.reshape(len(self.rows), *self.kind.shape)
-        if len(self.rows) == count:
-            return stored
-        # integers and booleans have no nan
-        dtype = stored.dtype if stored.dtype.kind in "fO" else np.dtype(float)
-        filled = np.full((count, *self.kind.shape), "" if self.is_text else np.nan, dtype)
-        filled[self.rows] = stored
-        return filled
+    axes: tuple[Axis, ...]
+    keys: Sequence[str]
 
 
 def assemble(
-    axes: Sequence[Axis],
-    cases: Sequence[Hashable],
-    outcome_of: Callable[[Any], Outcome | None],
-    samples_of: Callable[[Any], Sequence[Sample]],
+    table: PointTable,
+    outcome_of: Callable[[str], Outcome | None],
+    samples_of: Callable[[str], Sequence[Sample]],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
-    """Return every point of the axes with the outcome of its case; points of one case share its numbers.
+    """Return every point of a table with the outcome of its case; points of one case share its numbers.
 
     A variable's own dimensions follow those of the axes. Where a case has no numbers (NaN, or no text),
     ``case_status`` says so, ``error`` why. Where cases give one name to values of different dimensions, types or
@@ -66,10 +50,8 @@ def assemble(
 
     Parameters
     ----------
-    axes
-        Axes of the study.
-    cases
-        Key of the case at every point, in the order of the axes (last one fastest).
+    table
+        The points.
     outcome_of
         Returns the outcome of a case; None if there is none.
     samples_of
@@ -77,45 +59,100 @@ def assemble(
     attributes
         Attributes of the Dataset.
     """
-    shape = tuple(len(axis.values) for axis in axes)
-    names = tuple(axis.name for axis in axes)
-    rows: dict[Hashable, int] = {}
-    index = np.array([rows.setdefault(case, len(rows)) for case in cases], dtype=int).reshape(shape)
+    shape = tuple(len(axis.values) for axis in table.axes)
+    names = tuple(axis.name for axis in table.axes)
+    rows: dict[str, int] = {}
+    numbers = [rows.setdefault(case, len(rows)) for case in table.keys]
+    index = np.array(numbers, dtype=int).reshape(shape)
     outcomes = [outcome_of(case) for case in rows]
     coords: dict[str, xr.Variable] = {}
-    for axis in axes:
+    for axis in table.axes:
         units = {} if axis.kind is str else {"units": axis.units}
         attrs = {"long_name": axis.long_name} | units
         coords[axis.name] = xr.Variable((axis.name,), list(axis.values), attrs)
     data: dict[str, xr.Variable] = {}
     left_out: list[str] = []
-    for name, column in _chosen(_columns(outcomes), index.size, left_out):
-        kind = column.kind
-        if kind.dims == (name,):
-            if all(np.array_equal(kind.values, values) for values in column.values):
-                coords[name] = kind
-            else:
-                left_out.append(f"{name}, a coordinate that is not the same at every point")
-            continue
-        data[name] = xr.Variable(
-            names + kind.dims, column.filled(len(rows))[index], dict(kind.attrs)
-        )
+    for name, variables in _chosen(outcomes, index.size, left_out):
+        kind = _kind(variables)
+        if kind.dims != (name,):
+            values = _filled(variables, len(rows))[index]
+            data[name] = xr.Variable(names + kind.dims, values, dict(kind.attrs))
+        elif all(np.array_equal(kind.values, one.values) for one in variables.values()):
+            coords[name] = kind
+        else:
+            left_out.append(f"{name}, a coordinate that is not the same at every point")
     times = timing_variables(names, index, [samples_of(case) for case in rows])
-    about_cases = _about_cases(names, index, [str(case) for case in rows], outcomes)
+    about_cases = _about_cases(names, index, list(rows), outcomes)
     notes = {"left_out": "; ".join(left_out)} if left_out else {}
     return xr.Dataset({**times, **data, **about_cases}, coords, dict(attributes) | notes)
 
 
-def _columns(outcomes: Sequence[Outcome | None]) -> dict[str, dict[Signature, _Column]]:
-    """Return the variables of all cases, by name and by signature."""
-    columns: dict[str, dict[Signature, _Column]] = defaultdict(dict)
+def _chosen(
+    outcomes: Sequence[Outcome | None], points: int, left_out: list[str]
+) -> Iterator[tuple[str, Variables]]:
+    """Yield for each name the variables that most cases have, unless their dimensions contradict those of others."""
+    found: dict[str, dict[int, xr.Variable]] = defaultdict(dict)
     for row, outcome in enumerate(outcomes):
         for name, variable in outcome.variables.items() if outcome is not None else ():
-            column = columns[name].setdefault(_signature(variable), _Column(variable))
-            column.rows.append(row)
-            column.dtypes.add(variable.dtype)
-            column.values.append(variable.values.item() if variable.ndim == 0 else variable.values)
-    return columns
+            found[name][row] = variable
+    no_coordinates = {
+        name for name, every in found.items() if any(v.dims != (name,) for v in every.values())
+    }
+    sizes: dict[Hashable, int] = {}
+    for name, every in found.items():
+        alike: dict[Hashable, dict[int, xr.Variable]] = defaultdict(dict)
+        for row, variable in every.items():
+            alike[_signature(variable)][row] = variable
+        chosen = max(alike.values(), key=len)
+        kind = _kind(chosen)
+        filled, stored = points * kind.nbytes, len(chosen) * kind.nbytes
+        if filled > FREE_BYTES + MAX_FILL_FACTOR * stored:
+            left_out.append(
+                f"{name} of {len(chosen)} cases, since a table of all points would take {filled / 1e9:.3g} GB; "
+                "the journal has it"
+            )
+            continue
+        if len(chosen) < len(every):
+            left_out.append(
+                f"{name} of {len(every) - len(chosen)} of {len(every)} cases, which differs from the others' in "
+                "dimensions, type or units"
+            )
+        clashes = [
+            dim
+            for dim, size in kind.sizes.items()
+            if sizes.get(dim, size) != size or (dim in no_coordinates and dim != name)
+        ]
+        if clashes:
+            left_out.append(f"{name}, since another variable has another {clashes[0]}")
+            continue
+        sizes.update(kind.sizes)
+        yield name, chosen
+
+
+def _kind(variables: Variables) -> xr.Variable:
+    """Return the first of several variables."""
+    return next(iter(variables.values()))
+
+
+def _signature(variable: xr.Variable) -> Hashable:
+    """Return what two variables of one quantity share: dimensions, shape, type and meaning."""
+    attrs = variable.attrs
+    meaning = tuple(str(attrs[name]) if name in attrs else None for name in MEANING_ATTRIBUTES)
+    return variable.dims, variable.shape, variable.dtype.kind == "U", meaning
+
+
+def _filled(variables: Variables, count: int) -> np.ndarray:
+    """Return the values of `count` cases; nan or empty text where a case has none."""
+    stored = np.stack([variable.values for variable in variables.values()])
+    is_text = stored.dtype.kind == "U"
+    stored = stored.astype(object) if is_text else stored
+    if len(variables) == count:
+        return stored
+    # integers and booleans have no nan
+    dtype = stored.dtype if stored.dtype.kind in "fO" else np.dtype(float)
+    filled = np.full((count, *stored.shape[1:]), "" if is_text else np.nan, dtype)
+    filled[list(variables)] = stored
+    return filled
 
 
 def _about_cases(
@@ -160,109 +197,40 @@ def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
     return dataset
 
 
-def _signature(variable: xr.Variable) -> Signature:
-    """Return what two variables of one quantity share: dimensions, shape, type and meaning."""
-    attrs = variable.attrs
-    meaning = tuple(str(attrs[name]) if name in attrs else None for name in MEANING_ATTRIBUTES)
-    return variable.dims, variable.shape, variable.dtype.kind == "U", meaning
-
-
-def _chosen(
-    columns: Mapping[str, Mapping[Signature, _Column]], points: int, left_out: list[str]
-) -> Iterator[tuple[str, _Column]]:
-    """Yield for each name the variable that most cases have, unless its dimensions contradict those of another."""
-    sizes: dict[Hashable, int] = {}
-    for name, alike in columns.items():
-        column = max(alike.values(), key=lambda candidate: len(candidate.rows))
-        count = sum(len(candidate.rows) for candidate in alike.values())
-        filled, stored = points * column.kind.nbytes, len(column.rows) * column.kind.nbytes
-        if filled > FREE_BYTES + MAX_FILL_FACTOR * stored:
-            left_out.append(
-                f"{name} of {len(column.rows)} cases, since a table of all points would take {filled / 1e9:.3g} GB; "
-                "the journal has it"
-            )
-            continue
-        if len(column.rows) < count:
-            left_out.append(
-                f"{name} of {count - len(column.rows)} of {count} cases, which differs from the others' in "
-                "dimensions, type or units"
-            )
-        clash = [
-            dim
-            for dim, size in column.kind.sizes.items()
-            if sizes.get(dim, size) != size
-            or (dim in columns and dim != name and not _is_coordinate(columns, dim))
-        ]
-        if clash:
-            left_out.append(f"{name}, since another variable has another {clash[0]}")
-            continue
-        sizes.update(column.kind.sizes)
-        yield name, column
-
-
-def _is_coordinate(columns: Mapping[str, Mapping[Signature, _Column]], dim: Hashable) -> bool:
-    """Return whether every variable of this name is a coordinate."""
-    return all(column.kind.dims == (dim,) for column in columns[str(dim)].values())
-
-
-MAX_POINTS = 1_000_000  # points
-
-
-@dataclass(frozen=True, eq=False)
-class PointTable:
-    """Axes of a table, and the key of the case at every point, in the order of the axes (last one fastest)."""
-
-    axes: tuple[Axis, ...]
-    keys: Sequence[str]
-
-
-def stored_table(study: Study, request: Request, contents: Contents) -> PointTable:
+def stored_table(study: Study, request: Request, journal: Journal) -> PointTable:
     """Return the requested points, with every value of an axis at which a case is stored.
 
     A combination of values at which nothing is stored is NOT_RUN. Where this table would be too
     large, it has the requested points only.
     """
-    axes = tuple(_grown(axis, contents.axes.get(axis.name, ())) for axis in study.points)
-    if axes == study.points or prod(len(axis.values) for axis in axes) > MAX_POINTS:
-        return PointTable(study.points, request.keys)
+    axes = tuple(_grown(axis, journal.axes.get(axis.name, ())) for axis in study.points)
     shape = tuple(len(axis.values) for axis in axes)
-    requested = dict(
-        zip(product(*(axis.values for axis in study.points)), request.keys, strict=True)
-    )
-    memory, states = CanonicalMemo(), CaseStates()
-    keys: list[str] = []
-    is_kept = np.zeros(prod(shape), dtype=bool)
-    for index, values in enumerate(product(*(axis.values for axis in axes))):
-        name = requested.get(values, "")
-        if name:
-            is_kept[index] = True
-        else:
-            name, is_kept[index] = _stored(study, values, contents, memory, states)
-        keys.append(name)
-    chosen = [np.unique(indices) for indices in is_kept.reshape(shape).nonzero()]
+    if axes == study.points or prod(shape) > MAX_POINTS:
+        return PointTable(study.points, request.keys)
+    points = product(*(axis.values for axis in study.points))
+    keys, states = dict(zip(points, request.keys, strict=True)), CaseStates()
+    found = [
+        keys.get(values) or _stored_key(study, values, journal, states)
+        for values in product(*(axis.values for axis in axes))
+    ]
+    table = np.array(found, dtype=object).reshape(shape)
+    chosen = [np.unique(indices) for indices in (table != "").nonzero()]
     axes_in_use = tuple(
-        Axis(axis.name, tuple(axis.values[index] for index in indices), axis.long_name, axis.units)
+        replace(axis, values=tuple(axis.values[index] for index in indices))
         for axis, indices in zip(axes, chosen, strict=True)
     )
-    keys_in_use = np.array(keys, dtype=object).reshape(shape)[np.ix_(*chosen)]
-    return PointTable(axes_in_use, keys_in_use.ravel().tolist())
+    return PointTable(axes_in_use, table[np.ix_(*chosen)].ravel().tolist())
 
 
-def _stored(
-    study: Study,
-    values: Sequence[Value],
-    contents: Contents,
-    memory: CanonicalMemo,
-    states: CaseStates,
-) -> tuple[str, bool]:
-    """Return the key of the case at these values, and whether it is stored."""
+def _stored_key(study: Study, values: Sequence[Value], journal: Journal, states: CaseStates) -> str:
+    """Return the key of the case at these values; empty where it is not stored."""
     point = dict(zip((axis.name for axis in study.points), values, strict=True))
     try:
-        identity = states.identity(point, study.scene_at(point), memory)
+        identity = states.identity(point, study.scene_at(point))
     except Exception:  # noqa: BLE001 (a point that was not requested may be invalid)
-        return "", False
-    record = contents.records.get(identity.key)
-    return identity.key, record is not None and record.is_of(identity)
+        return ""
+    record = journal.records.get(identity.key)
+    return identity.key if record is not None and record.is_of(identity) else ""
 
 
 def _grown(axis: Axis, stored: Iterable[Value]) -> Axis:
@@ -276,6 +244,6 @@ def _grown(axis: Axis, stored: Iterable[Value]) -> Axis:
     values = list(dict.fromkeys([*before, *axis.values]))
     if kind is not str and list(axis.values) == sorted(axis.values):
         values.sort()
-    if values == list(axis.values) or set(values) == set(axis.values):
+    if set(values) == set(axis.values):
         return axis
-    return Axis(axis.name, tuple(values), axis.long_name, axis.units)
+    return replace(axis, values=tuple(values))

@@ -38,7 +38,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, Request]:
 
 def content(path: Path, request: Request) -> Said:
     """All that a journal says of its cases."""
-    records = Journal(path, request.context, machine()).contents.records
+    records = Journal(path, request.context, machine()).records
     return {
         key: (
             record.case_status,

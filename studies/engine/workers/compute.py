@@ -1,5 +1,7 @@
 """Computation and timing of one case, where any error is an outcome of the case."""
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from time import perf_counter, process_time
 
 import numpy as np
@@ -7,7 +9,7 @@ import xarray as xr
 
 from contactstudy.domain.reuse import ArrayCache, caching
 from studies.engine import time_limit
-from studies.engine.time_limit import TimeLimitError, alarm, timed_out, too_late
+from studies.engine.time_limit import TimeLimitError, alarm, timed_out
 from studies.model import measured
 from studies.model.case import Computation
 from studies.model.measured import check_size, measured_variables
@@ -34,46 +36,53 @@ class StopRun(BaseException):
 
 def compute(case: Computation, work: Work) -> Outcome:
     """Return the outcome of a case, computed and measured; errors of the case are outcomes, too."""
-    stage, start, cpu = "setup", perf_counter(), process_time()
+    return _outcome_of(lambda stage: _measured(case, work, stage), Stage("setup"), work.time_limit)
+
+
+def timed(case: Computation, limit: float | None) -> Outcome:
+    """Return the outcome of a timed run of a case, which has a sample or the failure that prevents it."""
+    return _outcome_of(
+        lambda stage: Outcome(CaseStatus.OK, sample=time_once(case)), Stage("timing"), limit
+    )
+
+
+@dataclass
+class Stage:
+    """Name of the stage that a case has reached."""
+
+    name: str
+
+
+def _outcome_of(task: Callable[[Stage], Outcome], stage: Stage, limit: float | None) -> Outcome:
+    """Return the outcome of a task of a case, or its failure within the limit [s]."""
+    start, cpu = perf_counter(), process_time()
     try:
-        with alarm(work.time_limit), caching(SHARED_ARRAYS):
-            prepared = case.prepare()
-            stage = "solve"
-            result = case.run(prepared)
-            stage = "measure"
-            reserved = RESERVED_NAMES | work.axes
-            variables = measured_variables(work.measures(case, result), reserved)
-            recorded = measured_variables(case.record(result), reserved, "record")
-            variables = (
-                measured_variables(variables | recorded, reserved) if recorded else variables
-            )
-            check_size(variables)
-            fields = (
-                measured_variables(case.fields(result), (), "fields")
-                if work.keeps_fields and isinstance(case, HasFields)
-                else {}
-            )
-        seconds, cpu_seconds = perf_counter() - start, process_time() - cpu
-        return Outcome(CaseStatus.OK, variables, None, seconds, fields, cpu_seconds)
+        with alarm(limit):
+            outcome = task(stage)
+        return replace(outcome, seconds=perf_counter() - start, cpu=process_time() - cpu)
     except TimeLimitError:
-        return timed_out(work.time_limit, stage, perf_counter() - start)
+        return timed_out(limit, stage.name, perf_counter() - start)
     except StopRun:
         raise
     except BaseException as error:  # noqa: BLE001 (whatever a study's own code raises is data)
-        return failed(error, stage, perf_counter() - start)
+        return failed(error, stage.name, perf_counter() - start)
 
 
-def timed(case: Computation, limit: float | None) -> Sample | Failure:
-    """Return the times of one run of a case, or the failure that prevents them."""
-    try:
-        with alarm(limit):
-            return time_once(case)
-    except TimeLimitError:
-        return too_late(limit, "timing")
-    except StopRun:
-        raise
-    except BaseException as error:  # noqa: BLE001 (any error of a study's own code)
-        return failure_of(error, "timing")
+def _measured(case: Computation, work: Work, stage: Stage) -> Outcome:
+    """Return the outcome of a case, computed and measured."""
+    with caching(SHARED_ARRAYS):
+        prepared = case.prepare()
+        stage.name = "solve"
+        result = case.run(prepared)
+        stage.name = "measure"
+        reserved, fields = RESERVED_NAMES | work.axes, {}
+        variables = measured_variables(work.measures(case, result), reserved)
+        if recorded := measured_variables(case.record(result), reserved, "record"):
+            variables = measured_variables(variables | recorded, reserved)
+        check_size(variables)
+        if work.keeps_fields and isinstance(case, HasFields):
+            fields = measured_variables(case.fields(result), (), "fields")
+    return Outcome(CaseStatus.OK, variables, fields=fields)
 
 
 def time_once(case: Computation) -> Sample:
@@ -84,11 +93,8 @@ def time_once(case: Computation) -> Sample:
     ready, ready_cpu = perf_counter(), process_time()
     case.run(prepared)
     finished, finished_cpu = perf_counter(), process_time()
-    pace = max(before, _reference_time())
-    threads = getattr(case, "threads", 1)
-    return Sample(
-        ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu, threads, pace
-    )
+    times = ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu
+    return Sample(*times, getattr(case, "threads", 1), max(before, _reference_time()))
 
 
 def _reference_time() -> float:
@@ -101,16 +107,12 @@ def _reference_time() -> float:
     return float(least)
 
 
-def failed(error: BaseException, stage: str, seconds: float) -> Outcome:
-    """Return the outcome of a case that raised ``error``."""
-    return Outcome(CaseStatus.FAILED, {}, failure_of(error, stage), seconds)
-
-
-def failure_of(error: BaseException, stage: str) -> Failure:
-    """Return the failure for an error that a case raised, with its place in the study's code."""
+def failed(error: BaseException, stage: str, seconds: float = 0.0) -> Outcome:
+    """Return the outcome of a case that raised `error`, with its place in the study's code."""
     name = one_line(type(error).__name__, 100)
     place = place_of(error, __file__, measured.__file__, time_limit.__file__)
-    return Failure(name, f"{name}{place}: {one_line(error)}", stage)
+    failure = Failure(name, f"{name}{place}: {one_line(error)}", stage)
+    return Outcome(CaseStatus.FAILED, {}, failure, seconds)
 
 
 def warm_up() -> None:

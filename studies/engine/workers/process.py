@@ -7,33 +7,29 @@ has forked.
 import atexit
 import multiprocessing
 import os
-import pickle
 import secrets
 import signal
 import sys
 import threading
 from collections.abc import Iterator, MutableMapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from time import monotonic, perf_counter
 from types import ModuleType
-from typing import Any
+from typing import Any, Self
 
 import cloudpickle
 
 from contactstudy import InvalidInput
 from studies.engine.time_limit import deadline, timed_out
-from studies.engine.workers.compute import failure_of
 from studies.engine.workers.leftovers import end_all
-from studies.engine.workers.worker import READING_STAGE, Answer, Batch, Setup, main
-from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, Failure, Outcome, Sample
+from studies.engine.workers.worker import READING_STAGE, Answer, Batch, main
+from studies.model.outcome import CaseStatus, Failure, Outcome, Work
 from studies.store.loaded import LOADED, Record
 
-BATCH_SECONDS = 0.25  # seconds of work after which a batch of cases is answered
 START_TIMEOUT = 120.0  # seconds in which a new process must be ready
 RESTART_DELAY = 0.5  # seconds after which the process that forks others is started again
 MAX_STARTS = 3  # processes that may end before their first case
@@ -45,6 +41,17 @@ UNKNOWN_EXIT_CODE = 255
 METHOD = "forkserver" if sys.platform == "linux" and hasattr(os, "fork") else "spawn"
 PROCESSES: Any = multiprocessing.get_context(METHOD)
 START_LOCK = threading.Lock()
+
+
+def packed(work: Work) -> bytes:
+    """Return `work` pickled for another process; raise InvalidInput where it cannot be pickled."""
+    try:
+        return bytes(cloudpickle.dumps(work))
+    except Exception as error:  # noqa: BLE001 (a study's own objects may do anything)
+        raise InvalidInput(
+            f"measures cannot be sent to a worker process ({type(error).__name__}: {error}): keep open files "
+            "and the like out of the file's top level, or run with --workers 0."
+        ) from None
 
 
 @contextmanager
@@ -96,20 +103,26 @@ def _changed(mapping: MutableMapping[str, Any], name: str, value: object) -> Ite
 
 
 class Worker:
-    """A supervised process for the pickled `work`, started with the first case and again after each death."""
+    """A supervised process for the pickled `work`, started with the first case and again after each death.
+
+    The event `over` is set by :meth:`end`.
+    """
 
     def __init__(self, work: bytes) -> None:
-        self._work, self._read = work, b""
-        self._limit: float | None = pickle.loads(work).time_limit
+        self.work = work
         self._process: Any = None
         self._loaded: Record = LOADED.record
-        self._over = threading.Event()
+        self.over = threading.Event()
         atexit.register(self.end)
 
-    def run(self, cases: bytes, names: Sequence[str]) -> Iterator[Outcome]:
+    def run(
+        self, cases: bytes, names: Sequence[str], limit: float | None, *, is_timed: bool = False
+    ) -> Iterator[Outcome]:
         """Yield the outcome of each case, in order, as soon as it is available, until a batch has taken its time.
 
-        It ends early after :meth:`end`, and yields nothing for several cases that cannot be read together.
+        After the end of a process the remaining cases go to a new one. A case whose process was ended from outside is
+        sent again, once. It ends early after :meth:`end`, and yields nothing for several cases that cannot be read
+        together.
 
         Parameters
         ----------
@@ -117,52 +130,13 @@ class Worker:
             The cases, pickled together.
         names
             Name of each case.
+        limit
+            Longest time of a case [s]; None without a limit.
+        is_timed
+            True for timed runs, whose outcomes have a sample.
         """
-        for answer in self._answers(
-            Batch(cases, tuple(names), 0, "compute", self._limit, BATCH_SECONDS)
-        ):
-            if not isinstance(answer, Outcome):
-                assert isinstance(answer, Failure)
-                answer = Outcome(CaseStatus.FAILED, {}, answer)
-            if answer.failure is None or answer.failure.stage != READING_STAGE:
-                yield replace(answer, loaded=self._loaded)
-
-    def time_once(
-        self, name: str, case: Computation, limit: float | None
-    ) -> Sample | Failure | None:
-        """Return the times of one run of a case, or the failure that prevents them; None after :meth:`end`."""
-        try:
-            cases = cloudpickle.dumps((case,))
-        except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            return failure_of(error, "setup")
-        for answer in self._answers(Batch(cases, (name,), 0, "clock", limit, BATCH_SECONDS)):
-            return answer.failure if isinstance(answer, Outcome) else answer
-        return None
-
-    def set_work(self, work: bytes) -> None:
-        """Use the pickled `work` from here on, in the same process if there is one."""
-        if work != self._work:
-            self._work, self._limit = work, pickle.loads(work).time_limit
-
-    @property
-    def has_ended(self) -> bool:
-        """True after :meth:`end` was called."""
-        return self._over.is_set()
-
-    def end(self) -> None:
-        """End the process at once; no other is started."""
-        self._over.set()
-        atexit.unregister(self.end)
-        self._discard()
-
-    def _answers(self, batch: Batch) -> Iterator[Outcome | Sample | Failure]:
-        """Yield the answer for each case, until the batch has taken its time.
-
-        After the end of a process the remaining cases go to a new one. A case whose process was ended from outside is
-        sent again, once.
-        """
-        index, retried = 0, -1
-        while index < len(batch.names) and self._is_ready():
+        batch, index, retried = Batch(cases, tuple(names), limit, is_timed), 0, -1
+        while index < len(names) and self._is_ready():
             try:
                 self._connection.send(replace(batch, first=index))
             except OSError:  # it had been idle for long, and ended
@@ -170,25 +144,36 @@ class Worker:
                 continue
             follows = True
             while follows:
-                answer, follows, ending = self._receive(index, batch.limit)
-                if self._over.is_set():
+                outcome, follows, ending = self._receive(index, limit)
+                if self.over.is_set():
                     return
                 if ending in EXTERNAL_SIGNALS and retried < index:
                     retried = index
                     break
                 index += 1
-                yield answer
+                if outcome.failure is None or outcome.failure.stage != READING_STAGE:
+                    yield replace(outcome, loaded=self._loaded)
             if self._process is not None:
                 return
 
-    def _receive(
-        self, index: int, limit: float | None
-    ) -> tuple[Outcome | Sample | Failure, bool, str]:
-        """Return the answer for a case, whether another one follows, and the signal that ended the process, if any."""
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *raised: object) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """End the process at once; no other is started."""
+        self.over.set()
+        atexit.unregister(self.end)
+        self._discard()
+
+    def _receive(self, index: int, limit: float | None) -> tuple[Outcome, bool, str]:
+        """Return the outcome of a case, whether another one follows, and the signal that ended the process, if any."""
         start = perf_counter()
         # the worker's own alarm comes first, and spares it; the deadline is for what the alarm cannot reach
         answer = self._next(deadline(limit))
-        if isinstance(answer, tuple) and answer[1] == index:
+        if isinstance(answer, tuple) and answer[1] == index and answer[2] is not None:
             return answer[2], answer[3], ""
         code = self._discard(wait=2.0 if answer is EOFError else 0.0)
         seconds = perf_counter() - start
@@ -197,15 +182,14 @@ class Worker:
         if answer is EOFError:
             ending = "SIGKILL" if code == UNKNOWN_EXIT_CODE else _signal(code)
             sentence = f"Killed: its process {_ending(code)} while it was computed"
-            status, failure = CaseStatus.KILLED, Failure("Killed", sentence, "unknown")
-        else:
-            sentence = (
-                "ForgedError: what came in place of its answer is from another process or another case; "
-                "does it start processes that go on after it?"
-            )
-            status, failure = CaseStatus.FAILED, Failure("ForgedError", sentence, "unknown")
-            ending = ""
-        return Outcome(status, {}, failure, seconds), False, ending
+            failure = Failure("Killed", sentence, "unknown")
+            return Outcome(CaseStatus.KILLED, {}, failure, seconds), False, ending
+        sentence = (
+            "ForgedError: what came in place of its answer is from another process or another case; "
+            "does it start processes that go on after it?"
+        )
+        failure = Failure("ForgedError", sentence, "unknown")
+        return Outcome(CaseStatus.FAILED, {}, failure, seconds), False, ""
 
     def _next(self, until: float | None) -> Answer | type[Exception]:
         """Return the next answer of the process; an exception's class where it is late, gone, or another's."""
@@ -230,52 +214,46 @@ class Worker:
 
     def _is_ready(self) -> bool:
         """Return whether a process has read the study, started if need be; False after :meth:`end`."""
-        code: int | None = None
-        for _ in range(MAX_STARTS):
-            if self._over.is_set():
-                return False
-            if self._process is None:
-                self._start()
-            if self._read == self._work:
-                return True
-            with suppress(OSError):
-                self._connection.send(Setup(tuple(sys.path), dict(os.environ), self._work))
+        starts, code = 0, None
+        while self._process is None and not self.over.is_set():
+            if starts == MAX_STARTS:
+                raise InvalidInput(
+                    f"{MAX_STARTS} worker processes ended before their first case, the last "
+                    f"{_ending(code)}: see their messages above, or run with --workers 0."
+                )
+            starts += 1
+            self._start()
             answer = self._next(monotonic() + START_TIMEOUT)
-            if isinstance(answer, tuple) and answer[1] is None:
-                if problem := answer[2]:
-                    raise InvalidInput(f"The study cannot be read in a worker process: {problem}")
-                self._read = self._work
-                return True
-            code = self._discard(wait=0.5)
-        if self._over.is_set():
-            return False
-        raise InvalidInput(
-            f"{MAX_STARTS} worker processes ended before their first case, the last "
-            f"{_ending(code)}: see their messages above, or run with --workers 0."
-        )
+            if not isinstance(answer, tuple):
+                code = self._discard(wait=0.5)
+            elif answer[2] is not None:
+                self._discard()
+                problem = answer[2].error
+                raise InvalidInput(f"The study cannot be read in a worker process: {problem}")
+        return not self.over.is_set()
 
     def _start(self) -> None:
         """Start a process, unless the one that forks it ends; raise InvalidInput where the system allows no more."""
         self._connection: Connection
-        self._mark, self._read = secrets.token_hex(8), b""
+        self._mark = secrets.token_hex(8)
+        setup = tuple(sys.path), dict(os.environ), self.work
         try:
             self._connection, end = PROCESSES.Pipe()
             with end, _plain_process():
                 if METHOD == "forkserver":
                     PROCESSES.set_forkserver_preload(["studies.engine.workers.preload"])
-                process = PROCESSES.Process(target=main, args=(end, self._mark))
+                process = PROCESSES.Process(target=main, args=(end, self._mark, *setup))
                 process.start()
         except (EOFError, ConnectionError):
-            self._over.wait(
-                RESTART_DELAY
-            )  # or the next one is asked of the same process, while the system ends it
+            # or the next one is asked of the same process, while the system ends it
+            self.over.wait(RESTART_DELAY)
             return
         except OSError as error:
             raise InvalidInput(
                 f"A worker process cannot be started ({error.strerror}): give fewer with --workers."
             ) from None
         self._process = process
-        if self._over.is_set():  # meanwhile
+        if self.over.is_set():  # meanwhile
             self._discard()
 
     def _discard(self, wait: float = 0.0) -> int | None:

@@ -1,7 +1,7 @@
 """Program of a worker process, which computes cases for its supervisor, one after the other.
 
-An answer is a tuple: number of this process, place of the case in the batch (None for a set-up), content, whether
-another answer follows, and what the process has loaded (None where this is as before).
+An answer is a tuple: number of this process, place of the case in the batch (-1 for the set-up), outcome (None for a
+study that was read), whether another answer follows, and what the process has loaded (None where this is as before).
 """
 
 import multiprocessing
@@ -10,6 +10,8 @@ import pickle
 import signal
 import sys
 import threading
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from time import perf_counter
@@ -24,17 +26,9 @@ from studies.model.outcome import Outcome, Work
 from studies.store.loaded import LOADED, Record
 
 IDLE_TIMEOUT = 120.0  # seconds without a request after which it ends
+BATCH_SECONDS = 0.25  # seconds of work after which no further case of a batch is begun
 READING_STAGE = "reading"  # stage of the failure of several cases that cannot be unpickled together
-Answer = tuple[int, int | None, Any, bool, Record | None]
-
-
-@dataclass(frozen=True)
-class Setup:
-    """Request to use import paths, an environment and pickled `work`; the answer is an error text, or empty."""
-
-    path: tuple[str, ...]
-    environment: dict[str, str]
-    work: bytes
+Answer = tuple[int, int, Outcome | None, bool, Record | None]
 
 
 @dataclass(frozen=True)
@@ -47,26 +41,41 @@ class Batch:
         All cases, pickled together. If they cannot be unpickled, every answer is a failure.
     names
         Name of each case.
-    first
-        Place of the first case to compute; earlier ones have been answered.
-    task
-        "compute", or "clock" to time.
     limit
         Longest time of a case [s]; None without a limit.
-    seconds
-        Time [s] after which no further case is begun.
+    is_timed
+        True for timed runs.
+    first
+        Place of the first case to compute; earlier ones have been answered.
     """
 
     cases: bytes
     names: tuple[str, ...]
-    first: int
-    task: str
     limit: float | None
-    seconds: float
+    is_timed: bool = False
+    first: int = 0
 
 
-def main(connection: Connection, mark: str) -> None:
-    """Answer the supervisor's requests in order, until it is gone or none comes for a long time."""
+def main(
+    connection: Connection,
+    mark: str,
+    path: Sequence[str],
+    environment: Mapping[str, str],
+    work: bytes,
+) -> None:
+    """Read the study, and answer the supervisor's requests until it is gone or none comes for a long time.
+
+    Parameters
+    ----------
+    connection
+        Other end of the supervisor's pipe.
+    mark
+        Mark of this process and of all that it starts.
+    path, environment
+        Import paths and environment of the supervisor.
+    work
+        Instructions for every case, pickled.
+    """
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     if hasattr(signal, "pthread_sigmask"):
@@ -76,79 +85,69 @@ def main(connection: Connection, mark: str) -> None:
     if hasattr(os, "register_at_fork"):
         os.register_at_fork(after_in_child=connection.close)
     threading.Thread(target=_end_with_supervisor, args=(mark,), daemon=True).start()
-    with threadpool_limits(1):
-        try:
-            worker = _Worker(connection, mark)
+    sys.path[:] = path
+    os.environ.clear()
+    os.environ.update({**environment, WORKER_VARIABLE: mark})
+    # do not wait for threads or exit handlers left by a case
+    with threadpool_limits(1), suppress(EOFError, OSError):
+        worker = _Worker(connection)
+        if worker.set_up(work):
             while connection.poll(IDLE_TIMEOUT):
-                worker.answer(connection.recv())
-        except (EOFError, OSError):
-            pass
-        # do not wait for threads or exit handlers left by a case
-        os._exit(0)
+                worker.compute(connection.recv())
+    os._exit(0)
 
 
 class _Worker:
     """A process that serves a connection."""
 
-    def __init__(self, connection: Connection, mark: str) -> None:
-        self._connection, self._mark, self._number = connection, mark, os.getpid()
+    def __init__(self, connection: Connection) -> None:
+        self._connection, self._number = connection, os.getpid()
         self._loaded: Record | None = None
 
-    def answer(self, request: Setup | Batch) -> None:
-        """Carry out a request, and send the answers."""
-        if isinstance(request, Setup):
-            self._send(None, self._set_up(request))
-        else:
-            self._compute(request)
-
-    def _set_up(self, request: Setup) -> str:
-        """Read the study; return why it cannot be read, or an empty text."""
+    def set_up(self, work: bytes) -> bool:
+        """Read the study, answer, and return whether it can be read."""
+        problem = None
         try:
-            sys.path[:] = request.path
-            os.environ.clear()
-            os.environ.update(request.environment | {WORKER_VARIABLE: self._mark})
-            self._work: Work = pickle.loads(request.work)
+            self._work: Work = pickle.loads(work)
             warm_up()
         except Exception as error:  # noqa: BLE001 (a study's module may do anything)
-            return failed(error, "setup", 0.0).error
+            problem = failed(error, "setup")
         self._interpreter_state = InterpreterState.now()
-        return ""
+        self._send(-1, problem)
+        return problem is None
 
-    def _compute(self, batch: Batch) -> None:
+    def compute(self, batch: Batch) -> None:
         """Compute or time cases until the batch has taken its time, and send an answer for each."""
         begun, count = perf_counter(), len(batch.names)
         cases: Any = None
         try:
             cases = pickle.loads(batch.cases)
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            content: Any = failed(
-                error, "setup" if batch.first + 1 == count else READING_STAGE, 0.0
-            )
+            outcome = failed(error, "setup" if count == 1 else READING_STAGE)
         follows, index = True, batch.first
         while follows:
             self._interpreter_state.restore(batch.names[index])
-            if cases is not None and batch.task == "clock":
-                content = timed(cases[index], batch.limit)
+            if cases is not None and batch.is_timed:
+                outcome = timed(cases[index], batch.limit)
             elif cases is not None:
-                content = compute(cases[index], self._work)
+                outcome = compute(cases[index], self._work)
             if os.getpid() != self._number:
                 # a case has forked, and this is its child, which must not answer
                 os._exit(0)
-            follows = index + 1 < count and perf_counter() - begun < batch.seconds
-            self._send(index, content, follows=follows)
+            follows = index + 1 < count and perf_counter() - begun < BATCH_SECONDS
+            self._send(index, outcome, follows=follows)
             index += 1
 
-    def _send(self, index: int | None, content: Any, *, follows: bool = False) -> None:
+    def _send(self, index: int, outcome: Outcome | None, *, follows: bool = False) -> None:
         """Send an answer, or a failure where it cannot be pickled."""
         loaded = LOADED.scan()
         news = None if loaded is self._loaded else loaded
         try:
-            self._connection.send((self._number, index, content, follows, news))
+            self._connection.send((self._number, index, outcome, follows, news))
         except OSError:
             raise
         except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
-            seconds = content.seconds if isinstance(content, Outcome) else 0.0
-            failure = failed(error, "measure", seconds)
+            failure = failed(error, "measure", outcome.seconds if outcome else 0.0)
             self._connection.send((self._number, index, failure, follows, news))
         self._loaded = loaded
 

@@ -13,7 +13,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine import cluster
-from studies.engine.cluster import Cluster, _ClusterRun
+from studies.engine.cluster import ELSEWHERE, Workers, _ClusterRun, dask_at
 from studies.model.outcome import CaseStatus, Outcome
 from tests.studies.engine.trouble import Trouble
 
@@ -38,9 +38,9 @@ class FakeRun(_ClusterRun):
             status="running", submit=self._submitted, nthreads=lambda: self.workers
         )
         # some that are sent already, and those that wait
-        self.cluster = Cluster(0, "tcp://here:1", patience, self.said.append)
+        self.address, self.patience, self.log = "tcp://here:1", patience, self.said.append
         self.cases = {str(n): Trouble(float(n)) for n in range(max(count, 100))}
-        self.client, self.token, self.payload = client, "", b""
+        self.client, self.about, self.processes = client, (ELSEWHERE, b"", None), Workers("fake")
         self.finished = self.found.__setitem__
         self.size, self.threads = 1, threads
         self._waiting = deque(map(str, range(count)))
@@ -52,7 +52,7 @@ class FakeRun(_ClusterRun):
 
     def _submitted(self, *given: Any, pure: bool) -> Future:
         assert not pure
-        self.batches.append(len(given[4]))
+        self.batches.append(len(given[-1]))
         return Future()
 
 
@@ -101,7 +101,7 @@ def test_what_libraries_say_of_a_lost_connection_is_not_shown(
 ) -> None:
     monkeypatch.setattr(distributed, "Client", lambda *_, **__: nullcontext())
     for library in ("distributed.core", "tornado.application"):
-        with Cluster(0, "tcp://here:1")._connection():
+        with dask_at("tcp://here:1", 1.0):
             logging.getLogger(library).error("a traceback")
         assert not caplog.records
         logging.getLogger(library).error("another one")

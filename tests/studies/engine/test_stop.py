@@ -3,11 +3,12 @@
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from studies.engine.stop import Stop, end_like
+from studies.engine.stop import Stop
 from studies.engine.workers.compute import StopRun
 from tests.studies.conftest import POSIX
 
@@ -17,7 +18,7 @@ ROOT = Path(__file__).parents[3]
 
 def test_a_signal_is_taken_note_of_and_raised_where_it_is_asked_for() -> None:
     before = signal.getsignal(signal.SIGINT)
-    with Stop() as stop:
+    with suppress(KeyboardInterrupt), Stop() as stop:
         stop.check()
         signal.raise_signal(signal.SIGINT)
         assert stop.signal == signal.SIGINT
@@ -28,9 +29,12 @@ def test_a_signal_is_taken_note_of_and_raised_where_it_is_asked_for() -> None:
     assert signal.getsignal(signal.SIGINT) == before
 
 
-def test_a_block_that_may_be_left_is_left_at_once() -> None:
-    with Stop() as stop, pytest.raises(StopRun), stop.interruptible():
+def test_a_block_that_may_be_left_is_left_at_once_and_the_program_ends_as_by_its_signal() -> None:
+    with pytest.raises(KeyboardInterrupt), Stop() as stop, stop.interruptible():
+        signal.raise_signal(signal.SIGINT)
+    with pytest.raises(SystemExit) as ended, Stop() as stop, stop.interruptible():
         signal.raise_signal(signal.SIGTERM)
+    assert ended.value.code == 128 + 15
 
 
 PATIENT = """
@@ -43,7 +47,9 @@ with Stop():
 """
 
 
-@pytest.mark.parametrize(("times", "code", "said"), [(2, 0, "alive\n"), (3, -signal.SIGTERM, "")])
+@pytest.mark.parametrize(
+    ("times", "code", "said"), [(2, 128 + signal.SIGTERM, "alive\n"), (3, -signal.SIGTERM, "")]
+)
 def test_who_asks_a_third_time_is_obeyed_wherever_the_process_is(
     times: int, code: int, said: str
 ) -> None:
@@ -55,11 +61,3 @@ def test_who_asks_a_third_time_is_obeyed_wherever_the_process_is(
         check=False,
     )
     assert (done.returncode, done.stdout) == (code, said), done.stderr
-
-
-def test_a_stopped_program_ends_as_by_its_signal() -> None:
-    assert isinstance(end_like(StopRun(signal.SIGINT)), KeyboardInterrupt)
-    assert isinstance(end_like(StopRun()), KeyboardInterrupt)
-    ended = end_like(StopRun(signal.SIGTERM))
-    assert isinstance(ended, SystemExit)
-    assert ended.code == 128 + 15

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import psutil
@@ -15,7 +16,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.engine.cluster import BATCHES_AHEAD, Cluster
+from studies.engine.cluster import BATCHES_AHEAD, compute_on_dask
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.stop import Stop
@@ -103,10 +104,10 @@ def address(request: pytest.FixtureRequest) -> str | None:
     return address
 
 
-def compute(cluster: Cluster, cases: list[Trouble], work: Work) -> list[Outcome]:
+def compute(cases: list[Trouble], **options: Any) -> list[Outcome]:
     outcomes: dict[str, Outcome] = {}
     named = {str(place): case for place, case in enumerate(cases)}
-    cluster.run(named, work, outcomes.__setitem__, Stop())
+    compute_on_dask(named, Work(trouble.measures), outcomes.__setitem__, Stop(), **options)
     return [outcomes[name] for name in named]
 
 
@@ -122,26 +123,11 @@ def test_a_case_that_cannot_be_sent_fails_alone(address: str | None, where: str)
     # the first ones go alone; by the fortieth, what a case takes is known, and it goes with others
     cases = [Trouble(n + 0.5) for n in range(80)]
     cases[60] = Unsendable(60.5, where=where)
-    with Cluster(1, address) as cluster:
-        outcomes = compute(cluster, cases, Work(trouble.measures))
+    outcomes = compute(cases, workers=1, address=address)
     bad = outcomes.pop(60)
     assert {outcome.case_status for outcome in outcomes} == {CaseStatus.OK}
     assert (bad.case_status, bad.failure.stage) == (CaseStatus.FAILED, "setup")
     assert "it holds an open file" in bad.error
-
-
-@pytest.mark.whole
-def test_an_executor_that_was_stopped_starts_again(address: str | None) -> None:
-    def stop(name: str, outcome: Outcome) -> None:
-        raise KeyboardInterrupt
-
-    with Cluster(2, address) as cluster:
-        with pytest.raises(KeyboardInterrupt):
-            cluster.run(
-                {"one": Trouble(1.0), "other": Trouble(6.0)}, Work(trouble.measures), stop, Stop()
-            )
-        (outcome,) = compute(cluster, [Trouble(2.0)], Work(trouble.measures))
-    assert float(outcome.variables["square"]) == 4
 
 
 @pytest.mark.whole
@@ -161,8 +147,8 @@ def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_p
                 time.sleep(0)  # others first
             raise KeyboardInterrupt
 
-    with Cluster(2) as cluster, pytest.raises(KeyboardInterrupt):
-        cluster.run(cases, Work(trouble.measures), finished, Stop())
+    with pytest.raises(KeyboardInterrupt):
+        compute_on_dask(cases, Work(trouble.measures), finished, Stop())
     assert {outcome.case_status for outcome in outcomes.values()} == {CaseStatus.OK}
     assert sorted(outcomes) == [str(n) for n in range(BATCHES_AHEAD * 2 - 2)]
 
@@ -175,17 +161,14 @@ def listening() -> set[str]:
 
 def test_dask_here_listens_to_this_machine_alone_and_only_while_cases_are_computed() -> None:
     heard = []
-    with Cluster(1) as cluster:
-        for name in "ab":
-            cluster.run(
-                {name: Trouble(1.0)},
-                Work(trouble.measures),
-                lambda name, outcome: heard.append(listening()),
-                Stop(),
-            )
-            assert listening() == set()
-    assert len(heard) == 2
-    assert set().union(*heard) <= {"127.0.0.1"}
+    compute_on_dask(
+        {"one": Trouble(1.0)},
+        Work(trouble.measures),
+        lambda name, outcome: heard.append(listening()),
+        Stop(),
+    )
+    assert listening() == set()
+    assert heard == [{"127.0.0.1"}]
 
 
 SCRIPT = """
@@ -238,6 +221,5 @@ def test_a_run_outlives_a_dask_worker(scheduler: tuple[str, Workers], tmp_path: 
 
 def test_a_scheduler_that_is_not_there_is_said() -> None:
     refusal = r"^Scheduler 'tcp://127.0.0.1:1' cannot be reached"
-    nowhere = Cluster(0, "tcp://127.0.0.1:1", patience=0.2)
-    with pytest.raises(InvalidInput, match=refusal), nowhere:
-        compute(nowhere, [Trouble(1.0)], Work(trouble.measures))
+    with pytest.raises(InvalidInput, match=refusal):
+        compute([Trouble(1.0)], address="tcp://127.0.0.1:1", patience=0.2)

@@ -14,7 +14,6 @@ from contactstudy import InvalidInput
 from studies.advice.measuring import Budget, compared
 from studies.advice.stored import store
 from studies.advice.subject import paper_described
-from studies.engine.cluster import Cluster
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import Finding, Table
@@ -62,9 +61,8 @@ def few(name: str) -> Study:
 
 
 def run_few(names: Iterable[str], folder: Path) -> None:
-    with Cluster(1) as cluster:
-        for name in names:
-            run(few(name), folder, repeats=1, log=quiet, executor=cluster)
+    for name in names:
+        run(few(name), folder, workers=1, repeats=1, log=quiet)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import keys
 from studies.model.outcome import CaseStatus, Outcome, Sample
-from studies.store.journal import Journal
+from studies.store.journal import FORMAT, Journal
 from studies.store.journal_lines import (
     decoded,
     decoded_variable,
@@ -24,7 +24,7 @@ from studies.store.journal_lines import (
     encoded_variable,
 )
 from studies.store.loaded import LOADED
-from studies.store.records import FORMAT, CaseIdentity, Context
+from studies.store.records import CaseIdentity, Context
 
 CONTEXT = {"code": "1"}
 
@@ -51,17 +51,13 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
         journal.start("now", {"number": [1, 2]})
         journal.begin("a")
-        assert journal.contents.begun is None
+        assert journal.begun == "a"
         journal.add(identity("a"), outcome(3.0, value=7.5))
         journal.begin("b")
-    found = opened(tmp_path).contents
+    found = opened(tmp_path)
     record = found.records["a"]
     assert (record.seconds, record.outcome.cpu, record.case_status) == (3.0, 1.5, CaseStatus.OK)
     assert float(record.outcome.variables["square"]) == 7.5
-    value = record.variable("square")
-    assert float(value) == 7.5
-    assert record.variable("cube") is None
-    assert record.error == ""
     assert record.is_of(identity("a"))
     assert not record.is_of(identity("a", offset="1"))
     assert found.begun == "b"
@@ -73,18 +69,17 @@ def test_what_changed_in_a_case_or_at_its_point_is_said(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
         journal.start("now", {})
         journal.add(identity("a"), outcome())
-        assert journal.contents.reason_to_recompute(identity("a")) == ""
+        assert journal.reason_to_recompute(identity("a")) == ""
         changed = replace(identity("a"), tree={"": "Case", "number": "z"})
-        assert journal.contents.reason_to_recompute(changed) == "case.number was a and is z"
+        assert journal.reason_to_recompute(changed) == "case.number was a and is z"
         moved = replace(identity("z"), key="other", point={"number": "a"})
-        assert "number was" in journal.contents.reason_to_recompute(moved)
-        assert journal.contents.reason_to_recompute(identity("new")) == ""
-    other = opened(tmp_path, {"code": "2"}).contents
+        assert "number was" in journal.reason_to_recompute(moved)
+        assert journal.reason_to_recompute(identity("new")) == ""
+    other = opened(tmp_path, {"code": "2"})
     assert other.reason_to_recompute(identity("a")) == "code changed"
     classes = replace(identity("a"), state="of other classes")
     assert (
-        opened(tmp_path).contents.reason_to_recompute(classes)
-        == "the state of the case's classes changed"
+        opened(tmp_path).reason_to_recompute(classes) == "the state of the case's classes changed"
     )
 
 
@@ -100,7 +95,7 @@ def test_a_case_of_which_anything_loaded_has_changed_is_of_another_program(tmp_p
             journal.start("now", {})
             journal.add(identity("a"), replace(outcome(), loaded=right))
             journal.add(identity("b"), replace(outcome(), loaded={**right, name: value}))
-        found = opened(tmp_path / name).contents
+        found = opened(tmp_path / name)
         assert (set(found.records), set(found.other_records)) == ({"a"}, {"b"})
         assert found.reason_to_recompute(identity("b")) == f"{name.removeprefix('module ')} changed"
 
@@ -113,22 +108,18 @@ def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:
         journal.time("a", SAMPLE)
         journal.time("a", replace(SAMPLE, solve=3.0))
         journal.cannot_time("b", "too short")
-    found = opened(tmp_path).contents
+    found = opened(tmp_path)
     assert found.samples_of("a") == [SAMPLE, replace(SAMPLE, solve=3.0)]
     assert found.reason_without_times("b") == "too short"
-    assert found.epoch == 0
-    elsewhere = opened(tmp_path, machine="there").contents
+    elsewhere = opened(tmp_path, machine="there")
     assert (elsewhere.samples, elsewhere.untimed) == ({}, {})
     assert set(elsewhere.records) == {"a", "b"}
     with opened(tmp_path) as journal:
         journal.start("now", {})
         journal.forget_times()
-        assert (journal.contents.samples, journal.contents.untimed) == ({}, {})
-        journal.forget_times()
-        assert journal.contents.epoch == 2
+        assert (journal.samples, journal.untimed) == ({}, {})
         journal.time("a", replace(SAMPLE, solve=4.0))
-    again = opened(tmp_path).contents
-    assert again.epoch == 2
+    again = opened(tmp_path)
     assert again.samples_of("a") == [replace(SAMPLE, solve=4.0)]
     assert again.untimed == {}
 
@@ -140,7 +131,7 @@ def test_cases_of_another_context_are_kept_apart(tmp_path: Path) -> None:
     with opened(tmp_path, {"code": "2"}) as journal:
         journal.start("later", {"number": [5]})
         journal.add(identity("b"), outcome())
-    now = opened(tmp_path, {"code": "2"}).contents
+    now = opened(tmp_path, {"code": "2"})
     assert (set(now.records), set(now.other_records)) == ({"b"}, {"a"})
     assert list(now.axes["number"]) == [5]
     assert now.history == ["now", "later"]
@@ -189,16 +180,16 @@ def test_a_line_that_no_version_wrote_is_set_aside_though_its_checksum_is_right(
     with opened(tmp_path) as journal:
         journal.start("now", {"number": [1]})
         journal.add(identity("b"), outcome(value=7.0))
-        stamp = journal.contents.records["b"].stamp
+        stamp = journal.records["b"].stamp
         path = journal.path
     with path.open("ab") as file:
         for line in MALFORMED[kind]:
             file.write(encoded({"program": stamp, "values": {}} | line))
     with opened(tmp_path) as journal:
-        assert list(journal.contents.records) == ["b"]
-        assert float(journal.contents.records["b"].outcome.variables["square"]) == 7
+        assert list(journal.records) == ["b"]
+        assert float(journal.records["b"].outcome.variables["square"]) == 7
         assert f"{len(MALFORMED[kind])} damaged lines" in journal.notes[0]
-        assert journal.contents.samples == {}
+        assert journal.samples == {}
     assert opened(tmp_path).notes == []
 
 
@@ -208,7 +199,7 @@ def test_a_journal_of_another_format_is_set_aside_with_a_sentence(tmp_path: Path
         {"case": "b"}
     )
     path.write_bytes(old)
-    assert opened(tmp_path).contents.records == {}
+    assert opened(tmp_path).records == {}
     assert path.read_bytes() == old
     with opened(tmp_path) as journal:
         journal.start("now", {})
@@ -217,7 +208,7 @@ def test_a_journal_of_another_format_is_set_aside_with_a_sentence(tmp_path: Path
             "the journal was written by another version: it is set aside as x.journal.jsonl.damaged"
         ]
     assert path.with_name("x.journal.jsonl.damaged").read_bytes() == old
-    assert set(opened(tmp_path).contents.records) == {"a"}
+    assert set(opened(tmp_path).records) == {"a"}
 
 
 LINE = {"case": "a", "value": 1.5}

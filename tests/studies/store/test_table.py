@@ -13,7 +13,7 @@ from studies.engine.run import run
 from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus, Failure, Outcome
 from studies.model.study import Point, Study
-from studies.store.table import assemble
+from studies.store.table import PointTable, assemble
 from tests.studies.conftest import quiet
 from tests.studies.engine.trouble import Trouble, measures
 
@@ -27,7 +27,8 @@ def variable(value: Any, *dims: str, **attrs: Any) -> xr.Variable:
 
 def assembled(axes: tuple[Axis, ...], keys: str, **found: dict[str, xr.Variable]) -> xr.Dataset:
     outcomes = {name: Outcome(CaseStatus.OK, variables) for name, variables in found.items()}
-    return assemble(axes, keys.split(), outcomes.get, lambda _: (), {"title": "by hand"})
+    table = PointTable(axes, keys.split())
+    return assemble(table, outcomes.get, lambda _: (), {"title": "by hand"})
 
 
 def test_numbers_stand_at_their_points_the_last_axis_fastest_and_cases_are_shared() -> None:
@@ -119,7 +120,7 @@ def test_a_failure_says_what_where_and_why_at_its_points() -> None:
         "a": Outcome(CaseStatus.OK, {"n": variable(1)}),
         "b": Outcome(CaseStatus.FAILED, {}, failure),
     }
-    dataset = assemble((SIDE,), ["a", "b", "b"], found.get, lambda _: (), {})
+    dataset = assemble(PointTable((SIDE,), ["a", "b", "b"]), found.get, lambda _: (), {})
     assert dataset["error"].values.tolist() == ["", "ValueError: no", "ValueError: no"]
     assert dataset["error_type"].values.tolist() == ["", "ValueError", "ValueError"]
     assert dataset["error_stage"].values.tolist() == ["", "solve", "solve"]

@@ -15,15 +15,14 @@ import cloudpickle
 import psutil
 import pytest
 
-from studies.engine.executors import packed
 from studies.engine.workers import process as module
 from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
-from studies.engine.workers.process import Worker
-from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, Work
+from studies.engine.workers.process import Worker, packed
+from studies.model.outcome import CaseStatus, Outcome, Work
 from studies.store.loaded import Present
 from tests.studies.conftest import POSIX
 from tests.studies.engine import trouble
-from tests.studies.engine.trouble import DIES, RAISES, Trouble, Unsendable
+from tests.studies.engine.trouble import DIES, RAISES, Trouble
 
 OK, FAILED, KILLED = CaseStatus.OK, CaseStatus.FAILED, CaseStatus.KILLED
 
@@ -46,7 +45,7 @@ def worker() -> Iterator[Worker]:
 
 def outcomes_of(worker: Worker, *cases: Trouble) -> list[Outcome]:
     names = [str(place) for place in range(len(cases))]
-    return list(worker.run(cloudpickle.dumps(cases), names))
+    return list(worker.run(cloudpickle.dumps(cases), names, None))
 
 
 def squares(outcomes: list[Outcome]) -> list[float | CaseStatus]:
@@ -85,13 +84,13 @@ def test_a_case_that_ends_its_own_process_is_not_tried_again(
 
 
 def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> None:
-    assert isinstance(worker.time_once("one", Trouble(2.0), None), Sample)
-    failure = worker.time_once("one", Trouble(float(RAISES)), None)
-    assert isinstance(failure, Failure)
-    assert (failure.kind, failure.stage) == ("ArithmeticError", "timing")
-    failure = worker.time_once("one", Unsendable(9.0), None)
-    assert isinstance(failure, Failure)
-    assert failure.stage == "setup"
+    for case, failure in ((Trouble(2.0), None), (Trouble(float(RAISES)), "ArithmeticError")):
+        (outcome,) = worker.run(cloudpickle.dumps((case,)), ("one",), None, is_timed=True)
+        assert (outcome.sample is None) == (failure is not None)
+        assert failure is None or (outcome.failure.kind, outcome.failure.stage) == (
+            failure,
+            "timing",
+        )
 
 
 def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
@@ -106,11 +105,11 @@ def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: P
     """A module that cannot be preloaded would slow every one of them, without a word."""
     (tmp_path / "random.py").write_text("1 / 0")
     script = (
-        "from studies.engine.workers.process import Worker\nfrom studies.engine.executors import packed\n"
+        "from studies.engine.workers.process import Worker, packed\n"
         "from studies.model.outcome import Work\nfrom tests.studies.engine import trouble\n"
         "import cloudpickle, os, psutil\n"
         "one = Worker(packed(Work(trouble.parent_process)))\n"
-        "(found,) = one.run(cloudpickle.dumps((trouble.Trouble(1.0),)), ['one'])\n"
+        "(found,) = one.run(cloudpickle.dumps((trouble.Trouble(1.0),)), ['one'], None)\n"
         "server = psutil.Process(int(found.variables['process']))\n"
         "assert server.pid != os.getpid()\n"
         "print('libraries', any('_multiarray_umath' in part.path for part in server.memory_maps()))\n"

@@ -15,8 +15,8 @@ from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.registry import load
 from studies.store import provenance
+from studies.store.fields import load_fields, save_fields
 from studies.store.netcdf import interrupts_deferred, open_folder, read
-from studies.store.result_file import load_fields, save_fields
 from tests.studies.conftest import quiet
 
 KEPT = RunOptions(workers=0, repeats=0, fields="kept")

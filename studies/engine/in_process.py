@@ -1,0 +1,53 @@
+"""Cases in this process, one after the other."""
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from threadpoolctl import threadpool_limits
+
+from studies.engine.stop import Stop
+from studies.engine.workers.compute import compute, warm_up
+from studies.engine.workers.interpreter_state import restored_state
+from studies.model.case import Computation
+from studies.model.outcome import Finished, Work
+from studies.store.loaded import LOADED
+
+
+def compute_here(
+    cases: Mapping[str, Computation],
+    work: Work,
+    finished: Finished,
+    stop: Stop,
+    begins: Callable[[str], object] = lambda name: None,
+) -> None:
+    """Compute cases in this process.
+
+    Parameters
+    ----------
+    cases
+        Cases by name.
+    work
+        Instructions for every case.
+    finished
+        Called with the name and the outcome of each case.
+    stop
+        Raises where a signal asks to stop.
+    begins
+        Called with the name of each case before it begins, so that a death can be attributed to it.
+    """
+    warm_up()
+    number = os.getpid()
+    LOADED.scan()
+    with threadpool_limits(1), restored_state() as interpreter_state:
+        for name, case in cases.items():
+            stop.check()
+            begins(name)
+            interpreter_state.restore(name)
+            with stop.interruptible():
+                outcome = compute(case, work)
+            if os.getpid() != number:
+                # a case has forked, and this is its child, which must not go on with the run
+                os._exit(0)
+            interpreter_state.restore(name)
+            finished(name, replace(outcome, loaded=LOADED.scan()))

@@ -1,0 +1,245 @@
+"""Results of a study in a folder: which cases are stored, which are missing and why, and the netCDF file of them."""
+
+import hashlib
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from time import monotonic
+
+import xarray as xr
+
+from contactstudy import InvalidInput
+from studies.engine.options import RunOptions
+from studies.model.outcome import CaseStatus, Outcome
+from studies.model.plain_text import one_line
+from studies.model.study import Study
+from studies.store.fields import load_fields
+from studies.store.journal import Journal
+from studies.store.netcdf import read, write
+from studies.store.provenance import machine
+from studies.store.records import Record
+from studies.store.request import Request
+from studies.store.table import PointTable, assemble, stored_table
+
+SUFFIX = ".journal.jsonl"
+MIN_WRITE_INTERVAL = 60.0  # least seconds between two writes while cases are computed
+WRITE_INTERVAL_FACTOR = 20  # least ratio of the time between two writes to the time of one
+Log = Callable[[str], object]
+
+
+@dataclass(eq=False)
+class Results:
+    """Results of a study in a folder.
+
+    Attributes
+    ----------
+    study, request
+        The study and its cases.
+    journal
+        Stored results, beside which the netCDF file is.
+    options
+        Options of the run.
+    log
+        Takes messages.
+    table
+        Points of the file.
+    provenance
+        Attributes of the run that writes.
+    skipped
+        Keys of the cases that a stopped run left out.
+    next_write
+        Time (of ``monotonic``) before which the file is not written again.
+    """
+
+    study: Study
+    request: Request
+    journal: Journal
+    options: RunOptions
+    log: Log
+    provenance: Mapping[str, str] = field(default_factory=dict)
+    skipped: set[str] = field(default_factory=set)
+    next_write: float = 0.0
+
+    @classmethod
+    def of(
+        cls, study: Study, request: Request, folder: Path, options: RunOptions, log: Log
+    ) -> "Results":
+        """Return what a folder holds of a study; stored values of axes replace those that differ by rounding only."""
+        journal = Journal(folder / f"{study.name}{SUFFIX}", request.context, machine())
+        axes = tuple(axis.with_stored(journal.axes.get(axis.name, ())) for axis in study.points)
+        for axis in axes:
+            if axis.merged:
+                log(
+                    f"{axis.merged} values of {axis.name} differ from others by rounding alone, which stand for them"
+                )
+        if axes != study.points:
+            study = replace(study, points=axes)
+            request = Request.of(study)
+        return cls(study, request, journal, options, log)
+
+    def __post_init__(self) -> None:
+        self.table = PointTable(self.study.points, self.request.keys)
+
+    @property
+    def path(self) -> Path:
+        """Path of the netCDF file."""
+        return self.journal.path.parent / f"{self.study.name}.nc"
+
+    @property
+    def fields_folder(self) -> Path:
+        """Path of the folder of fields that go into the file."""
+        return self.journal.path.parent / f"{self.study.name}.fields"
+
+    @property
+    def repeats(self) -> int:
+        """Number of timed runs of each case."""
+        return self.options.repeats if self.study.times == "taken" else 0
+
+    def record(self, name: str) -> Record | None:
+        """Return the stored record of a case in the present context and with the present defaults; None without one."""
+        record, identity = self.journal.records.get(name), self.request.identities.get(name)
+        is_right = record is not None and (identity is None or record.is_of(identity))
+        return record if is_right else None
+
+    def missing(self) -> list[str]:
+        """Return the cases to compute, and report why stored ones cannot be used."""
+        for note in (*self.journal.notes, *self.study.notes):
+            self.log(note)
+        missing = []
+        changes: Counter[str] = Counter()
+        for name, identity in self.request.identities.items():
+            record = self.record(name)
+            if record is not None and self._serves(record):
+                continue
+            if record is None and (self.journal.records or self.journal.other_records):
+                changes[self.journal.reason_to_recompute(identity)] += 1
+            missing.append(name)
+        changes.pop("", None)  # new cases
+        for change, count in changes.items():
+            self.log(f"{count} stored cases are recomputed, since {change}")
+        return missing
+
+    def _serves(self, record: Record) -> bool:
+        """Return whether the stored record of a case is enough for the options."""
+        wants_fields = self.options.fields == "kept" and record.case_status is CaseStatus.OK
+        return record.case_status not in self.options.retry and (
+            not wants_fields
+            or load_fields(self.fields_folder, record.key, record.stamp, self.log) is not None
+        )
+
+    def adopt(self, missing: Sequence[str]) -> list[str]:
+        """Store the missing cases that other studies in the folder hold, with their times; return the others."""
+        adopted: set[str] = set()
+        for path in sorted(self.journal.path.parent.glob(f"*{SUFFIX}")):
+            if path == self.journal.path or self.options.fields == "kept":
+                continue
+            with suppress(InvalidInput):  # a damaged journal is no other study's concern
+                other = Journal(path, self.request.context, machine())
+                for name in (other.records.keys() & set(missing)) - adopted:
+                    record, identity = other.records[name], self.request.identities[name]
+                    if record.case_status is CaseStatus.OK and record.is_of(identity):
+                        loaded = other.programs[record.stamp].loaded
+                        self.journal.add(identity, replace(record.outcome, loaded=loaded))
+                        for sample in other.samples_of(name):
+                            self.journal.time(name, sample)
+                        adopted.add(name)
+        if adopted:
+            self.log(f"{len(adopted)} cases are taken over from other studies in the folder")
+        return [name for name in missing if name not in adopted]
+
+    def times_missing(self) -> dict[str, int]:
+        """Return the number of missing timed runs of each good case, without cases that cannot be timed."""
+        retimed, counts = self.options.old_times == "dropped", {}
+        for name in self.request.cases if self.repeats else ():
+            record = self.record(name)
+            if record is None or record.case_status is not CaseStatus.OK:
+                continue
+            stored = 0 if retimed else len(self.journal.samples_of(name))
+            if stored < self.repeats and (retimed or not self.journal.reason_without_times(name)):
+                counts[name] = self.repeats - stored
+        return counts
+
+    def extend_table(self) -> None:
+        """Take all stored points of the study into the file, where the options do not say otherwise."""
+        if self.options.table == "stored":
+            self.table = stored_table(self.study, self.request, self.journal)
+
+    def stored(self) -> xr.Dataset | None:
+        """Return the Dataset in the file; None unless it has all that the journal has of its points."""
+        with suppress(InvalidInput):
+            dataset = read(self.path)
+            if dataset.attrs.get("content_hash") == self._content_hash():
+                return dataset
+        return None
+
+    def _content_hash(self) -> str:
+        """Return a hash of all that the file shows: its points and attributes, records, and timed runs."""
+        about = [self.study.title, self.study.notes, self.table.axes, sorted(self.skipped)]
+        content = hashlib.blake2b(repr(about).encode(), digest_size=6)
+        content.update(self.journal.times.digest())
+        for name in self.table.keys:
+            record = self.journal.records.get(name)
+            content.update(name.encode() if record is None else record.raw)
+        return content.hexdigest()
+
+    def write(self, *, fields: str = "none") -> None:
+        """Write the file, with a group for every case that has fields if these are "kept"."""
+        start = monotonic()
+        dataset = assemble(self.table, self._outcome, self.journal.samples_of, self._attributes())
+        write(dataset, self.path, self._groups() if fields == "kept" else ())
+        end = monotonic()
+        self.next_write = end + max(MIN_WRITE_INTERVAL, WRITE_INTERVAL_FACTOR * (end - start))
+
+    def _outcome(self, name: str) -> Outcome | None:
+        """Return the outcome of a case; None if there is none."""
+        if (record := self.record(name)) is not None:
+            return record.outcome
+        return Outcome(CaseStatus.SKIPPED) if name in self.skipped else None
+
+    def _attributes(self) -> dict[str, str]:
+        """Return the attributes of the file."""
+        history = self.journal.history
+        notes = {"notes": "\n".join(self.study.notes)} if self.study.notes else {}
+        return {
+            **notes,
+            **self.study.attributes,
+            **self.provenance,
+            "study": self.study.name,
+            "title": one_line(self.study.title),
+            "first_case": _shown(next(iter(self.request.cases.values()))),
+            "history": "\n".join(history),
+            "date_created": history[0].split()[0],
+            "date_modified": datetime.now(UTC).isoformat(timespec="seconds"),
+            "case_versions": self._versions(),
+            "content_hash": self._content_hash(),
+            "timing": "wall time, least of the repeats, one case at a time, on one thread where no axis says more",
+        }
+
+    def _versions(self) -> str:
+        """Return the versions of all distributions that the cases were computed with, and the study's part."""
+        versions = dict(self.request.context.part)
+        for stamp in {record.stamp for record in self.journal.records.values()}:
+            loaded = self.journal.programs[stamp].loaded
+            versions |= {name: loaded[name] for name in loaded if not name.startswith("module")}
+        named = ((name.removeprefix("distribution "), versions[name]) for name in sorted(versions))
+        return ", ".join(f"{name} {version}" for name, version in named)
+
+    def _groups(self) -> Iterator[tuple[str, xr.Dataset]]:
+        """Yield the fields of every case that has some, read one at a time."""
+        for name in dict.fromkeys(self.table.keys):
+            record = self.journal.records.get(name)
+            if record is not None:
+                fields = load_fields(self.fields_folder, name, record.stamp)
+                if fields is not None:
+                    yield f"fields/case_{name}", fields
+
+
+def _shown(case: object) -> str:
+    """Return the representation of a case in one line."""
+    try:
+        return one_line(repr(case))
+    except Exception:  # noqa: BLE001 (a study's own class may do anything)
+        return one_line(type(case).__name__)

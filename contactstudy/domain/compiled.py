@@ -46,14 +46,14 @@ def free_gap(
 
 
 @summing
-def measured(
+def gap(
     undeformed: Array, displacement: Array, pressure: Array, approach: float, limit: float,
     height: Array, results: Array,
 ) -> None:  # fmt: skip
-    """Write the `height` of the gap, counted from the approach, and what the residual is made of.
+    """Write the `height` of the gap, counted from the approach, and the terms of its residual.
 
-    Each row gets the load, the moment of the gap and the load of free cells; the first row also gets, of all rows, the
-    largest violation of other cells, and the largest displacement.
+    Each row gets the load, and of free cells the sum of pressure times gap and the load; the first row also gets, of all
+    rows, the largest violation of other cells, and the largest displacement.
     """
     columns = height.shape[1]
     # column by column: the largest of a row is found one by one
@@ -62,14 +62,14 @@ def measured(
         load, moment, free_load = 0.0, 0.0, 0.0
         for j in range(columns):
             loaded, deflection = pressure[i, j], displacement[i, j]
-            gap = undeformed[i, j] + deflection - approach
-            height[i, j] = gap
+            distance = undeformed[i, j] + deflection - approach
+            height[i, j] = distance
             empty, full = loaded == 0, loaded >= limit
             free = 0.0 if empty | full else loaded
             load += loaded
-            moment += free * abs(gap)
+            moment += free * abs(distance)
             free_load += free
-            violation = -gap if empty else (gap if full else 0.0)
+            violation = -distance if empty else (distance if full else 0.0)
             highest = largest_violation[j]
             largest_violation[j] = violation if violation > highest else highest
             farthest = largest_displacement[j]
@@ -120,38 +120,6 @@ def totals(cells: Array, residual: Array, results: Array) -> None:
             count += cells[i, j]
             residual_sum += residual[i, j]
         results[i, 0], results[i, 1] = count, residual_sum
-
-
-@summing
-def products(
-    gap: Array, residual: Array, cells: Array, before: Array, after: Array, moved_before: Array,
-    moved_after: Array, results: Array,
-) -> None:  # fmt: skip
-    """Write for each row the sums that make a direction conjugate to the last step.
-
-    That step took the pressure from `before` to `after`, and the displacement likewise; it counts from after to before.
-    The sums are the number of cells, the sum of the residual, and the products of gap and residual, residual and
-    response, cells and response, gap of the cells and step, cells and step.
-    """
-    for i in range(gap.shape[0]):
-        count = residual_sum = downhill = along = over = along_gap = shifted = 0.0
-        for j in range(gap.shape[1]):
-            change = cells[i, j] * (before[i, j] - after[i, j])
-            response = moved_before[i, j] - moved_after[i, j]
-            count += cells[i, j]
-            residual_sum += residual[i, j]
-            downhill += gap[i, j] * residual[i, j]
-            along += residual[i, j] * response
-            over += cells[i, j] * response
-            along_gap += gap[i, j] * change
-            shifted += change
-        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = (
-            count,
-            residual_sum,
-            downhill,
-            along,
-        )
-        results[i, 4], results[i, 5], results[i, 6] = over, along_gap, shifted
 
 
 @summing
@@ -218,16 +186,6 @@ def project(
 
 
 @summing
-def slope(trial: Array, pressure: Array, height: Array, results: Array) -> None:
-    """Write for each row the work of the gap on the step to a trial pressure."""
-    for i in range(trial.shape[0]):
-        work = 0.0
-        for j in range(trial.shape[1]):
-            work += height[i, j] * (trial[i, j] - pressure[i, j])
-        results[i, 0] = work
-
-
-@summing
 def curvature(
     trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, results: Array
 ) -> None:
@@ -240,7 +198,9 @@ def curvature(
 
 
 @exact
-def beyond(trial: Array, pressure: Array, factor: float, limit: float, results: Array) -> None:
+def outside_limits(
+    trial: Array, pressure: Array, factor: float, limit: float, results: Array
+) -> None:
     """Write for each row the number of cells that are beyond a limit after `factor` steps."""
     for i in range(trial.shape[0]):
         count = 0

@@ -11,7 +11,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from contactstudy.domain.device import Array, Cpu, Numbers, arrays, device, threads, using
+from contactstudy.domain.device import Array as Array
+from contactstudy.domain.device import Cpu, Numbers, arrays, device, threads, using
 
 T = TypeVar("T")
 
@@ -138,9 +139,6 @@ def _pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="contactstudy")
 
 
-__all__ = ["Array", "dot", "inner", "mean_over", "product", "sums", "total"]
-
-
 # Up to this many cells BLAS starts no threads, and single precision needs no sums by rows.
 SMALL = 1024
 
@@ -165,6 +163,13 @@ def dot(a: Array, b: Array) -> float:
 def total(field: Array) -> float:
     """Return the sum over a field (x, y)."""
     return sum(in_blocks(lambda block: float(arrays().sum(block)), field))
+
+
+def largest_size(field: Array) -> float:
+    """Return the largest absolute value in a field (x, y); nan if one is nan."""
+    xp = arrays()
+    sizes = in_blocks(lambda block: max(float(xp.max(block)), -float(xp.min(block))), field)
+    return float(np.max(sizes))
 
 
 def mean_over(cells: Array, field: Array) -> float:

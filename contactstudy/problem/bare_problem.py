@@ -5,10 +5,10 @@ from functools import cached_property
 from math import inf, prod
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, in_blocks, inner, total
-from contactstudy.problem.constraint import Constraint, Gap, Resultant, largest
+from contactstudy.domain.fields import Array, inner, largest_size, total
+from contactstudy.problem.constraint import Constraint, Gap, Resultant, largest_of
 from contactstudy.problem.operator import Operator
-from contactstudy.problem.passes import Passes, passes_for
+from contactstudy.problem.passes import ArrayPasses, passes_for
 
 # A gap is uncertain by this number of roundings of the largest displacement: residuals stop falling at half of it.
 ROUNDINGS = 2.0
@@ -46,10 +46,10 @@ class BareProblem:
     constraint: Constraint
     resultant: Resultant
     elongation: float = field(default=1.0, kw_only=True)
-    chosen_passes: Passes | None = field(default=None, kw_only=True, repr=False)
+    chosen_passes: ArrayPasses | None = field(default=None, kw_only=True, repr=False)
 
     @cached_property
-    def passes(self) -> Passes:
+    def passes(self) -> ArrayPasses:
         """Passes over the fields of the problem, which coarser grids share."""
         return self.chosen_passes or passes_for(self.constraint, self.undeformed_gap.shape)
 
@@ -90,11 +90,7 @@ class BareProblem:
 
         `gap` is the gap under `pressure`. See :func:`~contactstudy.solve`.
         """
-        load = total(pressure) if gap.load is None else gap.load
-        measured = gap.measured
-        if measured is None:
-            measured = self.constraint.residual(pressure, gap, load)
-        return largest(measured, self.resultant.error(load))
+        return largest_of(gap.violation, self.resultant.error(gap.load))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """Return the gap under a `pressure` that makes this `displacement`, both (x, y).
@@ -107,33 +103,17 @@ class BareProblem:
         approach = None if self.resultant.approach is None else 0.0
         return self.passes.gap(*fields, approach)
 
-    def rounding(self, displacement: Array, farthest: float | None = None) -> float:
-        """Return the uncertainty of a gap under `displacement` by rounding; a residual below it means nothing.
-
-        `farthest` is the size of the largest displacement, where it is known.
-        """
-        xp = arrays()
-
-        def highest(block: Array) -> float:
-            return max(float(xp.max(block)), -float(xp.min(block)))
-
-        if farthest is None:
-            farthest = largest(*in_blocks(highest, displacement))
-        return float(ROUNDINGS * xp.finfo(displacement.dtype).eps * farthest)
-
     def ends(
-        self,
-        residual: float,
-        displacement: Array,
-        tolerance: float,
-        farthest: float | None = None,
+        self, residual: float, displacement: Array, tolerance: float, largest: float | None = None
     ) -> bool:
         """Return whether no iteration can improve on `residual`, or none needs to.
 
-        It is below the `tolerance` or the :meth:`rounding` under `displacement`, or not finite.
+        It is not finite, below the `tolerance`, or below the rounding of a gap under `displacement`, whose largest
+        absolute value is found unless it is given as `largest`.
         """
-        uncertain = self.rounding(displacement, farthest)
-        return not max(tolerance, uncertain) < residual < inf
+        largest = largest_size(displacement) if largest is None else largest
+        rounding = float(ROUNDINGS * arrays().finfo(displacement.dtype).eps * largest)
+        return not max(tolerance, rounding) < residual < inf
 
     def coarsened(self) -> "BareProblem | None":
         """Return the problem on blocks of cells with heights averaged, or None where the grid cannot be halved."""

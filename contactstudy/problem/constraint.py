@@ -25,19 +25,19 @@ class Gap:
         Height (x, y) of the gap, counted from the approach.
     approach
         Approach of the bodies.
-    measured
-        Largest violation of the constraint, where a pass has found it along with the heights.
+    violation
+        The larger of complementarity and penetration, see :meth:`Constraint.residual`.
     load
-        Sum of the pressure, where a pass has found it.
-    farthest
-        Size of the largest displacement, where a pass has found it.
+        Sum of the pressure.
+    largest_displacement
+        Largest absolute value of the displacement.
     """
 
     height: Array
     approach: float
-    measured: float | None = None
-    load: float | None = None
-    farthest: float | None = None
+    violation: float
+    load: float
+    largest_displacement: float
 
 
 def in_double(field: Array, factor: float) -> Array:
@@ -56,7 +56,7 @@ def violation(pressure: Array, height: Array, free: Array) -> Array:
     return xp.maximum(xp.where(pressure == 0, -height, height) * (1 - free), 0)
 
 
-def largest(*measures: float) -> float:
+def largest_of(*measures: float) -> float:
     """Return the largest of measures at least 0, or nan if one is nan, which Python's own ``max`` may miss."""
     return nan if isnan(sum(measures)) else float(max(measures))
 
@@ -117,10 +117,10 @@ class Constraint(Protocol):
         """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
         ...
 
-    def residual(self, pressure: Array, gap: Gap, load: float) -> float:
+    def residual(self, pressure: Array, height: Array, load: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale.
 
-        `load` is the sum of `pressure`. See :func:`~contactstudy.solve`.
+        `height` is that of the gap (x, y), `load` the sum of `pressure`. See :func:`~contactstudy.solve`.
         """
         ...
 
@@ -228,17 +228,17 @@ class Compressive:
         """Return 1 for cells without pressure that penetrate, and 0 for the others."""
         return arrays().astype((pressure == 0) & (height < 0), height.dtype)
 
-    def residual(self, pressure: Array, gap: Gap, load: float) -> float:
+    def residual(self, pressure: Array, height: Array, load: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale."""
         xp = arrays()
 
-        def measure(block: Array, height: Array) -> tuple[float, float]:
-            overlap = xp.where(block == 0, height, 0.0)
-            return dot(block, xp.abs(height)), -float(xp.min(overlap))
+        def measure(pressure: Array, height: Array) -> tuple[float, float]:
+            overlap = xp.where(pressure == 0, height, 0.0)
+            return dot(pressure, xp.abs(height)), -float(xp.min(overlap))
 
-        moments, deepest = zip(*in_blocks(measure, pressure, gap.height), strict=True)
+        moments, deepest = zip(*in_blocks(measure, pressure, height), strict=True)
         complementarity = sum(moments) / load if load else 0.0
-        return largest(complementarity, *deepest)
+        return largest_of(complementarity, *deepest)
 
 
 def load_multiplier(
@@ -348,13 +348,13 @@ class HardnessLimited:
         violations = violation(pressure, height, self.free(pressure))
         return arrays().astype(violations > 0, height.dtype)
 
-    def residual(self, pressure: Array, gap: Gap, load: float) -> float:
+    def residual(self, pressure: Array, height: Array, load: float) -> float:
         """Return the largest of complementarity in free cells, penetration, and open gaps of yielding cells."""
         xp = arrays()
         free = self.free(pressure)
-        moment, of_free = inner(pressure, xp.abs(gap.height) * free), inner(pressure, free)
+        moment, of_free = inner(pressure, xp.abs(height) * free), inner(pressure, free)
         complementarity = moment / of_free if of_free > 0 else 0.0
-        return largest(complementarity, float(xp.max(violation(pressure, gap.height, free))))
+        return largest_of(complementarity, float(xp.max(violation(pressure, height, free))))
 
 
 class Resultant(Protocol):

@@ -43,7 +43,7 @@ class PolonskyKeer:
             displacement = problem.operator(pressure)
             gap = problem.gap(pressure, displacement)
             residual = problem.residual(pressure, gap)
-            ended = problem.ends(residual, displacement, tolerance)
+            ended = problem.ends(residual, displacement, tolerance, gap.largest_displacement)
             if ended or iteration == max_iterations or stall.stalled(residual):
                 work = 2.0 * iteration + 1
                 return Iterate(pressure, displacement, gap.approach, residual, iteration, work)

@@ -136,7 +136,7 @@ class ContactPreconditioner:
 
     def __init__(self, problem: BareProblem) -> None:
         self._problem = problem
-        precision = problem.passes.preconditioner(problem.undeformed_gap)
+        precision = problem.passes.preconditioner_precision(problem.undeformed_gap)
         self._inverse = problem.operator.approximate_inverse(precision)
         self._extension: Extension | None = None
         self._punch = 0.0, 0.0
@@ -244,17 +244,17 @@ def _conjugate(
         count, summed = passes.totals(active, residual)
         return summed / count, 0.0
     fields = last.before, last.after, last.displacement_before, last.displacement_after
-    sums = passes.products(height, residual, active, *fields)
-    count, summed, descent, along, across, ascent, change = sums
+    sums = passes.conjugacy_sums(height, residual, active, *fields)
+    shift = sums.residual / sums.cells if rigid is None else -rigid
+    conjugate = (sums.residual_response - shift * sums.active_response) / last.curvature
+    descent = sums.gap_residual
     if rigid is not None:
-        conjugate = (along + rigid * across) / last.curvature
         descent += rigid * inner(active, height)
-        return -rigid, conjugate if conjugate * ascent < descent else 0.0
-    mean = summed / count
-    conjugate = (along - mean * across) / last.curvature
-    if conjugate * ascent < descent:
-        return mean - conjugate * change / count, conjugate
-    return mean, 0.0
+    if not conjugate * sums.gap_step < descent:
+        return shift, 0.0
+    if rigid is None:  # the direction keeps the load
+        shift -= conjugate * sums.step / sums.cells
+    return shift, conjugate
 
 
 def projected_gradient_step(state: ContactState, trial: Array) -> Trial:
@@ -362,7 +362,7 @@ class PreconditionedCG:
         residual = state.residual
         tolerance = max(tolerance, reduction * residual)
         while not (
-            problem.ends(residual, state.displacement, tolerance, state.gap.farthest)
+            problem.ends(residual, state.displacement, tolerance, state.gap.largest_displacement)
             or iteration == max_iterations
             or stall.stalled(residual)
         ):

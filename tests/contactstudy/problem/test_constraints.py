@@ -10,7 +10,6 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.problem.constraint import (
     Compressive,
     Constraint,
-    Gap,
     HardnessLimited,
     PrescribedLoad,
 )
@@ -168,5 +167,4 @@ def row(*values: float) -> np.ndarray:
 def test_the_residual_is_of_complementarity_or_penetration(
     heights: tuple[float, ...], residual: float
 ) -> None:
-    gap = Gap(row(*heights), 0.0)
-    assert WHICH.residual(row(2.0, 0.5, 0.0, 0.0), gap, 2.5) == pytest.approx(residual)
+    assert WHICH.residual(row(2.0, 0.5, 0.0, 0.0), row(*heights), 2.5) == pytest.approx(residual)

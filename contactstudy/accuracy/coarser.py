@@ -1,6 +1,7 @@
 """The same contact on coarser cells: its problem, its solution, and what changes from one grid to the other."""
 
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -18,25 +19,30 @@ ADHESIVE_TOLERANCE = 1e-7
 
 
 @dataclass(frozen=True)
-class Change:
-    """Relative changes of a solution from cells of twice the size to its own cells.
+class DiscretisationErrors:
+    """Relative errors that the cells cause, or changes of a solution from other cells.
 
     Attributes
     ----------
     l1
-        Difference of the pressure, as means over the coarse cells, in L1.
-    peak_pressure
-        Growth of the peak pressure; negative if it falls.
-    contact_area
-        Difference of the contact area.
-    mean_gap
-        Difference of the mean gap.
+        Of the pressure in L1; a change is that of its means over the coarser cells.
+    peak_pressure, contact_area, mean_gap, load
+        Of these numbers; the `load` is None where it is given.
+    warnings
+        A sentence for each infinite error, or on what to change.
     """
 
     l1: float
     peak_pressure: float
     contact_area: float
     mean_gap: float
+    load: float | None = None
+    warnings: tuple[str, ...] = ()
+
+    @classmethod
+    def unbounded(cls, reason: str, load: float | None = None) -> "DiscretisationErrors":
+        """Return infinite errors with their reason."""
+        return cls(inf, inf, inf, inf, load, (reason,))
 
 
 def halved(grid: Grid) -> Grid:
@@ -64,17 +70,18 @@ def coarser_problem(problem: Problem) -> Problem | None:
     return replace(coarse, undeformed_gap=gap)
 
 
-def change(fine: Solution, coarse: Solution) -> Change:
-    """Return the relative changes from `coarse`, the same contact on cells of twice the size, to `fine`."""
+def change(fine: Solution, coarse: Solution) -> DiscretisationErrors:
+    """Return the relative changes from `coarse`, the same contact on larger cells, to `fine`."""
     means = on_cells(fine.pressure, coarse.pressure.shape)
-    peak_growth = float(fine.pressure.max() / coarse.pressure.max()) - 1
     areas = [float((solution.pressure > 0).mean()) for solution in (fine, coarse)]
     gaps = [solution.mean_gap for solution in (fine, coarse)]
-    return Change(
+    loads = [solution.load_per_length for solution in (fine, coarse)]
+    return DiscretisationErrors(
         float(np.abs(means - coarse.pressure).sum() / means.sum()),
-        peak_growth,
+        abs(float(fine.pressure.max() / coarse.pressure.max()) - 1),
         abs(areas[1] / areas[0] - 1),
         abs(gaps[1] / gaps[0] - 1) if gaps[0] else 0.0,
+        abs(loads[0] - loads[1]) / abs(loads[0]) if loads[0] else inf,
     )
 
 

@@ -1,11 +1,11 @@
 """Estimated errors of a solution, by cause: truncation of images, discretisation, and the solver's residual."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import Change, change, coarse_solution
+from contactstudy.accuracy.coarser import DiscretisationErrors, change, coarse_solution
 from contactstudy.accuracy.discretisation import (
     around_contact,
     axis_first,
@@ -59,18 +59,6 @@ PROTRUDING = (
     "No bound for the discretisation error: between the cell centres the surface protrudes further than "
     "the contact flattens it; give more cells, or the shape's `length_scales`."
 )
-
-
-@dataclass(frozen=True)
-class _Cells:
-    """Relative errors that the cells cause, with the reasons for infinite ones."""
-
-    peak_pressure: float
-    l1: float
-    contact_area: float
-    mean_gap: float
-    warnings: tuple[str, ...] = ()
-    load: float | None = None
 
 
 def error_estimate(
@@ -210,30 +198,24 @@ def _spikes(problem: Problem) -> tuple[float, float, str]:
 
 def _cells(
     solution: Solution, coarse: Solution | None, heights: SubgridHeights | None, confidence: float
-) -> _Cells:
+) -> DiscretisationErrors:
     """Return the errors that the cells cause."""
     problem = solution.problem
     pressure = solution.pressure[around_contact(solution.pressure)]
     assert problem.paddings is not None
     wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
     if reason := _cut_off(solution) or _unresolved_length(problem):
-        return _Cells(inf, inf, inf, inf, (reason,))
+        return DiscretisationErrors.unbounded(reason)
     if solution.adhesion is not None or problem.resultant.approach is not None:
-        comparison = compare_grids(solution, coarse)
-        parts = (
-            comparison.peak_pressure,
-            comparison.l1,
-            comparison.contact_area,
-            comparison.mean_gap,
-        )
+        errors = compare_grids(solution, coarse)
         is_sought = problem.resultant.approach is not None or _is_pull_off(solution)
-        return _Cells(*parts, comparison.warnings, comparison.load if is_sought else None)
+        return errors if is_sought else replace(errors, load=None)
     heights = heights or SubgridHeights.from_problem(problem, confidence)
     if heights is None:
-        return _Cells(inf, inf, inf, inf, (UNKNOWN_HEIGHTS,))
+        return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS)
     inside = heights.effect_under(problem, solution.pressure)
     if inside.protrudes:
-        return _Cells(inf, inf, inf, inf, (PROTRUDING,))
+        return DiscretisationErrors.unbounded(PROTRUDING)
     peak, l1 = discretisation(pressure, wraps)
     area = contact_area(pressure, wraps)
     at_hardness = _at_hardness(solution)
@@ -243,12 +225,12 @@ def _cells(
         and _contact_width(pressure, wraps) >= MIN_CELLS_ACROSS
     )
     if regular and inside.uncertain <= SMOOTH_RATIO * l1 and inside.corner <= SHARP_RISE:
-        changes = Change(0.0, 0.0, 0.0, 0.0)
+        changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
     else:
         coarse = coarse or coarse_solution(problem, solution.pressure)
         if coarse is None or coarse.status.is_failure:
             reason = "No bound for the discretisation error: no solution on cells of twice the size to compare with."
-            return _Cells(inf, inf, inf, inf, (reason,))
+            return DiscretisationErrors.unbounded(reason)
         changes = change(solution, coarse)
     isolated = _has_isolated_cells(pressure)
     l1 = MAX_L1 if isolated else min(MAX_L1, max(l1, changes.l1, HIDDEN_ERROR * inside.uncertain))
@@ -258,14 +240,14 @@ def _cells(
     elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
         peak = inf
     else:
-        peak = max(peak, abs(changes.peak_pressure), inside.rise) + inside.kink
+        peak = max(peak, changes.peak_pressure, inside.rise) + inside.kink
     return _with_reasons(
-        _Cells(
-            peak,
+        DiscretisationErrors(
             l1,
+            peak,
             max(area, changes.contact_area, _relative_loss(HIDDEN_ERROR * inside.area_loss)),
             _gap_error(solution, l1, changes.mean_gap, inside.mean),
-            (reason,) if reason else (),
+            warnings=(reason,) if reason else (),
         )
     )
 
@@ -301,7 +283,7 @@ def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> f
     return max(change, shift / gap) + hidden / gap
 
 
-def _with_reasons(cells: _Cells) -> _Cells:
+def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
     """Return `cells`, with the reasons if the contact area or the mean gap has no bound."""
     reasons = list(cells.warnings)
     if cells.contact_area == inf:

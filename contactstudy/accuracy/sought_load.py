@@ -1,10 +1,15 @@
 """Errors of contacts that cells of twice the size show: with adhesion, or under a given approach."""
 
 from bisect import bisect_left
-from dataclasses import dataclass
 from math import inf, log
 
-from contactstudy.accuracy.coarser import ADHESIVE_TOLERANCE, change, coarse_solution, halved
+from contactstudy.accuracy.coarser import (
+    ADHESIVE_TOLERANCE,
+    DiscretisationErrors,
+    change,
+    coarse_solution,
+    halved,
+)
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
@@ -28,34 +33,22 @@ MARGIN = 1.5
 TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
 
-@dataclass(frozen=True)
-class GridComparison:
-    """Relative discretisation errors of a contact from two grids: of its fields, and of its load per length."""
-
-    l1: float
-    peak_pressure: float
-    contact_area: float
-    mean_gap: float
-    load: float
-    warnings: tuple[str, ...] = ()
-
-
-def compare_grids(solution: Solution, coarse: Solution | None) -> GridComparison:
+def compare_grids(solution: Solution, coarse: Solution | None) -> DiscretisationErrors:
     """Return the errors of `solution` by its change from cells of twice the size; infinite where these do not touch."""
     attraction = None if solution.adhesion is None else solution.adhesion.traction
     coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
     if coarse is None or coarse.status.is_failure or not coarse.pressure.any():
         why = "there is no solution" if coarse is None else "the bodies do not touch"
         reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
-        return GridComparison(inf, inf, inf, inf, inf, (reason,))
+        return DiscretisationErrors.unbounded(reason, load=inf)
     changes = change(solution, coarse)
-    fine_load, coarse_load = solution.load_per_length, coarse.load_per_length
-    return GridComparison(
+    assert changes.load is not None
+    return DiscretisationErrors(
         MARGIN * changes.l1,
-        MARGIN * abs(changes.peak_pressure),
+        MARGIN * changes.peak_pressure,
         MARGIN * changes.contact_area,
         MARGIN * changes.mean_gap,
-        MARGIN * abs(fine_load - coarse_load) / abs(fine_load) if fine_load else inf,
+        MARGIN * changes.load,
         range_warning(solution),
     )
 

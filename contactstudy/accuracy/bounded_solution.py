@@ -8,12 +8,12 @@ import numpy as np
 
 from contactstudy.accuracy.coarser import change, halved
 from contactstudy.accuracy.contact_edge import edge_error_of_means
-from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
+from contactstudy.accuracy.discretisation import around_contact, with_ends
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.subcell import SubgridHeights
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import Grid, axis_first
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution
 

@@ -5,17 +5,13 @@ from numpy.typing import NDArray
 
 from contactstudy.accuracy.contact_edge import edge_error, edge_position
 from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import axis_first
 
 # Change of a maximum over its second difference with the places of the edges in their cells: 1/16 between two
 # straight edges that fall alike; a third more for edges that are neither straight nor alike.
 EDGE_EFFECT = 1 / 12
 # The same where the maximum lies within two cells of an edge, where no parabola holds.
 EDGE_EFFECT_BESIDE = 1 / 3
-
-
-def axis_first(field: Array, axis: int) -> Array:
-    """Return a `field` (x, y) with its `axis` first; done twice, it is the field again."""
-    return field.T if axis else field
 
 
 def with_ends(field: Array, count: int, *, wraps: bool) -> Array:

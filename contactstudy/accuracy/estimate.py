@@ -8,7 +8,6 @@ import numpy as np
 from contactstudy.accuracy.coarser import DiscretisationErrors, change, coarse_solution
 from contactstudy.accuracy.discretisation import (
     around_contact,
-    axis_first,
     contact_area,
     discretisation,
 )
@@ -20,6 +19,7 @@ from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import LARGE, Array, in_blocks, inner
+from contactstudy.domain.grid import axis_first
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.domain.units import readable
 from contactstudy.problem.constraint import violation

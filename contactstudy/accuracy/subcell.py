@@ -6,10 +6,10 @@ from math import ceil, log, pi, prod
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation import around_contact, axis_first, with_ends
+from contactstudy.accuracy.discretisation import around_contact, with_ends
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import BLOCK, Array, product
-from contactstudy.domain.grid import Grid, on_cells
+from contactstudy.domain.grid import Grid, axis_first, on_cells
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem, Source
 

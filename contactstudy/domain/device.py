@@ -1,4 +1,4 @@
-"""Devices and precision of a solve: the cores of this machine, a graphics processor, or another array library."""
+"""Devices and precision of a solve: the cores of this machine, a graphics processor, or a device of your own."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -180,29 +180,6 @@ class Cpu:
     def take(self, field: Numbers) -> Numbers:
         """Return the array as it is."""
         return field
-
-
-@dataclass(frozen=True)
-class Library:
-    """Library of the array API standard (2024.12) whose arrays are on this machine's processor.
-
-    `arrays` is its namespace. Its arrays can be changed in place, and slices of them are views.
-    """
-
-    arrays: Namespace
-
-    @property
-    def available_bytes(self) -> float:
-        """Memory left on this machine [bytes]."""
-        return available_bytes()
-
-    def put(self, field: Numbers) -> Numbers:
-        """Return a copy of a numpy array as an array of the library."""
-        return cast(Numbers, self.arrays.asarray(field, copy=True))
-
-    def take(self, field: Numbers) -> Numbers:
-        """Return a copy of an array of the library as a numpy array."""
-        return np.array(np.from_dlpack(field))
 
 
 # The methods of an array do what numpy's functions of the same names do, in half the time on a small field.

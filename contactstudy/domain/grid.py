@@ -265,27 +265,27 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
         Number of cells (across, along) of the other grid.
     """
     for axis, count in enumerate(cells):
-        along = _turned(field, axis)
+        along = axis_first(field, axis)
         present = len(along)
         if present == count:
             continue
         if count % present == 0:
-            field = _turned(np.repeat(along, count // present, axis=0), axis)
+            field = axis_first(np.repeat(along, count // present, axis=0), axis)
             continue
         if present % count == 0:
             merged = present // count
             sums = sum((along[k::merged] for k in range(1, merged)), start=along[::merged])
-            field = _turned(sums / merged, axis)
+            field = axis_first(sums / merged, axis)
             continue
         # the integral up to each border of the new cells, which is linear inside a given cell
         sums = np.concatenate([np.zeros((1, along.shape[1])), np.cumsum(along, axis=0)])
         border = np.arange(count + 1) * (present / count)
         full_cells = np.minimum(border.astype(int), present - 1)
         integral = sums[full_cells] + (border - full_cells)[:, None] * along[full_cells]
-        field = _turned(np.diff(integral, axis=0) * (count / present), axis)
+        field = axis_first(np.diff(integral, axis=0) * (count / present), axis)
     return field
 
 
-def _turned(field: Array, axis: int) -> Array:
+def axis_first(field: Array, axis: int) -> Array:
     """Return a `field` (x, y) with its `axis` first; done twice, it is the field again."""
     return field.T if axis else field

@@ -17,7 +17,6 @@ class Unit:
     example: str
 
 
-BYTES = Unit("byte", "an amount of memory", "4 GB")
 SECONDS = Unit("s", "a time", "2 min")
 
 Metres = Annotated[float, Unit("m", "a length", "10 mm")]

@@ -12,7 +12,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from operator import imul
 from threading import Lock
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,42 +28,26 @@ Waves = NDArray[np.complexfloating[Any, Any]]
 MANY = 2**16
 
 
-class Transforms(Protocol):
+class Transforms(ABC):
     """Pair of transforms; they may overwrite `work`, an array for the waves, where the library takes one."""
 
+    @abstractmethod
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
         """Return the waves (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
-        ...
 
+    @abstractmethod
     def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
         """Return the first (nx, ny) cells of the field with these `waves`, which are overwritten."""
-        ...
 
     def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
         """Return `field` (nx, ny), periodic along both axes, with its waves multiplied by `factors`."""
-        ...
-
-
-class _InTwoSteps(ABC):
-    """Transforms that filter a field by one transform forward and one backward."""
-
-    @abstractmethod
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
-        """Return the waves of a field padded with zeros."""
-
-    @abstractmethod
-    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-        """Return the first cells of the field with these waves."""
-
-    def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
-        """Return a periodic `field` with its waves multiplied by `factors`."""
         cells = field.shape[0], field.shape[1]
         waves = self.forward(field, cells, work)
         scale(waves, factors)
         return self.backward(waves, cells, cells)
 
 
-class Standard(_InTwoSteps):
+class Standard(Transforms):
     """Transforms by the device's array library."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
@@ -80,7 +64,7 @@ class Standard(_InTwoSteps):
         return field
 
 
-class SciPy(_InTwoSteps):
+class SciPy(Transforms):
     """Transforms by scipy.fft, on the threads of the device."""
 
     def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
@@ -101,7 +85,7 @@ class SciPy(_InTwoSteps):
         return np.asarray(fft.dctn(field, type=1, axes=axes))
 
 
-class Ducc:
+class Ducc(Transforms):
     """Transforms by ducc0.fft, on the threads of the device, into the work array."""
 
     def __init__(self) -> None:

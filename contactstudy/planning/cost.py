@@ -100,28 +100,11 @@ class CostModel:
             similar = similar or list(self.sample(grid, padding))
             sizes = [_sizes(timing.grid, timing.padding, timing.convolutions) for timing in similar]
             self._laws[kind] = (
-                _law([setup for setup, _ in sizes], [timing.setup for timing in similar]),
-                _law([solve for _, solve in sizes], [timing.solve for timing in similar]),
+                PowerLaw.fit([setup for setup, _ in sizes], [timing.setup for timing in similar]),
+                PowerLaw.fit([solve for _, solve in sizes], [timing.solve for timing in similar]),
             )
         new_sizes = _sizes(grid, padding, convolutions)
-        return sum(map(_predicted, self._laws[kind], new_sizes))
-
-
-def _law(sizes: list[tuple[float, float]], seconds: list[float]) -> "PowerLaw":
-    """Fit a power law to `seconds` over N log N of the first of each of `sizes`, times the second."""
-    log_works = [log_work(n) + log(times) for n, times in sizes]
-    return PowerLaw.fit(np.log(sizes), np.log(seconds) - log_works, NEARLY_PROPORTIONAL, OUTLIER)
-
-
-def _predicted(law: "PowerLaw", size: tuple[float, float]) -> float:
-    """Return the seconds that a power law predicts for a size (points, repetitions)."""
-    mean, _ = law.predict(np.log([size]))
-    return size[1] * exp(float(mean[0]) + log_work(size[0]))
-
-
-def log_work(count: float) -> float:
-    """Return the logarithm of the work ``N log N`` of `count` N points, with a fixed overhead."""
-    return log(count * log(count) + CALLS) if count > 0 else 0.0
+        return sum(law.seconds(size) for law, size in zip(self._laws[kind], new_sizes, strict=True))
 
 
 def timed(
@@ -226,92 +209,74 @@ def memory(grid: Grid, padding: Padding | Paddings) -> int:
     return solve_bytes(grid, across_and_along(padding))
 
 
-# Prior widths of natural logarithms: of the scale, of exponents and of curvatures; the assumed spread, and the number of
-# measurements that it counts as.
-SCALE, EXPONENT, CURVATURE = 10.0, 0.6, 0.1
-SPREAD, MEASUREMENTS = log(1.25), 2
-PASSES = 3  # iterations of spread and fit, after which the spread changes by less than 1 %
-# Prior width of an exponent in addition to N log N, for times that are nearly proportional to it.
-NEARLY_PROPORTIONAL = 0.1
+# Prior widths of natural logarithms: of the scale, of the exponents beyond N log N, and of curvatures, which follow sums
+# such as a + b N; the spread assumed of timings, and the number of timings that it counts as.
+SCALE, EXPONENT, CURVATURE = 10.0, 0.1, 0.1
+SPREAD, TIMINGS = log(1.25), 2
+# Iterations of spread and fit, after which the spread changes by less than 1 %.
+FIT_ITERATIONS = 3
 # Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
 OUTLIER = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class PowerLaw:
-    """A power law ``log y = c0 + sum_k (p_k u_k + q_k u_k^2)`` with ``u`` the logarithms of the variables.
+    """Power law ``log y = log(N log N) + log n + c0 + sum_k (p_k u_k + q_k u_k^2)`` for seconds y.
 
-    Least squares with a weak prior on every coefficient (ridge regression), which decides where the
-    measurements do not: the exponent of a variable that did not vary is 0 +- 0.6. The curvature
-    is small; it follows sums such as ``a + b N``.
+    N is a number of points, n one of repetitions, and u are their logarithms, less their means.
 
     Attributes
     ----------
     centre
-        Mean logarithms of the variables (variables,).
+        Mean logarithms of N and n (2,).
     mean
-        Mean logarithm of y.
+        Mean logarithm of the seconds over the work.
     coefficients
         c0, then all p, then all q.
-    covariance
-        Covariance of the coefficients.
-    spread
-        Standard deviation of a measurement's logarithm.
     """
 
     centre: Array
     mean: float
     coefficients: Array
-    covariance: Array
-    spread: float
 
     @classmethod
-    def fit(
-        cls, logarithms: Array, values: Array, exponent: float = EXPONENT, outlier: float = inf
-    ) -> "PowerLaw":
-        """Fit a power law to measurements.
+    def fit(cls, sizes: Sequence[tuple[float, float]], seconds: Sequence[float]) -> "PowerLaw":
+        """Fit the law to the `seconds` of some `sizes` (N, n).
 
-        The spread is that of the errors of each measurement when it is predicted from all others.
-
-        Parameters
-        ----------
-        logarithms
-            Natural logarithms of the variables (measurements, variables).
-        values
-            Natural logarithms of y (measurements,).
-        exponent
-            Prior width of the exponents.
-        outlier
-            Median residuals from the fit at which a measurement counts half.
+        Least squares with a weak prior on every coefficient (ridge regression), which decides where the timings do not;
+        outliers count less. The spread is that of the errors of each timing when it is predicted from all others.
         """
+        logarithms = np.log(sizes)
+        values = np.log(seconds) - [log_work(*size) for size in sizes]
         centre, mean = logarithms.mean(axis=0), float(values.mean())
         terms = _terms(logarithms - centre)
-        variables = logarithms.shape[1]
-        prior = np.diag(
-            np.array([SCALE] + [exponent] * variables + [CURVATURE] * variables) ** -2.0
-        )
+        prior = np.diag(np.array([SCALE, EXPONENT, EXPONENT, CURVATURE, CURVATURE]) ** -2.0)
         spread, weights = SPREAD, np.ones(len(values))
-        for step in range(PASSES + 1):
+        for iteration in range(FIT_ITERATIONS + 1):
             weighted = (terms * weights[:, None]).T / spread**2
             covariance = np.linalg.inv(weighted @ terms + prior)
             coefficients = covariance @ weighted @ (values - mean)
-            if step == PASSES:
+            if iteration == FIT_ITERATIONS:
                 break
             leverage = weights * np.einsum("ij,jk,ik->i", terms, covariance, terms) / spread**2
             left_out = (values - mean - terms @ coefficients) / np.maximum(1 - leverage, 1e-3)
-            total = float((left_out**2).sum()) + MEASUREMENTS * SPREAD**2
-            spread = float(np.sqrt(total / (len(values) + MEASUREMENTS)))
+            total = float((left_out**2).sum()) + TIMINGS * SPREAD**2
+            spread = float(np.sqrt(total / (len(values) + TIMINGS)))
             residual_ratio = left_out / max(float(np.median(np.abs(left_out))), 1e-3)
-            weights = 1 / (1 + (residual_ratio / outlier) ** 2)
-        return cls(centre, mean, coefficients, covariance, spread)
+            weights = 1 / (1 + (residual_ratio / OUTLIER) ** 2)
+        return cls(centre, mean, coefficients)
 
-    def predict(self, logarithms: Array) -> tuple[Array, Array]:
-        """Return ``log y`` and its standard deviation, which grows away from the measurements."""
-        terms = _terms(logarithms - self.centre)
-        variance = self.spread**2 + np.einsum("ij,jk,ik->i", terms, self.covariance, terms)
-        return self.mean + terms @ self.coefficients, np.sqrt(variance)
+    def seconds(self, size: tuple[float, float]) -> float:
+        """Return the seconds of a `size` (N, n)."""
+        terms = _terms(np.log([size]) - self.centre)
+        return exp(float(self.mean + (terms @ self.coefficients)[0]) + log_work(*size))
+
+
+def log_work(points: float, repetitions: float = 1.0) -> float:
+    """Return the logarithm of the work ``n N log N`` of N `points`, with a fixed overhead, n `repetitions` times."""
+    return log(points * log(points) + CALLS) + log(repetitions)
 
 
 def _terms(centred: Array) -> Array:
-    """Return the constant, linear and square terms (measurements, coefficients) of centred logarithms."""
+    """Return the constant, linear and square terms (timings, coefficients) of centred logarithms."""
     return np.column_stack([np.ones(len(centred)), centred, centred**2])

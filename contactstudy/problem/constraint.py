@@ -357,46 +357,6 @@ class HardnessLimited:
         return largest_of(complementarity, float(xp.max(violation(pressure, height, free))))
 
 
-class Resultant(Protocol):
-    """Condition on the sum of the pressure, such as a given load, which closes the problem."""
-
-    @property
-    def approach(self) -> float | None:
-        """Approach of the bodies [m] where it is given; None where it follows from the pressures."""
-        ...
-
-    def scaled(self, pressure: float, cells: int = 1) -> Self:
-        """Return the same condition with pressure times `pressure`, on blocks of that number of `cells`."""
-        ...
-
-    def is_met_by(self, constraint: Constraint, cells: int) -> bool:
-        """Return whether a number of `cells` under `constraint` can meet the condition."""
-        ...
-
-    def uniform(self, cells: int) -> float:
-        """Return the pressure that meets the condition if it is the same in that number of `cells`."""
-        ...
-
-    def make_admissible(self, trial: Array, constraint: Constraint) -> Array:
-        """Cut a `trial` pressure off at the limits of `constraint` and scale it to meet the condition, in place."""
-        ...
-
-    def project(self, trial: Array, constraint: Constraint) -> Array:
-        """Replace a `trial` pressure by the nearest admissible one, in place.
-
-        A step against the gap that ends there lowers the energy.
-        """
-        ...
-
-    def project_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
-        """Cut a `trial` pressure off at the limits and shift its `cells` to meet the condition, in place."""
-        ...
-
-    def error(self, load: float) -> float:
-        """Return how far a pressure with the sum `load` is from meeting the condition, dimensionless."""
-        ...
-
-
 @dataclass(frozen=True)
 class PrescribedLoad:
     """Resultant of a given load: ``sum(p) = total``.
@@ -424,7 +384,10 @@ class PrescribedLoad:
         return constraint.scale_to_load(trial, self.total)
 
     def project(self, trial: Array, constraint: Constraint) -> Array:
-        """Shift a `trial` pressure within the limits of `constraint` to the load, in place."""
+        """Replace a `trial` pressure by the nearest one within the limits of `constraint` with this load, in place.
+
+        A step against the gap that ends there lowers the energy.
+        """
         return constraint.project(trial, self.total)
 
     def project_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
@@ -469,3 +432,7 @@ class PrescribedApproach:
     def error(self, load: float) -> float:
         """Return 0: no load is asked for."""
         return 0.0
+
+
+# Condition on the sum of the pressure, which closes the problem.
+Resultant = PrescribedLoad | PrescribedApproach

@@ -520,25 +520,3 @@ def _instance(field: str, value: object, kind: Any, remedy: str) -> None:
     """Raise :class:`~contactstudy.InvalidInput` unless `value` is an instance of `kind`, which may be a protocol."""
     if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-
-
-def under_load(problem: Problem, load: ConstantLoad) -> Problem:
-    """Return `problem`, made from a scene, under another load.
-
-    Heights and operator are shared, so that this costs nothing. The operator keeps its datum: approaches under
-    several loads count from one place. Raises :class:`~contactstudy.InvalidInput` for a problem that was not made
-    from a scene.
-    """
-    posed = problem.description
-    if not isinstance(posed, PosedScene):
-        raise InvalidInput(
-            "under_load.problem was not made from a scene: give scene.problem(grid, padding)."
-        )
-    grid, scene = posed.grid, replace(posed.scene, load=load)
-    return replace(
-        problem,
-        resultant=PrescribedLoad(load.over(grid.period) * grid.period / grid.cell_area),
-        scales=scene.scales(grid),
-        source=scene.source_on(grid, posed.padding),
-        description=PosedScene(scene, grid, posed.padding),
-    )

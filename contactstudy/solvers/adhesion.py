@@ -343,7 +343,7 @@ class _Passes:
             iterations=self.iterations,
             convolutions=self.convolutions,
             residual=residual,
-            adhesion=self._part(adhesive, state.traction, tuple(self.energies), edge),
+            adhesion=self._part(adhesive, state.traction, tuple(self.energies)),
         )
 
     def _detached(self, adhesive: Adhesive, last: _State | None) -> Solution:
@@ -360,13 +360,13 @@ class _Passes:
             iterations=self.iterations,
             convolutions=self.convolutions,
             residual=0.0,
-            adhesion=self._part(adhesive, nothing, (0.0,), 0.0),
+            adhesion=self._part(adhesive, nothing, (0.0,)),
         )
 
     def _part(
-        self, adhesive: Adhesive, traction: Array, energies: tuple[float, ...], edge: float
+        self, adhesive: Adhesive, traction: Array, energies: tuple[float, ...]
     ) -> CohesiveTraction:
-        """Return the part of a solution that adhesion adds; `edge` is the traction at open edges over the largest."""
+        """Return the part of a solution that adhesion adds."""
         return CohesiveTraction(
             traction=traction,
             branch=adhesive.branch.value,
@@ -374,7 +374,6 @@ class _Passes:
             cells_in_zone=adhesive.cells_in_zone,
             tabor=adhesive.tabor,
             regularised=adhesive.regularised,
-            edge_fraction=edge,
             passes=self.count,
             range=self.law.range,
         )

@@ -147,8 +147,6 @@ class CohesiveTraction:
         Tabor's parameter, the elastic deformation over the range of the traction; None without a curved shape.
     regularised
         Whether the range was chosen for the grid, in place of the limit of short ranges.
-    edge_fraction
-        Adhesive traction at the open edges over the largest.
     passes
         Number of contacts solved.
     range
@@ -163,7 +161,6 @@ class CohesiveTraction:
     cells_in_zone: float
     tabor: float | None
     regularised: bool
-    edge_fraction: float
     passes: int
     range: float
     first_unstable_load: float | None = None

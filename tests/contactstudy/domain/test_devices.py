@@ -2,17 +2,17 @@
 
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.domain.device import Device, Library
+from contactstudy.domain.device import Device, Namespace, available_bytes
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.solve import ReportingSolver
 from tests.conftest import LineContact
@@ -20,6 +20,29 @@ from tests.contactstudy.solvers.test_preconditioned_cg import problem
 
 # The strict one has nothing beyond the array API standard, so that no call of numpy's alone is left.
 LIBRARIES = ["array_api_strict", "array_api_compat.torch"]
+
+
+@dataclass(frozen=True)
+class Library:
+    """Library of the array API standard (2024.12) whose arrays are on this machine's processor.
+
+    `arrays` is its namespace. Its arrays can be changed in place, and slices of them are views.
+    """
+
+    arrays: Namespace
+
+    @property
+    def available_bytes(self) -> float:
+        """Memory left on this machine [bytes]."""
+        return available_bytes()
+
+    def put(self, field: np.ndarray) -> np.ndarray:
+        """Return a copy of a numpy array as an array of the library."""
+        return cast(np.ndarray, self.arrays.asarray(field, copy=True))
+
+    def take(self, field: np.ndarray) -> np.ndarray:
+        """Return a copy of an array of the library as a numpy array."""
+        return np.array(np.from_dlpack(field))
 
 
 def devices() -> Iterator[Device]:

@@ -1,11 +1,18 @@
 from dataclasses import replace
-from math import log
+from math import exp, log
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import CALLS, SPREAD, CostModel, PowerLaw, Timing, padded_points
+from contactstudy.planning.cost import (
+    CALLS,
+    CostModel,
+    PowerLaw,
+    Timing,
+    log_work,
+    padded_points,
+)
 from contactstudy.planning.grid_requirements import requirements_of
 from contactstudy.planning.grid_search import forecast
 from tests.conftest import LineContact
@@ -82,25 +89,24 @@ def grid(*ranges: tuple[float, float]) -> np.ndarray:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(ranges))
 
 
-def test_an_exact_power_law_is_found() -> None:
-    seen, asked = grid((10, 1e4), (1, 50)), np.log([[300.0, 7.0], [1e5, 100.0]])
+def test_a_power_of_the_work_is_found() -> None:
+    sizes = np.exp(grid((10, 1e4), (1, 50))).tolist()
 
-    def law(u: np.ndarray) -> np.ndarray:
-        return np.log(3e-6) + 1.3 * u[:, 0] + 0.6 * u[:, 1]
+    def law(points: float, repetitions: float) -> float:
+        return 3e-9 * exp(log_work(points, repetitions)) * points**0.05
 
-    found, deviation = PowerLaw.fit(seen, law(seen)).predict(asked)
-    # 27 measurements, two of them assumed: the spread is their fraction of what is assumed of them
-    assert deviation[0] < 1.5 * SPREAD * (2 / 27) ** 0.5
-    assert np.abs(found - law(asked))[0] < deviation[0]
-    assert np.abs(found - law(asked))[1] < 2 * deviation[1]
+    found = PowerLaw.fit(sizes, [law(*size) for size in sizes])
+    for size in ((300.0, 7.0), (1e5, 100.0)):
+        assert found.seconds(size) == pytest.approx(law(*size), rel=0.05)
 
 
-def test_the_spread_is_that_of_the_values() -> None:
-    rng = np.random.default_rng(1)
-    seen = np.repeat(grid((10, 1e4)), 40, axis=0)
-    scatter = 0.3
-    fitted = PowerLaw.fit(seen, seen[:, 0] + scatter * rng.standard_normal(len(seen)))
-    assert fitted.spread == pytest.approx(scatter, rel=3 / (2 * len(seen)) ** 0.5)
+def test_one_interrupted_timing_does_not_move_a_law() -> None:
+    sizes = np.exp(grid((10, 1e4), (1, 50))).tolist()
+    seconds = [1e-8 * exp(log_work(*size)) for size in sizes]
+    seconds[7] *= 20
+    assert PowerLaw.fit(sizes, seconds).seconds((300.0, 7.0)) == pytest.approx(
+        1e-8 * exp(log_work(300.0, 7.0)), rel=0.02
+    )
 
 
 def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(

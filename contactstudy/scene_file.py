@@ -108,11 +108,10 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
     """
     path = Path(path)
     try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
+        raw = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError) as error:
-        raise InvalidInput(
-            f"{path} cannot be read ({error}): give a TOML file in UTF-8."
-        ) from error
+        reason = getattr(error, "strerror", None) or "it is not text in UTF-8"
+        raise InvalidInput(f"{path} cannot be read ({reason}): give a scene in TOML.") from error
     except (ValueError, RecursionError) as error:  # also a number of thousands of digits
         raise InvalidInput(f"{path} is not valid TOML: {error}.") from error
     try:

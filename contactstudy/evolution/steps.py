@@ -63,7 +63,8 @@ class TimeSteps:
     end
         Last instant [s], that of the load and the speed if None.
     instants
-        Number of evenly spaced instants; None for 41, or for every step where `error` is given.
+        Number of instants, evenly spaced but for those moved to where a history bends; None for 41, or for every step
+        where `error` is given.
     error
         Largest relative L1 error by the steps (of a film: of its thickness in one step); None takes a fraction of the
         error that a solve keeps, or one step from each instant to the next where none is asked for.
@@ -91,6 +92,8 @@ class TimeSteps:
     def instants_of(self, *values: object) -> ArrayLike | None:
         """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides.
 
+        Evenly spaced instants, apart from the first and the last, are moved to the nearest instants of the histories.
+
         Raises
         ------
         InvalidInput
@@ -110,7 +113,14 @@ class TimeSteps:
         count = 41 if self.instants is None else self.instants
         whole("evolve.instants", count, 2, "give at least 2 instants")
         start = min(history.start for history in histories) if histories else 0.0
-        return [start + (end - start) * n / (count - 1) for n in range(count)]
+        instants = [start + (end - start) * n / (count - 1) for n in range(count)]
+        spacing = (end - start) / (count - 1)
+        if self.step is None:  # the nearest instant is put where a history bends
+            for time in (time for history in histories for time in getattr(history, "times", ())):
+                number = round((time - start) / spacing) if spacing else 0
+                if 0 < number < count - 1:
+                    instants[number] = time
+        return instants
 
 
 @dataclass(frozen=True)

@@ -32,10 +32,9 @@ def quantity(field: str, value: object, unit: Unit) -> float:
     Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
     quantity.
     """
-    remedy = (
-        f"give {unit.quantity}, such as {unit.example!r}"
-        + f", or a number in {unit.symbol}" * bool(unit.symbol)
-    )
+    remedy = _remedy(unit)
+    if isinstance(value, str) and "," in value:
+        remedy += ", with a decimal point"
     if isinstance(value, int | float) and not isinstance(value, bool):
         try:
             return float(value)
@@ -64,6 +63,12 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         AttributeError,
     ) as error:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.") from error
+
+
+def _remedy(unit: Unit) -> str:
+    """Return what to give in place of a value that is not of `unit`."""
+    number = f", or a number in {unit.symbol}" * bool(unit.symbol)
+    return f"give {unit.quantity}, such as {unit.example!r}{number}"
 
 
 @cache
@@ -202,6 +207,14 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
         }
         if len(fitting) == 1 and default not in fitting:
             return fitting.pop()
+        own = {field.name for field in fields(default)} if default is not None else set()
+        for name, kind in named.items():
+            foreign = {field.name for field in fields(kind)} & set(table) - own
+            if default is not None and foreign and own & set(table):
+                keys = ", ".join(sorted(own & set(table) | foreign))
+                raise InvalidInput(
+                    f"it has {keys} together: give the keys of {default.__name__}, or those of {name}."
+                )
         if default is not None or len(named) == 1:
             return default or next(iter(named.values()))
         raise InvalidInput(f"it has no kind: {suggestion('None', named)}.")
@@ -246,7 +259,7 @@ def _sentences(source: str, error: cattrs.BaseValidationError) -> str:
     lines = []
     for line in cattrs.transform_error(error, path="", format_exception=_sentence):
         sentence, _, path = line.rpartition(" @ ")
-        lines.append(f"{source}: {path.lstrip('.') or 'all of it'}: {sentence}")
+        lines.append(": ".join(filter(None, (source, path.lstrip("."), sentence))))
     return "\n".join(lines)
 
 
@@ -256,5 +269,6 @@ def _sentence(error: BaseException, target: type | None) -> str:
         unknown = sorted(error.extra_fields)
         return "; ".join(f"{key!r} is not known, {suggestion(key, names)}" for key in unknown) + "."
     if isinstance(error, KeyError):
-        return "it is missing."
+        unit = next((note for note in get_args(target) if isinstance(note, Unit)), None)
+        return "it is missing." if unit is None else f"it is missing: {_remedy(unit)}."
     return str(error)

@@ -351,7 +351,7 @@ def requirements_of(scene: Scene) -> GridRequirements:
     """
     if scene.hertz is None:
         raise NotDefined(
-            "Scene.shapes have no curvature, so that the contact has no width of its own: "
+            "Scene.shapes have no curvature that is the same all along, so that no width of the contact is known: "
             "give a Cylinder, a MeasuredSurface with its extent, or choose the grid yourself."
         )
     for number, shape in enumerate(scene.shapes):

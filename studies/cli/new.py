@@ -40,6 +40,10 @@ def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT0
             file.write(scenes[kind].replace(f"{kind}.toml", path.name))
     except FileExistsError:
         raise InvalidInput(f"{path} is there already: give another file with --out.") from None
+    except OSError as error:
+        raise InvalidInput(
+            f"{path} cannot be written ({error.strerror}): give another file with --out."
+        ) from None
     click.echo(f"wrote {path}: contactstudy solve {path} solves it")
 
 

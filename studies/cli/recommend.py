@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import contactstudy as cs
-from contactstudy.domain.checks import positive
+from contactstudy.domain.checks import positive, relative_error
 from studies.cli.options import JSON, out_option
 
 if TYPE_CHECKING:
@@ -18,10 +18,10 @@ if TYPE_CHECKING:
 
 ERROR = click.option(
     "--error",
-    type=float,
-    default=1e-2,
+    default="1 %",
     show_default=True,
-    help="Requested relative L1 error of the pressure.",
+    callback=lambda _context, _option, value: relative_error("--error", value),
+    help="Requested relative L1 error of the pressure, such as '3 %' or 0.03.",
 )
 BUDGET = click.option(
     "--seconds",
@@ -85,7 +85,6 @@ def measured_scene(
     from studies.report.scene_sections import comparison_of
 
     budget = Budget(seconds)
-    positive("error", error, "must be a relative error above 0, such as 1e-2")
     positive("seconds", seconds, "must be a time above 0 s, such as 60")
     described = paper_described() if scene is None else described_in(scene)
     folder = out if scene is None else out / scene.stem

@@ -119,7 +119,7 @@ def solve(
     answer = solved(described, scene, out, start, on)
     files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", with_png(formats))
     seconds = perf_counter() - begin
-    _print(scene, answer, seconds, _surfaces(described), files, as_json=as_json)
+    _print(scene, answer, seconds, _notes(described), files, as_json=as_json)
     if answer.status.name != "CONVERGED":
         sys.exit(1)
 
@@ -131,7 +131,7 @@ def _announce(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> None
     planned = described.plan(on=on)
     for warning in planned.warnings:
         click.echo(f"{scene}: warning: {warning}", err=True)
-    if planned.seconds > LONG or planned.bytes > LARGE:
+    if LONG < planned.seconds < inf or planned.bytes > LARGE:
         click.echo(
             f"{scene}: estimated cost: {planned.seconds:.2g} s and {planned.bytes / 1e9:.2g} GB",
             err=True,
@@ -159,13 +159,19 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
     return notes
 
 
-def _surfaces(described: cs.SceneFile) -> list[str]:
-    """Return a sentence for each measured surface, on how it was prepared."""
-    return [
+def _notes(described: cs.SceneFile) -> list[str]:
+    """Return a sentence for each measured surface, on how it was prepared, and one for steps that are not taken."""
+    scene = described.scene
+    notes = [
         f"shapes[{number}]: {shape.description}"
-        for number, shape in enumerate(described.scene.shapes)
+        for number, shape in enumerate(scene.shapes)
         if isinstance(shape, cs.MeasuredSurface)
     ]
+    if described.time_steps != cs.TimeSteps() and (scene.rolling or not scene.changing):
+        notes.append(
+            "evolve is not used, since no load, speed or body changes in time: leave it out"
+        )
+    return notes
 
 
 def _stored(answer: Answered, path: Path, formats: tuple[str, ...]) -> list[Path]:

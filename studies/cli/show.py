@@ -13,6 +13,7 @@ from studies.cli.options import PLOT, figures_option, names_in, out_option
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 FORMATS = ("png", "pdf", "svg", "vtk")
 
@@ -56,17 +57,15 @@ def show(
         click.echo(_csv(dataset), nl=False)
         return
     folder = open_folder(out or file.parent)
-    if "pressure" in dataset and dataset["pressure"].dims == ("x", "y"):
-        from contactstudy.io.pictures.contact import picture
-
-        drawn = {file.stem: picture(dataset)} if set(chosen) - {"vtk"} else {}
-        if "vtk" in chosen:
-            click.echo(f"wrote {_vtk(dataset, folder / file.stem)}")
-    elif "case_status" in dataset:
-        if "vtk" in chosen:
+    is_study, at_rest = "case_status" in dataset, "gap" in dataset and "time" not in dataset.dims
+    if "vtk" in chosen:
+        if not at_rest:
             raise InvalidInput(
-                "--format has vtk, which is for the fields of a solution: leave it out for a study."
+                "--format has vtk, which is for a dry contact at rest: leave it out for other files."
             )
+        click.echo(f"wrote {_vtk(dataset, folder / file.stem)}")
+    drawn = {}
+    if is_study:
         from studies.registry import BUILT_IN, default_drawing, load_drawing
 
         name = str(dataset.attrs.get("study", file.stem))
@@ -74,15 +73,33 @@ def show(
             load_drawing(name) if name in BUILT_IN else default_drawing(figures, names_in(plot))
         )
         drawn = {f"{file.stem}-{item.name}": item.figure for item in drawing.figure(dataset)}
-    else:
-        raise InvalidInput(
-            f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
-        )
+    elif plot:
+        raise InvalidInput("--plot is for a study: leave it out for a solution.")
+    elif set(chosen) - {"vtk"}:
+        drawn = {file.stem: _picture(dataset, file)}
     for stem, figure in drawn.items():
         for suffix in (name for name in chosen if name != "vtk"):
             with replacing(folder / f"{stem}.{suffix}") as partial:
                 figure.savefig(partial, format=suffix)
             click.echo(f"wrote {folder / stem}.{suffix}")
+
+
+def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
+    """Return the picture of a solution: a contact, a film, either in time, or repeated rolling."""
+    from contactstudy.io.pictures import contact, evolution
+
+    in_time = "time" in dataset.dims
+    if "film" in dataset:
+        return (
+            evolution.film_evolution_picture(dataset) if in_time else contact.film_picture(dataset)
+        )
+    if "pass" in dataset.dims:
+        return evolution.passes_picture(dataset)
+    if "gap" in dataset:
+        return evolution.evolution_picture(dataset) if in_time else contact.picture(dataset)
+    raise InvalidInput(
+        f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
+    )
 
 
 def _csv(dataset: "xr.Dataset") -> str:

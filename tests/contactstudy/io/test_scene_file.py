@@ -134,6 +134,17 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
         ('"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
         ('[load]\nper_length = "100 N/mm"', "", "load: it is missing."),
+        (
+            'per_length = "100 N/mm"',
+            "",
+            "it is missing: give a load per length, such as '100 N/mm'",
+        ),
+        (
+            "[load]",
+            '[load]\ntotal = "1 kN"',
+            "load: it has per_length, total together: give the keys of",
+        ),
+        ('"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),
         ("hurst = 0.8", 'hurst = "much"', "shapes[1].hurst: it is 'much': give a number"),
         ("hurst = 0.8", "hurst = 1.5", "shapes[1]: Roughness.hurst is 1.5: give an exponent"),
         ('["50 um", "50 um"]', '["50 um"]', "shapes[2].pitch: it has 1 entries: give 2."),
@@ -152,6 +163,11 @@ def test_what_cannot_be_used_is_named_by_its_key(
         read(GOOD.replace(good, bad), tmp_path)
     assert said in str(raised.value)
     assert "scene.toml" in str(raised.value)
+
+
+def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(GOOD, encoding="utf-8-sig")
+    assert cs.read_scene(tmp_path / "scene.toml").scene == read(GOOD, tmp_path).scene
 
 
 def test_every_key_that_cannot_be_used_is_named(tmp_path: Path) -> None:

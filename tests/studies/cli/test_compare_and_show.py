@@ -15,6 +15,13 @@ from contactstudy.solvers.solve import ReportingSolver
 from studies.cli.commands import cli
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH
 
+FILM = """[lubrication]
+mean_speed = "1 m/s"
+[lubrication.lubricant]
+viscosity = "40 mPa*s"
+pressure_viscosity = "20 1/GPa"
+"""
+
 
 def said(*words: object, code: int = 0) -> str:
     result = CliRunner().invoke(cli, [str(word) for word in words])
@@ -101,7 +108,8 @@ def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name:
     ("words", "message"),
     [
         (["out/smooth.nc", "--format", "jpeg"], "png, pdf, svg, vtk"),
-        (["study/smooth-sweep.nc", "--format", "vtk"], "fields of a solution"),
+        (["study/smooth-sweep.nc", "--format", "vtk"], "for a dry contact at rest"),
+        (["out/smooth.nc", "--plot", "central_film"], "--plot is for a study"),
         (["nowhere.nc"], "cannot be read"),
     ],
 )
@@ -110,6 +118,23 @@ def test_what_cannot_be_shown_is_answered_in_a_sentence(
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         said("show", folder / words[0], *words[1:])
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        FILM,
+        FILM.replace('"1 m/s"', "{kind = 'SpeedHistory', times = [0, 1e-3], mean_speed = [1, 2]}")
+        + "[evolve]\nstep = 5e-4\n",
+        '[wear]\ncoefficient = 1e-10\nspeed = "1 m/s"\n[evolve]\nend = 1\ninstants = 2\n',
+    ],
+    ids=["film", "film in time", "dry in time"],
+)  # fmt: skip
+def test_what_solve_wrote_is_drawn(lines: str, tmp_path: Path) -> None:
+    (tmp_path / "one.toml").write_text(SMOOTH.replace("1e-2", "0.1") + lines)
+    said("solve", tmp_path / "one.toml", "--out", tmp_path)
+    said("show", tmp_path / "one.nc", "--out", tmp_path / "shown")
+    assert (tmp_path / "shown" / "one.png").is_file()
 
 
 def test_a_scene_is_solved_and_swept_into_one_folder(folder: Path) -> None:

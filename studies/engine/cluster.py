@@ -13,16 +13,16 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from time import monotonic
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import cloudpickle
 
 from contactstudy import InvalidInput
-from studies.engine.stop import Stop
 from studies.engine.workers.compute import failed
 from studies.engine.workers.process import Worker, packed
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, Finished, Outcome, Work
+from studies.store.stop import Stop
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -36,65 +36,31 @@ PATIENCE = 10.0  # seconds in which a lost scheduler may come back; it gets unfi
 LOOPBACK = "127.0.0.1:0"
 
 
-class Workers:
-    """Worker processes of this process by a name, each taken by a thread for one batch at a time."""
-
-    by_name: ClassVar[dict[str, "Workers"]] = {}
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self._lock = threading.Lock()
-        self._idle: list[Worker] = []
-        self._all: list[Worker] = []
-        self.by_name[name] = self
-
-    @contextmanager
-    def reserved(self, work: bytes) -> Iterator[Worker]:
-        """Reserve a worker for the pickled `work` for a block: an idle one, or a new one."""
-        with self._lock:
-            worker = self._idle.pop() if self._idle else None
-            if worker is None or worker.work != work:
-                if worker is not None:
-                    self._all.remove(worker)
-                    worker.end()
-                worker = Worker(work)
-                self._all.append(worker)
-        try:
-            yield worker
-        finally:
-            with self._lock:
-                if not worker.over.is_set():
-                    self._idle.append(worker)
-
-    def end(self) -> None:
-        """End all processes at once; batches that still wait for them are not computed."""
-        self.by_name.pop(self.name, None)
-        with self._lock:
-            ended, self._all, self._idle = self._all, [], []
-        for worker in ended:
-            worker.end()
-
-
-ELSEWHERE = ""  # name of the workers that this process has for runs elsewhere
-Workers(ELSEWHERE)
+# workers of each run in this process, and those that the present thread keeps
+WORKERS: dict[str, list[Worker]] = {}
+THREAD = threading.local()
 
 
 def compute_batch(
-    workers: str, work: bytes, limit: float | None, batch: bytes, names: Sequence[str]
+    run: str, work: bytes, limit: float | None, batch: bytes, names: Sequence[str]
 ) -> list[Outcome]:
-    """Compute a batch of cases on a dask worker, in a process that is kept for the next batch.
+    """Compute a batch of cases on a thread of a dask worker, in a process that it keeps for the next batch.
 
     Returns the outcomes that were there after a quarter of a second; none where the run is over, or where the cases
-    cannot be read together.
+    cannot be read together. A run elsewhere has no name.
     """
-    present = Workers.by_name.get(workers)
-    if present is None:  # the run in this process is over
-        return []
     from distributed import get_worker
 
-    address = str(get_worker().address) if workers == ELSEWHERE else ""
-    with present.reserved(work) as worker:
-        return [replace(outcome, worker=address) for outcome in worker.run(batch, names, limit)]
+    worker: Worker | None = getattr(THREAD, "worker", None)
+    if worker is None or worker.work != work:
+        if worker is not None:
+            worker.end()
+        worker = THREAD.worker = Worker(work)
+        WORKERS.get(run, []).append(worker)
+    if run and run not in WORKERS:  # it is over
+        worker.end()
+    address = "" if run else str(get_worker().address)
+    return [replace(outcome, worker=address) for outcome in worker.run(batch, names, limit)]
 
 
 @contextmanager
@@ -125,12 +91,7 @@ def dask_at(address: str, patience: float) -> "Iterator[Client]":
     """Provide a client of the scheduler at an address for a block."""
     from distributed import Client
 
-    # errors of the connection are reported here
-    loggers = [logging.getLogger(name) for name in ("distributed", "tornado.application")]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.CRITICAL)
-    try:
+    with _quiet("distributed"), _quiet("tornado.application"):
         try:
             if ":" not in address:
                 raise ValueError(address)
@@ -142,9 +103,18 @@ def dask_at(address: str, patience: float) -> "Iterator[Client]":
             ) from None
         with client:
             yield client
+
+
+@contextmanager
+def _quiet(name: str) -> Iterator[None]:
+    """Show no errors of a library's logger in a block, since those of the connection are reported here."""
+    logger = logging.getLogger(name)
+    level = logger.level
+    logger.setLevel(logging.CRITICAL)
+    try:
+        yield
     finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
+        logger.setLevel(level)
 
 
 def compute_on_dask(
@@ -182,15 +152,20 @@ def compute_on_dask(
     log
         Takes messages.
     """
-    payload, processes = packed(work), Workers(secrets.token_hex(8))
+    payload, name = packed(work), "" if address else secrets.token_hex(8)
+    WORKERS[name] = []
     try:
         with dask_at(address, patience) if address else dask_here(workers, log) as client:
-            about = ELSEWHERE if address else processes.name, payload, work.time_limit
-            _ClusterRun(
-                client, processes, about, cases, finished, stop, log, address, patience
-            ).run()
+            about = name, payload, work.time_limit
+            _ClusterRun(client, about, cases, finished, stop, log, address, patience).run()
     finally:
-        processes.end()
+        end_workers(name)
+
+
+def end_workers(run: str) -> None:
+    """End the processes of a run here at once; its batches that dask still holds are not computed."""
+    for worker in WORKERS.pop(run, ()):
+        worker.end()
 
 
 @dataclass(eq=False)
@@ -201,8 +176,7 @@ class _ClusterRun:
     """
 
     client: "Client"
-    processes: Workers
-    about: tuple[str, bytes, float | None]  # name of the workers, pickled work, time limit
+    about: tuple[str, bytes, float | None]  # name of the run, pickled work, time limit
     cases: Mapping[str, Computation]
     finished: Finished
     stop: Stop
@@ -215,7 +189,7 @@ class _ClusterRun:
     def __post_init__(self) -> None:
         from distributed import as_completed
 
-        self._waiting, self._open = deque(self.cases), set(self.cases)
+        self._waiting, self._open, self._alone = deque(self.cases), set(self.cases), set[str]()
         self._running: dict[Any, list[str]] = {}
         # an error of a batch is handled here and not raised, so that the others go on
         self._completed = as_completed(
@@ -262,7 +236,7 @@ class _ClusterRun:
                 self.size = min(2 * len(result), MAX_BATCH)
                 self._send_again(names[len(result) :])
             else:
-                self._send_singly(names)  # which cannot be unpickled together
+                self._send_again(names, alone=True)  # which cannot be unpickled together
         elif future.status == "error":
             self._handle_failure(future, names)
         elif future.status == "pending":
@@ -276,21 +250,18 @@ class _ClusterRun:
         self._running[future] = names
         self._completed.add(future)
 
-    def _send_singly(self, names: Sequence[str]) -> None:
-        """Send cases in batches of one."""
-        for name in names:
-            self._submit([name])
-
-    def _send_again(self, names: Sequence[str]) -> None:
-        """Put unfinished cases at the front of those that wait."""
-        self._waiting.extendleft(name for name in reversed(names) if name in self._open)
+    def _send_again(self, names: Sequence[str], *, alone: bool = False) -> None:
+        """Put unfinished cases at the front of those that wait, each to be sent alone or with others."""
+        unfinished = [name for name in names if name in self._open]
+        self._waiting.extendleft(reversed(unfinished))
+        self._alone.update(unfinished if alone else ())
 
     def _collect_last(self) -> None:
         """Report what workers have finished by the time the run stops, unless the disk takes no more."""
         from distributed import wait
 
         until = monotonic() + STOP_TIMEOUT
-        self.processes.end()
+        end_workers(self.about[0])
         if self.address is None:  # its batches have ended with them
             with suppress(Exception):
                 wait(list(self._running), timeout=STOP_TIMEOUT)
@@ -332,7 +303,7 @@ class _ClusterRun:
             and len(self._running) < BATCHES_AHEAD * self.threads
         ):
             part = len(self._waiting) // (2 * self.threads) + 1
-            size = min(self.size, part, len(self._waiting))
+            size = 1 if self._waiting[0] in self._alone else min(self.size, part)
             self._submit([self._waiting.popleft() for _ in range(size)])
 
     def _submit(self, names: list[str]) -> None:
@@ -341,9 +312,8 @@ class _ClusterRun:
             batch = cloudpickle.dumps(tuple(self.cases[name] for name in names))
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
             if len(names) == 1:
-                self._report(names[0], failed(error, "setup", 0.0))
-            else:
-                self._send_singly(names)
+                self._report(names[0], failed(error, "setup"))
+            self._send_again(names, alone=True)
             return
         # impure: a case that is requested again is recomputed
         future = self.client.submit(compute_batch, *self.about, batch, names, pure=False)
@@ -362,7 +332,7 @@ class _ClusterRun:
                 "version of contactstudy there."
             )
         if len(names) > 1:  # one case killed the workers: sent singly, it is found
-            self._send_singly(names)
+            self._send_again(names, alone=True)
             return
         sentence = f"Killed: workers died while they held it, the last {error.last_worker.address}"
         failure = Failure("Killed", sentence, "unknown")

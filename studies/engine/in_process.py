@@ -6,12 +6,12 @@ from dataclasses import replace
 
 from threadpoolctl import threadpool_limits
 
-from studies.engine.stop import Stop
 from studies.engine.workers.compute import compute, warm_up
 from studies.engine.workers.interpreter_state import restored_state
 from studies.model.case import Computation
 from studies.model.outcome import Finished, Work
 from studies.store.loaded import LOADED
+from studies.store.stop import Stop
 
 
 def compute_here(

@@ -1,19 +1,20 @@
 """Progress of a run: a bar in a terminal, a line from time to time elsewhere."""
 
-import os
+import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from time import monotonic
-from typing import Self
+from typing import Any
 
 from tqdm import tqdm
 
 LINE_INTERVAL = 30.0  # seconds between two lines
 
 
-class Progress:
-    """Progress of a job, in a ``with`` statement: number done, rate, and remaining time.
+def progress_of(
+    name: str, what: str, total: int, unit: str, log: Callable[[str], object]
+) -> "tqdm[Any]":
+    """Return the progress of a job: number done, rate, and remaining time.
 
     Parameters
     ----------
@@ -26,53 +27,28 @@ class Progress:
     log
         Takes the lines where there is no terminal.
     """
+    shown: dict[str, Any] = {"total": total, "unit": unit, "disable": not total}
+    if _is_terminal():
+        columns, rows = shutil.get_terminal_size()  # 80 and 24 where it does not know
+        return tqdm(**shown, desc=f"{name}: {what}", ncols=columns, nrows=rows)
+    line = "{desc}, {n_fmt} of {total_fmt} {unit}s, {rate_fmt}, {remaining} left{postfix}"
+    times = {"delay": LINE_INTERVAL, "mininterval": LINE_INTERVAL, "maxinterval": LINE_INTERVAL}
+    return tqdm(**shown, **times, desc=what, file=_Lines(log), bar_format=line, leave=False)
 
-    def __init__(
-        self, name: str, what: str, total: int, unit: str, log: Callable[[str], object]
-    ) -> None:
-        self._what, self._total, self._unit, self._log = what, total, unit, log
-        self._count = 0
-        self._start = self._last_line = monotonic()
-        self._bar: tqdm[None] | None = None
-        if total and _is_terminal():
-            self._bar = tqdm(
-                total=total, desc=f"{name}: {what}", unit=unit, ncols=_columns(), nrows=24
-            )
 
-    def __enter__(self) -> Self:
-        return self
+class _Lines:
+    """A text file whose lines go to a log."""
 
-    def __exit__(self, *raised: object) -> None:
-        if self._bar is not None:
-            self._bar.close()
+    def __init__(self, log: Callable[[str], object]) -> None:
+        self._log = log
 
-    def add(self, count: int = 1, afterwards: float = 0.0) -> None:
-        """Count `count` more items as done.
+    def write(self, text: str) -> None:
+        """Take a line, without what rubs out the last one in a terminal."""
+        if line := text.strip():
+            self._log(line)
 
-        Parameters
-        ----------
-        count
-            Number of items.
-        afterwards
-            Seconds that the timing of all items done so far will take after the job.
-        """
-        self._count += count
-        timing = afterwards * self._total / self._count if self._count else 0.0
-        if self._bar is not None:
-            if timing:
-                self._bar.set_postfix_str(f"then {timing:.0f} s timing", refresh=False)
-            self._bar.update(count)
-            return
-        now = monotonic()
-        if now > self._last_line + LINE_INTERVAL and self._count:
-            self._last_line = now
-            rate = self._count / (now - self._start)
-            remaining = (self._total - self._count) / rate
-            then = f", and then {timing:.0f} s of timing" if timing else ""
-            self._log(
-                f"{self._what}, {self._count} of {self._total} {self._unit}s, {rate:.3g} a second, "
-                f"{remaining:.0f} s left{then}"
-            )
+    def flush(self) -> None:
+        """Do nothing."""
 
 
 def _is_terminal() -> bool:
@@ -80,10 +56,3 @@ def _is_terminal() -> bool:
     with suppress(AttributeError, ValueError):  # there may be no standard error, or a closed one
         return sys.stderr.isatty()
     return False
-
-
-def _columns() -> int:
-    """Return the width of the terminal; 80 if it does not know its width."""
-    with suppress(OSError, ValueError, AttributeError):
-        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
-    return 80

@@ -1,6 +1,10 @@
-"""Results of a study in a folder: which cases are stored, which are missing and why, and the netCDF file of them."""
+"""Results of a study in a folder: which cases are stored, which are missing and why, and the netCDF file of them.
+
+Fields of a case have a file of their own while cases are computed, and are groups of the netCDF in the end.
+"""
 
 import hashlib
+import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -12,15 +16,15 @@ from time import monotonic
 import xarray as xr
 
 from contactstudy import InvalidInput
+from contactstudy.domain.files import read_verified, reason, set_aside, write_with_checksum
 from studies.engine.options import RunOptions
 from studies.model.outcome import CaseStatus, Outcome
 from studies.model.plain_text import one_line
 from studies.model.study import Study
-from studies.store.fields import load_fields
 from studies.store.journal import Journal
 from studies.store.netcdf import read, write
 from studies.store.provenance import machine
-from studies.store.records import Record
+from studies.store.records import Record, decoded_variable, encoded_variable
 from studies.store.request import Request
 from studies.store.table import PointTable, assemble, stored_table
 
@@ -209,7 +213,7 @@ class Results:
             **self.provenance,
             "study": self.study.name,
             "title": one_line(self.study.title),
-            "first_case": _shown(next(iter(self.request.cases.values()))),
+            "first_case": one_line(next(iter(self.request.cases.values()))),
             "history": "\n".join(history),
             "date_created": history[0].split()[0],
             "date_modified": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -237,9 +241,36 @@ class Results:
                     yield f"fields/case_{name}", fields
 
 
-def _shown(case: object) -> str:
-    """Return the representation of a case in one line."""
+def save_fields(folder: Path, key: str, stamp: str, variables: Mapping[str, xr.Variable]) -> None:
+    """Write the fields of the case `key`, computed by the program `stamp`, to a file that is then on the disk."""
+    fields = {name: encoded_variable(variable) for name, variable in variables.items()}
+    content = {"program": stamp, "fields": fields}
     try:
-        return one_line(repr(case))
-    except Exception:  # noqa: BLE001 (a study's own class may do anything)
-        return one_line(type(case).__name__)
+        write_with_checksum(folder / f"{key}.json", json.dumps(content).encode())
+    except OSError as error:
+        raise InvalidInput(
+            f"Fields in {str(folder)!r} cannot be written ({reason(error, folder / key)}): what was stored is "
+            "kept; make room or give another folder with --out, and run the same command again."
+        ) from None
+
+
+def load_fields(
+    folder: Path, key: str, stamp: str, log: Log = lambda text: None
+) -> xr.Dataset | None:
+    """Return the fields of a case that a program computed; None where there are none.
+
+    A damaged file is set aside, which is reported to `log`. A variable named like its dimension is its coordinate.
+    """
+    path = folder / f"{key}.json"
+    if not path.is_file():
+        return None
+    content = read_verified(path)
+    if content is None:
+        log(
+            f"{path} is damaged: it is set aside as {set_aside(path).name}, and its case is recomputed"
+        )
+        return None
+    stored = json.loads(content)
+    if stored.get("program") != stamp:
+        return None
+    return xr.Dataset({name: decoded_variable(v) for name, v in stored["fields"].items()})

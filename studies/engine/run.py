@@ -9,24 +9,24 @@ from time import monotonic
 
 import xarray as xr
 
+import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.domain.files import locked, remove_partial_files
-from studies.engine.forecast import planned_seconds
 from studies.engine.options import RunOptions
-from studies.engine.progress import Progress
-from studies.engine.results import Log, Results
-from studies.engine.stop import Stop
+from studies.engine.progress import progress_of
+from studies.engine.results import Log, Results, save_fields
 from studies.engine.timing import take_times
-from studies.engine.workers.compute import StopRun
+from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Outcome, Work, summary_messages
 from studies.model.study import Study
-from studies.store.fields import save_fields
 from studies.store.loaded import shown
 from studies.store.netcdf import check_kind, open_folder, read
 from studies.store.provenance import provenance
 from studies.store.request import Request
+from studies.store.stop import Stop, StopRun
 from studies.store.table import points_of
 
+MAX_PLANNED = 16  # cases that are planned at most, evenly spaced
 MANY_POINTS = 50_000  # points whose cases take more than a moment to make
 
 
@@ -112,6 +112,18 @@ def estimate_cost(
         timing = f", {scale * seconds * runs / len(missing):.2g} s to time" if runs else ""
         log(f"about {scale * seconds:.2g} s to compute (shared by the workers){timing}")
     return scale * seconds
+
+
+def planned_seconds(cases: Sequence[Computation]) -> float | None:
+    """Return the seconds of all cases, one after the other on one thread; None where a case has no plan.
+
+    Of many cases a few are planned, evenly spaced; a padding other than that of the plan is not accounted for.
+    """
+    chosen = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
+    with suppress(Exception):  # a study's own computation is anything
+        planned = [cs.plan(case.scene, grid=case.grid).seconds for case in chosen]  # type: ignore[attr-defined]
+        return sum(planned) * len(cases) / max(len(planned), 1)
+    return None
 
 
 def _with_name(study: Study, log: Log) -> Log:
@@ -206,19 +218,23 @@ class _Run:
             unsynced += 1
             solved_seconds += outcome.seconds
             if is_on_disk:
-                progress.add(unsynced, afterwards=repeats * solved_seconds)
+                progress.update(unsynced)
                 unsynced = 0
+                timing = repeats * solved_seconds / progress.n * len(missing)
+                progress.set_postfix_str(
+                    f"then {timing:.0f} s timing" if timing else "", refresh=False
+                )
             if outcome.case_status is not CaseStatus.OK and self.options.after_failure == "stop":
                 self.log(f"a case failed: {outcome.error}")
                 raise _FirstFailureError
             if monotonic() > self.results.next_write:
                 self.results.write()
 
-        with Progress(self.study.name, "solving", len(missing), "case", self.log) as progress:
+        with progress_of(self.study.name, "solving", len(missing), "case", self.log) as progress:
             cases = {name: self.request.cases[name] for name in missing}
             self._executor(missing)(cases, self.work, finished, self.stop)
             self.journal.sync()
-            progress.add(unsynced)
+            progress.update(unsynced)
 
     def _executor(self, missing: Sequence[str]) -> Callable[..., None]:
         """Return the function that computes the missing cases as the options ask for."""

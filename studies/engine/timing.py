@@ -2,11 +2,11 @@
 
 import cloudpickle
 
-from studies.engine.progress import Progress
+from studies.engine.progress import progress_of
 from studies.engine.results import Results
-from studies.engine.stop import Stop
-from studies.engine.time_limit import limit_of_timed_run
+from studies.engine.workers.compute import limit_of_timed_run
 from studies.model.outcome import Work
+from studies.store.stop import Stop
 
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
 # case of each kind that is shorter than this; in a longer one it is lost.
@@ -35,7 +35,7 @@ def take_times(results: Results, work: Work, stop: Stop) -> None:
     names, without_times = list(counts), set()
     with (
         Worker(packed(work)) as worker,
-        Progress(results.study.name, "timing", len(turns), "run", results.log) as progress,
+        progress_of(results.study.name, "timing", len(turns), "run", results.log) as progress,
     ):
         for counted, name in (
             *((False, name) for name in longest.values()),
@@ -54,8 +54,8 @@ def take_times(results: Results, work: Work, stop: Stop) -> None:
             if outcome.sample is None:
                 without_times.add(name)
                 journal.cannot_time(name, outcome.error)
-                progress.add(counts[name])
+                progress.update(counts[name])
             elif counted:
                 journal.time(name, outcome.sample)
-                progress.add()
+                progress.update()
         journal.sync()

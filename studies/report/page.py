@@ -16,7 +16,7 @@ from studies.advice.measuring import Budget
 from studies.advice.stored import from_dataset, path_in
 from studies.advice.subject import paper_described
 from studies.engine.options import RunOptions
-from studies.engine.progress import Progress
+from studies.engine.progress import progress_of
 from studies.engine.results import Log
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
@@ -45,10 +45,10 @@ def draw(
     """Draw the figures of ``study`` into ``<out>/<study>/``, from its netCDF file alone."""
     figures = drawing.figure(stored(study, out))
     _check(figures, study.name)
-    with Progress(study.name, "drawing", len(figures), "figure", lambda text: None) as progress:
+    with progress_of(study.name, "drawing", len(figures), "figure", lambda text: None) as progress:
         for figure in figures:
             saved(figure, out / study.name, formats)
-            progress.add()
+            progress.update()
     return figures
 
 

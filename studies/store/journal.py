@@ -8,16 +8,24 @@ from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 from time import monotonic
-from types import TracebackType
 from typing import Any, Self
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, reason, replacing, set_aside
 from contactstudy.domain.identity import Tree, differences, text
 from studies.model.outcome import CaseStatus, Outcome, Sample
-from studies.store.journal_lines import START, decoded, encoded, encoded_variable
 from studies.store.loaded import digest, shown
-from studies.store.records import CaseIdentity, Context, Program, Record, failure_of
+from studies.store.records import (
+    START,
+    CaseIdentity,
+    Context,
+    Program,
+    Record,
+    decoded,
+    encoded,
+    encoded_variable,
+    failure_of,
+)
 
 FORMAT = 6
 # errors that a line may raise which no version has written
@@ -86,12 +94,7 @@ class Journal:
             raise self._refused(error) from None
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *raised: object) -> None:
         try:
             if kind is None or not issubclass(kind, InvalidInput):
                 self.sync()
@@ -219,13 +222,11 @@ class Journal:
         """
         try:
             os.fsync(self._descriptor)
+            is_same = os.path.samestat(self.path.lstat(), os.fstat(self._descriptor))
+        except FileNotFoundError:
+            is_same = False
         except OSError as error:
             raise self._refused(error) from None
-        try:
-            on_path, opened = self.path.lstat(), os.fstat(self._descriptor)
-            is_same = (on_path.st_ino, on_path.st_dev) == (opened.st_ino, opened.st_dev)
-        except OSError:
-            is_same = False
         if not is_same:
             raise InvalidInput(
                 f"Journal {str(self.path)!r} was removed or replaced while the run was writing it, and what it "

@@ -1,11 +1,11 @@
-"""NetCDF files: written as a whole or not at all, and read with a sentence on what is wrong."""
+"""NetCDF files: written as a whole or not at all, and read with a sentence on what is wrong.
+
+A signal waits until a file is done: xarray's locks stay locked if it comes between two of them.
+"""
 
 import os
-import signal
 import tempfile
-import threading
-from collections.abc import Callable, Hashable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Literal
 
@@ -15,6 +15,7 @@ import xarray as xr
 from contactstudy import InvalidInput
 from contactstudy.domain.files import append_checksum, is_damaged, reason, replacing, set_aside
 from studies.model.plain_text import one_line
+from studies.store.stop import Stop
 
 
 def open_folder(path: Path) -> Path:
@@ -57,7 +58,7 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
         If the file cannot be written.
     """
     try:
-        with interrupts_deferred(), replacing(path) as partial:
+        with Stop(), replacing(path) as partial:
             dataset.to_netcdf(partial, engine="netcdf4", encoding=_encoding(dataset))
             for name, group in groups:
                 group.to_netcdf(
@@ -91,14 +92,9 @@ def check_kind(
     if not path.is_file():
         return
     try:
-        with interrupts_deferred(), netCDF4.Dataset(_checked(path)) as file:
-            present = (
-                "study"
-                if "case_status" in file.variables
-                else "solution"
-                if "pressure" in file.variables
-                else kind
-            )
+        with Stop(), netCDF4.Dataset(_checked(path)) as file:
+            kinds = {"study": "case_status", "solution": "pressure"}
+            present = next((name for name in kinds if kinds[name] in file.variables), kind)
     except Exception:  # noqa: BLE001 (libraries raise anything for a damaged file)
         log(f"{path} is damaged: it is set aside as {set_aside(path).name}, and is made again")
         return
@@ -131,7 +127,7 @@ def read(path: Path, what: str = "Study file", remedy: str = "run the study firs
         If there is no file, or it is damaged.
     """
     try:
-        with interrupts_deferred():
+        with Stop():
             return xr.load_dataset(_checked(path), engine="netcdf4")
     except Exception as error:  # noqa: BLE001 (libraries raise anything for a damaged file)
         if isinstance(error, OSError | RuntimeError) and str(error):
@@ -139,20 +135,3 @@ def read(path: Path, what: str = "Study file", remedy: str = "run the study firs
         else:
             why = f"it is damaged: {type(error).__name__}: {one_line(error, 100)}"
         raise InvalidInput(f"{what} {_shortened(path)} cannot be read ({why}): {remedy}.") from None
-
-
-@contextmanager
-def interrupts_deferred() -> Iterator[None]:
-    """Defer Ctrl-C to the end of the block: xarray's locks stay locked if it comes between two of them."""
-    before = signal.getsignal(signal.SIGINT)
-    if threading.current_thread() is not threading.main_thread() or not callable(before):
-        yield
-        return
-    interrupts: list[int] = []
-    signal.signal(signal.SIGINT, lambda number, _: interrupts.append(number))
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-    if interrupts:
-        before(signal.SIGINT, None)

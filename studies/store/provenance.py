@@ -1,15 +1,15 @@
 """Provenance of stored numbers: versions, revision, machine, command and time."""
 
-import json
 import os
 import platform
 import shlex
 import subprocess
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import PackageNotFoundError, distribution, version
+from importlib.metadata import version
 from pathlib import Path
 
 from contactstudy.elasticity.transforms import TRANSFORMS
@@ -43,38 +43,24 @@ def machine() -> str:
 
 @cache
 def _revision() -> str:
-    """Return the commit of this program's code, with a mark where files differ from it.
-
-    The commit is that of the program's own checkout, or of the one it was installed from, not that of a repository which
-    the environment happens to lie in.
-    """
+    """Return the commit of this program's own checkout, with a mark where files differ from it."""
     checkout = Path(__file__).parents[2]
-    if not (checkout / ".git").exists():
-        return _installed()
-    try:
-        describe = ["describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
-        command = ["git", "-C", str(checkout), *describe]
-        completed = subprocess.run(command, capture_output=True, text=True, timeout=10, check=True)
-    except (OSError, subprocess.SubprocessError):
-        return "unknown (not a git checkout)"
-    return completed.stdout.strip()
-
-
-def _installed() -> str:
-    """Return the commit that the installer recorded; a text that says so if there is none."""
-    try:
-        record = distribution("contactstudy").read_text("direct_url.json")
-        commit = json.loads(record or "{}").get("vcs_info", {}).get("commit_id")
-    except (PackageNotFoundError, ValueError):
-        commit = None
-    return str(commit or "unknown (not a git checkout)")
+    describe = ["describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    if (
+        checkout / ".git"
+    ).exists():  # or git would name a repository which the environment happens to lie in
+        with suppress(OSError, subprocess.SubprocessError):
+            command = ["git", "-C", str(checkout), *describe]
+            return subprocess.run(
+                command, capture_output=True, text=True, timeout=10, check=True
+            ).stdout.strip()
+    return "unknown (not a git checkout)"
 
 
 def cpu() -> str:
     """Return the name of the processor."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.processor() or platform.machine())
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()

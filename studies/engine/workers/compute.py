@@ -1,15 +1,18 @@
-"""Computation and timing of one case, where any error is an outcome of the case."""
+"""Computation and timing of one case within its time limit, where any error is an outcome of the case."""
 
-from collections.abc import Callable
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from time import perf_counter, process_time
+from time import monotonic, perf_counter, process_time
+from types import FrameType
+from typing import NoReturn
 
 import numpy as np
 import xarray as xr
 
 from contactstudy.domain.reuse import ArrayCache, caching
-from studies.engine import time_limit
-from studies.engine.time_limit import TimeLimitError, alarm, timed_out
 from studies.model import measured
 from studies.model.case import Computation
 from studies.model.measured import check_size, measured_variables
@@ -23,15 +26,14 @@ from studies.model.outcome import (
     Work,
 )
 from studies.model.plain_text import one_line, place_of
+from studies.store.stop import StopRun
 
 # Arrays that cases of this process share, such as the coefficients of equal grids: up to so many bytes. Timed runs
 # compute their own.
 SHARED_ARRAYS = ArrayCache(2**26)
+LONGEST_ALARM = 1e8  # seconds, three years: the system's timer takes no more
+CAN_INTERRUPT = hasattr(signal, "setitimer")
 REFERENCE_FIELD = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
-
-
-class StopRun(BaseException):
-    """Raised to stop the run; any other error during a case is a failure of the case."""
 
 
 def compute(case: Computation, work: Work) -> Outcome:
@@ -107,12 +109,60 @@ def _reference_time() -> float:
     return float(least)
 
 
+def timed_out(limit: float | None, stage: str, seconds: float) -> Outcome:
+    """Return the outcome of a case that took longer than ``limit`` [s]."""
+    sentence = f"TimeLimitError: not done after {limit:g} s; give more with --time-limit"
+    return Outcome(CaseStatus.TIMEOUT, {}, Failure("TimeLimitError", sentence, stage), seconds)
+
+
 def failed(error: BaseException, stage: str, seconds: float = 0.0) -> Outcome:
     """Return the outcome of a case that raised `error`, with its place in the study's code."""
     name = one_line(type(error).__name__, 100)
-    place = place_of(error, __file__, measured.__file__, time_limit.__file__)
+    place = place_of(error, __file__, measured.__file__)
     failure = Failure(name, f"{name}{place}: {one_line(error)}", stage)
     return Outcome(CaseStatus.FAILED, {}, failure, seconds)
+
+
+class TimeLimitError(BaseException):
+    """Raised in a case that takes too long; not an Exception, so that code of a study does not catch it."""
+
+
+@contextmanager
+def alarm(limit: float | None) -> Iterator[None]:
+    """Raise :class:`TimeLimitError` in the block after `limit` [s], in Python code of the main thread.
+
+    Compiled code that never returns is not interrupted, and Windows has no alarm: there the supervisor ends the
+    process at its :func:`deadline`.
+    """
+    if (
+        limit is None
+        or not CAN_INTERRUPT
+        or threading.current_thread() is not threading.main_thread()
+    ):
+        yield
+        return
+
+    def ring(_: int, __: FrameType | None) -> NoReturn:
+        raise TimeLimitError
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, min(limit, LONGEST_ALARM))
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def deadline(limit: float | None) -> float | None:
+    """Return the time (of ``monotonic``) at which a supervisor ends a process that its alarm has not reached."""
+    return None if limit is None else monotonic() + 1.1 * limit + 0.5
+
+
+def limit_of_timed_run(expected: float, limit: float | None) -> float:
+    """Return the time [s] after which a timed run of a case that took ``expected`` is given up."""
+    longest = 5 + 10 * expected
+    return longest if limit is None else min(longest, limit)
 
 
 def warm_up() -> None:

@@ -28,11 +28,8 @@ def _umask() -> int:
 
 
 def _set_environment(environment: dict[Any, Any]) -> None:
-    for name in _environment().keys() - environment.keys():
-        del os.environ[os.fsdecode(name)]
-    os.environ.update(
-        {os.fsdecode(name): os.fsdecode(value) for name, value in environment.items()}
-    )
+    os.environ.clear()
+    os.environ.update({os.fsdecode(k): os.fsdecode(v) for k, v in environment.items()})
 
 
 def _environment() -> dict[Any, Any]:

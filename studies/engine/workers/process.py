@@ -24,7 +24,7 @@ from typing import Any, Self
 import cloudpickle
 
 from contactstudy import InvalidInput
-from studies.engine.time_limit import deadline, timed_out
+from studies.engine.workers.compute import deadline, timed_out
 from studies.engine.workers.leftovers import end_all
 from studies.engine.workers.worker import READING_STAGE, Answer, Batch, main
 from studies.model.outcome import CaseStatus, Failure, Outcome, Work
@@ -33,10 +33,6 @@ from studies.store.loaded import LOADED, Record
 START_TIMEOUT = 120.0  # seconds in which a new process must be ready
 RESTART_DELAY = 0.5  # seconds after which the process that forks others is started again
 MAX_STARTS = 3  # processes that may end before their first case
-# signals from a person, or for lack of memory; a second try shows whether the case causes them
-EXTERNAL_SIGNALS = frozenset({"SIGTERM", "SIGKILL", "SIGINT", "SIGHUP", "SIGQUIT"})
-# exit code of a process whose forking process has ended
-UNKNOWN_EXIT_CODE = 255
 # a process that has read the libraries is forked, where the system can; a fork of macOS may not use its libraries
 METHOD = "forkserver" if sys.platform == "linux" and hasattr(os, "fork") else "spawn"
 PROCESSES: Any = multiprocessing.get_context(METHOD)
@@ -120,9 +116,9 @@ class Worker:
     ) -> Iterator[Outcome]:
         """Yield the outcome of each case, in order, as soon as it is available, until a batch has taken its time.
 
-        After the end of a process the remaining cases go to a new one. A case whose process was ended from outside is
-        sent again, once. It ends early after :meth:`end`, and yields nothing for several cases that cannot be read
-        together.
+        After the death of a process the remaining cases go to a new one; the case that it computed is tried once
+        more, which shows whether it causes deaths. Nothing is yielded after :meth:`end`, and for several cases that
+        cannot be read together.
 
         Parameters
         ----------
@@ -135,7 +131,7 @@ class Worker:
         is_timed
             True for timed runs, whose outcomes have a sample.
         """
-        batch, index, retried = Batch(cases, tuple(names), limit, is_timed), 0, -1
+        batch, index, deaths = Batch(cases, tuple(names), limit, is_timed), 0, 0
         while index < len(names) and self._is_ready():
             try:
                 self._connection.send(replace(batch, first=index))
@@ -144,13 +140,13 @@ class Worker:
                 continue
             follows = True
             while follows:
-                outcome, follows, ending = self._receive(index, limit)
+                outcome, follows = self._receive(index, limit)
                 if self.over.is_set():
                     return
-                if ending in EXTERNAL_SIGNALS and retried < index:
-                    retried = index
+                if outcome.case_status is CaseStatus.KILLED and not deaths:
+                    deaths = 1
                     break
-                index += 1
+                index, deaths = index + 1, 0
                 if outcome.failure is None or outcome.failure.stage != READING_STAGE:
                     yield replace(outcome, loaded=self._loaded)
             if self._process is not None:
@@ -168,28 +164,27 @@ class Worker:
         atexit.unregister(self.end)
         self._discard()
 
-    def _receive(self, index: int, limit: float | None) -> tuple[Outcome, bool, str]:
-        """Return the outcome of a case, whether another one follows, and the signal that ended the process, if any."""
+    def _receive(self, index: int, limit: float | None) -> tuple[Outcome, bool]:
+        """Return the outcome of a case, and whether another one follows."""
         start = perf_counter()
         # the worker's own alarm comes first, and spares it; the deadline is for what the alarm cannot reach
         answer = self._next(deadline(limit))
         if isinstance(answer, tuple) and answer[1] == index and answer[2] is not None:
-            return answer[2], answer[3], ""
+            return answer[2], answer[3]
         code = self._discard(wait=2.0 if answer is EOFError else 0.0)
         seconds = perf_counter() - start
         if answer is TimeoutError:
-            return timed_out(limit, "unknown", seconds), False, ""
+            return timed_out(limit, "unknown", seconds), False
         if answer is EOFError:
-            ending = "SIGKILL" if code == UNKNOWN_EXIT_CODE else _signal(code)
-            sentence = f"Killed: its process {_ending(code)} while it was computed"
-            failure = Failure("Killed", sentence, "unknown")
-            return Outcome(CaseStatus.KILLED, {}, failure, seconds), False, ending
-        sentence = (
-            "ForgedError: what came in place of its answer is from another process or another case; "
-            "does it start processes that go on after it?"
-        )
-        failure = Failure("ForgedError", sentence, "unknown")
-        return Outcome(CaseStatus.FAILED, {}, failure, seconds), False, ""
+            status, kind = CaseStatus.KILLED, "Killed"
+            sentence = f"its process {_ending(code)} while it was computed"
+        else:
+            status, kind = CaseStatus.FAILED, "ForgedError"
+            sentence = (
+                "what came in place of its answer is from another process or another case; "
+                "does it start processes that go on after it?"
+            )
+        return Outcome(status, {}, Failure(kind, f"{kind}: {sentence}", "unknown"), seconds), False
 
     def _next(self, until: float | None) -> Answer | type[Exception]:
         """Return the next answer of the process; an exception's class where it is late, gone, or another's."""
@@ -270,13 +265,8 @@ class Worker:
 
 def _ending(code: int | None) -> str:
     """Return a text on how a process ended."""
-    name = _signal(code)
+    if code is None or code >= 0:
+        return "ended" if code is None else f"ended with exit code {code}"
+    name = signal.Signals(-code).name
     hint = ", perhaps for want of memory" if name == "SIGKILL" else ""
-    if code is None:
-        return "ended"
-    return f"was ended by {name}{hint}" if name else f"ended with exit code {code}"
-
-
-def _signal(code: int | None) -> str:
-    """Return the name of the signal that ended a process; empty where none did."""
-    return signal.Signals(-code).name if code is not None and code < 0 else ""
+    return f"was ended by {name}{hint}"

@@ -4,7 +4,6 @@ import logging
 from collections import deque
 from contextlib import nullcontext
 from dataclasses import dataclass
-from itertools import chain
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,7 +12,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine import cluster
-from studies.engine.cluster import ELSEWHERE, Workers, _ClusterRun, dask_at
+from studies.engine.cluster import _ClusterRun, dask_at
 from studies.model.outcome import CaseStatus, Outcome
 from tests.studies.engine.trouble import Trouble
 
@@ -40,11 +39,11 @@ class FakeRun(_ClusterRun):
         # some that are sent already, and those that wait
         self.address, self.patience, self.log = "tcp://here:1", patience, self.said.append
         self.cases = {str(n): Trouble(float(n)) for n in range(max(count, 100))}
-        self.client, self.about, self.processes = client, (ELSEWHERE, b"", None), Workers("fake")
+        self.client, self.about = client, ("", b"", None)
         self.finished = self.found.__setitem__
         self.size, self.threads = 1, threads
         self._waiting = deque(map(str, range(count)))
-        self._open = set(self.cases)
+        self._open, self._alone = set(self.cases), set()
         self._running = {}
         self._completed: Any = SimpleNamespace(add=lambda future: None)
         self._checked_at, self._idle_since = -1.0, 0.0
@@ -84,8 +83,10 @@ def test_of_a_batch_that_killed_its_workers_each_case_is_tried_alone() -> None:
     future = Future("error", error=killed)
     flow._running = {future: ["3", "4"]}
     flow._collect(future, None)
-    assert flow.batches == [1, 1]
-    assert sorted(chain.from_iterable(flow._running.values())) == ["3", "4"]
+    flow.size = flow.threads = 8
+    flow._submit_batches()
+    assert flow.batches[:2] == [1, 1]
+    assert list(flow._running.values())[:2] == [["3"], ["4"]]
     flow._running = {future: ["8"]}
     flow._collect(future, None)
     assert flow.found["8"].case_status is CaseStatus.KILLED

@@ -2,6 +2,7 @@
 
 import os
 import pty
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,14 +10,14 @@ from pathlib import Path
 import pytest
 
 from studies.engine import progress
-from studies.engine.progress import Progress
+from studies.engine.progress import progress_of
 
 SCRIPT = """
-from studies.engine.progress import Progress
+from studies.engine.progress import progress_of
 for what in ("solving", "timing", "drawing"):
-    with Progress("mine", what, 3, "case", print) as bar:
+    with progress_of("mine", what, 3, "case", print) as bar:
         for _ in range(3):
-            bar.add()
+            bar.update()
 """
 
 
@@ -45,11 +46,11 @@ def test_a_terminal_shows_cases_rate_and_time_left() -> None:
 def test_elsewhere_lines_say_how_many_how_fast_and_how_long_still(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    now = iter([0.0, 10.0, 40.0, 50.0])
-    monkeypatch.setattr(progress, "monotonic", lambda: next(now))
     monkeypatch.setattr(progress, "_is_terminal", lambda: False)
     said: list[str] = []
-    with Progress("mine", "solving", 100, "case", said.append) as bar:
-        for count in (10, 10, 10):
-            bar.add(count)
-    assert said == ["solving, 20 of 100 cases, 0.5 a second, 160 s left"]
+    with progress_of("mine", "solving", 100, "case", said.append) as bar:
+        bar.start_t = bar.last_print_t = bar.start_t - 40.0  # begun 40 s ago
+        bar.update(20)
+        bar.update(1)
+    assert len(said) == 1
+    assert re.fullmatch(r"solving, 20 of 100 cases, +2\.00s/case, 02:40 left", said[0]), said

@@ -14,13 +14,13 @@ from contactstudy.domain.checks import InvalidInput
 from studies.engine.in_process import compute_here
 from studies.engine.options import RunOptions
 from studies.engine.run import estimate_cost, run
-from studies.engine.stop import Stop
 from studies.model.case import Case, Solved
 from studies.model.outcome import Outcome, Work
 from studies.model.study import Study
 from studies.reference.line_contact import HERTZ, measures
 from studies.registry import load
 from studies.store.netcdf import read
+from studies.store.stop import Stop
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 

@@ -19,8 +19,8 @@ from contactstudy import InvalidInput
 from studies.engine.cluster import BATCHES_AHEAD, compute_on_dask
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.engine.stop import Stop
 from studies.model.outcome import CaseStatus, Outcome, Work
+from studies.store.stop import Stop
 from tests.studies.conftest import POSIX, quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble, Unsendable

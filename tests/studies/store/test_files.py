@@ -12,11 +12,12 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.engine.options import RunOptions
+from studies.engine.results import load_fields, save_fields
 from studies.engine.run import run
 from studies.registry import load
 from studies.store import provenance
-from studies.store.fields import load_fields, save_fields
-from studies.store.netcdf import interrupts_deferred, open_folder, read
+from studies.store.netcdf import open_folder, read
+from studies.store.stop import Stop
 from tests.studies.conftest import quiet
 
 KEPT = RunOptions(workers=0, repeats=0, fields="kept")
@@ -129,7 +130,7 @@ def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
     done = []
 
     def work() -> None:
-        with interrupts_deferred():
+        with Stop():
             signal.raise_signal(signal.SIGINT)
             done.append("whole")
         done.append("beyond")

@@ -17,14 +17,15 @@ from contactstudy import InvalidInput
 from contactstudy.domain.identity import keys
 from studies.model.outcome import CaseStatus, Outcome, Sample
 from studies.store.journal import FORMAT, Journal
-from studies.store.journal_lines import (
+from studies.store.loaded import LOADED
+from studies.store.records import (
+    CaseIdentity,
+    Context,
     decoded,
     decoded_variable,
     encoded,
     encoded_variable,
 )
-from studies.store.loaded import LOADED
-from studies.store.records import CaseIdentity, Context
 
 CONTEXT = {"code": "1"}
 

@@ -73,14 +73,14 @@ def test_every_case_of_a_batch_is_answered_in_its_order(worker: Worker, tmp_path
 
 
 @POSIX
-def test_a_case_that_ends_its_own_process_is_not_tried_again(
+def test_of_a_case_that_ends_its_own_process_the_exit_code_is_said(
     worker: Worker, tmp_path: Path
 ) -> None:
     log = tmp_path / "log"
     outcomes = outcomes_of(worker, Leaving(1.0, log=str(log)), Trouble(2.0))
     assert squares(outcomes) == [KILLED, 4]
     assert "its process ended with exit code 3" in outcomes[0].error
-    assert log.read_text(encoding="utf-8").split() == ["1.0"]
+    assert log.read_text(encoding="utf-8").split() == ["1.0", "1.0"]
 
 
 def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> None:

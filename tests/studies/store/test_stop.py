@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.engine.stop import Stop
-from studies.engine.workers.compute import StopRun
+from studies.store.stop import Stop, StopRun
 from tests.studies.conftest import POSIX
 
 pytestmark = POSIX
@@ -39,7 +38,7 @@ def test_a_block_that_may_be_left_is_left_at_once_and_the_program_ends_as_by_its
 
 PATIENT = """
 import signal, sys
-from studies.engine.stop import Stop
+from studies.store.stop import Stop
 with Stop():
     for n in range(int(sys.argv[1])):
         signal.raise_signal(signal.SIGTERM)

@@ -1,4 +1,4 @@
-"""Signals that stop a run, such as Ctrl-C, at a point where all results are stored."""
+"""Signals that stop a run, such as Ctrl-C, where all results are stored and no library is in the midst of a file."""
 
 import signal
 import threading
@@ -7,8 +7,6 @@ from contextlib import contextmanager
 from types import FrameType
 from typing import Any, Self
 
-from studies.engine.workers.compute import StopRun
-
 # the signals of this system
 SIGNALS = tuple(
     getattr(signal, name)
@@ -16,6 +14,10 @@ SIGNALS = tuple(
     if hasattr(signal, name)
 )
 MAX_SIGNALS = 3  # signals after which the process ends at once
+
+
+class StopRun(BaseException):
+    """Raised to stop the run; any other error during a case is a failure of the case."""
 
 
 class Stop:

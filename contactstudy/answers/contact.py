@@ -133,16 +133,22 @@ class Contact(Answer, Solution):
 
     @property
     def counts(self) -> Counts:
-        """Iterations, transforms and residual of the solver, and passes where it took some."""
+        """Iterations, transforms and residual of the solver, and outer iterations where it took some."""
         counts = {
             "iterations": (self.iterations, "solver iterations"),
             "convolutions": (self.convolutions, "transform pairs of the full grid"),
             "residual": (self.residual, "residual of the solver"),
         }
         if self.adhesion is not None:
-            counts["passes"] = self.adhesion.passes, "passes of the attraction"
+            counts["passes"] = (
+                self.adhesion.outer_iterations,
+                "outer iterations over the attraction",
+            )
         if self.rolling is not None:
-            counts["passes"] = self.rolling.lagged.passes, "passes of the lagged part"
+            counts["passes"] = (
+                self.rolling.lagged.outer_iterations,
+                "outer iterations over the lagged part",
+            )
         return counts
 
     def to_dataset(self) -> "xr.Dataset":

@@ -19,7 +19,7 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.adhesion import Adhesive
+from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -65,7 +65,7 @@ def follow_adhesion(
     first = load.at(breakpoints[0].time)
     problem = _under(scene, first).problem(grid, padding)
     law = problem.adhesion
-    assert isinstance(law, Adhesive)
+    assert isinstance(law, AdhesiveSolver)
     largest = replace(scene, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
     last: Solution | None = None
@@ -89,7 +89,7 @@ def _under(scene: Scene, load: float) -> Scene:
     return replace(scene, load=LineLoad(load), adhesion=replace(adhesion, branch=branch))
 
 
-def _posed(problem: Problem, scene: Scene, load: float, law: Adhesive) -> Problem:
+def _posed(problem: Problem, scene: Scene, load: float, law: AdhesiveSolver) -> Problem:
     """Return `problem` under a `load` [N/m], with the heights, the operator and the law that all instants share."""
     posed = problem.description
     assert isinstance(posed, PosedScene)
@@ -106,7 +106,7 @@ def _posed(problem: Problem, scene: Scene, load: float, law: Adhesive) -> Proble
 def _solved(problem: Problem, last: Solution | None, options: SolveOptions) -> Solution:
     """Return the solution that follows from the `last` one, or the first."""
     law, start = problem.adhesion, None
-    assert isinstance(law, Adhesive)
+    assert isinstance(law, AdhesiveSolver)
     if last is not None:
         law = law.after(last)
         start = last.pressure if last.pressure.any() else None
@@ -129,7 +129,7 @@ def _frame(time: float, load: float, solution: Solution) -> Frame:
         residual=solution.residual,
         step_error=0.0,
         grid_error=inf,
-        steps=adhesion.passes,
+        steps=adhesion.outer_iterations,
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         solution=solution,

@@ -194,7 +194,7 @@ def solve_rolling(
         antisymmetric(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
         options,
         change=change,
-        max_passes=max_passes,
+        max_outer=max_passes,
     )
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
     solve_on = partial(

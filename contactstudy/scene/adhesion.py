@@ -21,7 +21,7 @@ from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.sought_load import Approach
-from contactstudy.solvers.adhesion import Adhesive
+from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
 from contactstudy.solvers.solution import Branch
 
@@ -157,8 +157,8 @@ class Adhesion:
         strength = sqrt(pi * scene.contact_modulus * self.work / (4 * CHOSEN_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
-    def on(self, scene: AdhesionContact, gap: Array, grid: Grid) -> Adhesive:
-        """Return the law of this scene on a grid with an undeformed `gap` (x, y) [m].
+    def solver_on(self, scene: AdhesionContact, gap: Array, grid: Grid) -> AdhesiveSolver:
+        """Return the solver of this scene on a grid with an undeformed `gap` (x, y) [m].
 
         The cohesive zone is ``pi E* w / (4 sigma0^2)`` long, with the largest traction sigma0 (Dugdale).
         """
@@ -182,6 +182,6 @@ class Adhesion:
         if radius is not None:
             ratio = radius * (self.work / scene.contact_modulus) ** 2
             tabor = float(np.cbrt(ratio)) * law.strength / self.work
-        return Adhesive(
+        return AdhesiveSolver(
             law, BRANCHES[self.branch], float(cells), tabor, regularised=self.range is None
         )

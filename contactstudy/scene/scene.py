@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from contactstudy.scene.friction import Friction
     from contactstudy.scene.lubrication import Lubrication
     from contactstudy.scene.motion import Rolling, Wear
-    from contactstudy.solvers.adhesion import Adhesive
+    from contactstudy.solvers.adhesion import AdhesiveSolver
 
 
 @runtime_checkable
@@ -382,7 +382,7 @@ class Scene:
         return self._posed(grid, padding, None)
 
     def _posed(
-        self, grid: Grid, padding: Padding | Paddings, adhesive: "Adhesive | None"
+        self, grid: Grid, padding: Padding | Paddings, adhesive: "AdhesiveSolver | None"
     ) -> Problem:
         """Return the problem on a grid, with an attraction that another grid may have chosen."""
         _instance("grid", grid, Grid, "give a Grid")
@@ -409,7 +409,7 @@ class Scene:
         )
         scales = self.scales(grid)
         if adhesive is None and self.adhesion is not None:
-            adhesive = self.adhesion.on(self, heights, grid)
+            adhesive = self.adhesion.solver_on(self, heights, grid)
         source = replace(self.source_with(grid, padding, adhesive), sampled=(grid, heights))
         return Problem(
             grid=grid,
@@ -444,11 +444,11 @@ class Scene:
         assert not isinstance(self.load, ChangingLoad)
         return PrescribedLoad(self.load.over(grid.period) * grid.period / grid.cell_area)
 
-    def _law(self, adhesive: "Adhesive | None") -> AdhesionLaw | None:
+    def _law(self, adhesive: "AdhesiveSolver | None") -> AdhesionLaw | None:
         """Return the law that the problem is solved with: the attraction, or the search for the pull-off with it."""
         if adhesive is None or not isinstance(self.load, PullOff):
             return adhesive
-        return adhesive.separated(self.load.error)
+        return adhesive.pull_off_search(self.load.error)
 
     @property
     def changing(self) -> str | None:
@@ -486,7 +486,7 @@ class Scene:
         return self.source_with(grid, padding, None)
 
     def source_with(
-        self, grid: Grid, padding: Padding | Paddings, adhesive: "Adhesive | None"
+        self, grid: Grid, padding: Padding | Paddings, adhesive: "AdhesiveSolver | None"
     ) -> ShapesSource:
         """Return the source as :meth:`source_on` does, with an attraction that all its problems share."""
         shapes = sized(self.shapes, grid)

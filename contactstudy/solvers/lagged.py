@@ -1,4 +1,4 @@
-"""A problem whose operator has a part that is not symmetric: lagged into the gap, and accelerated."""
+"""Outer iterations over a displacement that follows from the pressure and is lagged into the gap."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -8,12 +8,31 @@ import numpy as np
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.problem.problem import Problem
-from contactstudy.solvers.anderson import anderson_mixture
+from contactstudy.solvers.anderson import AndersonMixing
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Number of pressures that the next one is mixed of; tolerance of a solve over the change in the pass before.
-DEPTH, FINER = 8, 1e-3
+
+@dataclass(frozen=True)
+class LaggedConstants:
+    """Constants of the accelerated outer iteration.
+
+    Attributes
+    ----------
+    depth
+        Number of pressures before the last that enter a mixture.
+    inner_reduction
+        Tolerance of a solve over the change in the outer iteration before; a tenth of it saves no outer iteration.
+    first_tolerance
+        Largest tolerance of a solve.
+    """
+
+    depth: int = 8
+    inner_reduction: float = 1e-3
+    first_tolerance: float = 1e-4
+
+
+CONSTANTS = LaggedConstants()
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +44,8 @@ class LaggedSolution:
     solution
         The last solution.
     change
-        Change of the pressure in the last pass, relative in L1.
-    passes
+        Change of the pressure in the last outer iteration, relative in L1.
+    outer_iterations
         Number of solves.
     iterations, convolutions
         Sums over all solves.
@@ -34,7 +53,7 @@ class LaggedSolution:
 
     solution: Solution
     change: float
-    passes: int
+    outer_iterations: int
     iterations: int
     convolutions: float
 
@@ -45,60 +64,57 @@ def solve_lagged(
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     *,
     change: float = 1e-6,
-    max_passes: int = 100,
+    max_outer: int = 100,
 ) -> LaggedSolution:
-    """Solve a problem with a displacement that follows from its own pressure and is lagged into the gap.
+    """Solve a problem with a displacement that follows from its own pressure, strongly coupled.
 
-    Each pass solves with the lagged part of a mixture of the pressures before, until a pass changes the pressure by less
-    than `change`. Source of the mixing: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
+    Each outer iteration solves with the displacement under a mixture of the pressures before, until one changes the
+    pressure by less than `change`. Mixing: :class:`~contactstudy.solvers.anderson.AndersonMixing`.
 
     Parameters
     ----------
     problem
-        The contact in SI units, without the lagged part.
+        The contact in SI units, without the displacement.
     lagged
         Map from pressure (x, y) [Pa] to the displacement to add to the gap (x, y) [m]; None for one plain solve.
     options
         Method and tolerance of each solve.
     change
-        Change of the pressure in a pass to stop at, relative in L1.
-    max_passes
-        Number of passes after which the status is :attr:`~contactstudy.Status.ITERATION_LIMIT`.
+        Change of the pressure in an outer iteration to stop at, relative in L1.
+    max_outer
+        Number of outer iterations after which the status is :attr:`~contactstudy.Status.ITERATION_LIMIT`.
 
     Returns
     -------
     LaggedSolution
-        The last solution and what it took.
+        The last solution and its counts.
     """
-    mixed: list[Array] = []
-    steps: list[Array] = []
-    guess = np.zeros_like(problem.undeformed_gap)
+    if lagged is None:
+        solution = solve_contact(problem, options)
+        return LaggedSolution(solution, 0.0, 1, solution.iterations, solution.convolutions)
+    mixing, guess = AndersonMixing(CONSTANTS.depth), np.zeros_like(problem.undeformed_gap)
     start: Array | None = None
-    last_change, passes, iterations, convolutions = np.inf, 0, 0, 0.0
+    last_change, outer, iterations, convolutions = np.inf, 0, 0, 0.0
     while True:
-        gap = problem.undeformed_gap
-        if lagged is not None and passes:
-            gap = gap + lagged(guess)
-        coarse = 0.0 if lagged is None else min(FINER * last_change, 1e-4)
-        loose = replace(options, tolerance=max(options.tolerance, coarse))
-        solution = solve_contact(replace(problem, undeformed_gap=gap), loose, start)
-        passes += 1
+        gap = problem.undeformed_gap + lagged(guess) if outer else problem.undeformed_gap
+        loose = min(CONSTANTS.inner_reduction * last_change, CONSTANTS.first_tolerance)
+        inner = replace(options, tolerance=max(options.tolerance, loose))
+        solution = solve_contact(replace(problem, undeformed_gap=gap), inner, start)
+        outer += 1
         iterations += solution.iterations
         convolutions += solution.convolutions
         start = solution.pressure
-        if lagged is None:
-            return LaggedSolution(solution, 0.0, passes, iterations, convolutions)
         if not np.isfinite(solution.residual):
-            return LaggedSolution(solution, np.inf, passes, iterations, convolutions)
+            return LaggedSolution(solution, np.inf, outer, iterations, convolutions)
         step = solution.pressure - guess
         last_change = float(np.abs(step).sum() / solution.pressure.sum())
         converged = last_change <= change and solution.residual <= options.tolerance
-        if converged or passes == max_passes:
+        if converged or outer == max_outer:
             if not converged:
                 solution = replace(solution, status=Status.ITERATION_LIMIT)
-            return LaggedSolution(solution, last_change, passes, iterations, convolutions)
-        mixed, steps = [*mixed[-DEPTH:], guess], [*steps[-DEPTH:], step]
-        guess = anderson_mixture(mixed, steps)
+            return LaggedSolution(solution, last_change, outer, iterations, convolutions)
+        mixing.record(guess, step)
+        guess = mixing.mixture()
 
 
 def solve_coupled(
@@ -107,40 +123,40 @@ def solve_coupled(
     options: SolveOptions,
     start: Array | None,
     on: Device,
-    max_passes: int,
+    max_outer: int,
 ) -> Solution:
-    """Return the solution of a problem whose gap also changes by a displacement that is weakly coupled to its pressure.
+    """Return the solution of a problem with a displacement that follows from its own pressure, weakly coupled.
 
-    Each pass adds the displacement of the pass before to the gap. The passes end where that of a pass changes the gap by
-    less than the tolerance; the status is :attr:`~contactstudy.Status.STALLED` where they do not.
+    Each outer iteration adds the displacement of the one before to the gap, until that changes the gap in the contact by
+    less than the tolerance; the status is :attr:`~contactstudy.Status.STALLED` where it does not.
 
     Parameters
     ----------
     problem
         The contact in SI units, without the displacement.
     lagged
-        Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each pass.
+        Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each outer iteration.
     options, start, on
         Method and tolerance of each solve, pressure [Pa] to begin with, and device.
-    max_passes
-        Limit of the number of passes.
+    max_outer
+        Largest number of outer iterations.
     """
     solution = solve_contact(problem, options, start, on)
     if not solution.pressure.any():
         return solution
-    iterations, convolutions, passes = solution.iterations, solution.convolutions, 1
+    iterations, convolutions, outer = solution.iterations, solution.convolutions, 1
     added: Array = np.zeros_like(solution.gap)
     while True:
         displacement = lagged(solution.pressure)
         change = deviation_in_contact(displacement - added, solution.pressure) / problem.scales.gap
-        if change <= options.tolerance or passes == max_passes or not np.isfinite(change):
+        if change <= options.tolerance or outer == max_outer or not np.isfinite(change):
             break
         added = displacement
         lowered = replace(problem, undeformed_gap=problem.undeformed_gap + added)
         solution = solve_contact(lowered, options, solution.pressure, on)
         iterations += solution.iterations
         convolutions += solution.convolutions
-        passes += 1
+        outer += 1
     status = solution.status
     if status is Status.CONVERGED and not change <= options.tolerance:
         status = Status.STALLED
@@ -152,7 +168,7 @@ def solve_coupled(
         residual=max(solution.residual, change),
         iterations=iterations,
         convolutions=convolutions,
-        note=" ".join(filter(None, (solution.note, f"{passes} outer iterations over the shear."))),
+        note=" ".join(filter(None, (solution.note, f"{outer} outer iterations over the shear."))),
     )
 
 

@@ -107,14 +107,14 @@ class Traction:
         Cells (x, y) that stick.
     method
         Method, in words.
-    passes
-        Number of outer (fixed-point) iterations, or of iterations.
+    iterations
+        Number of iterations: outer ones where shear and pressure are solved in turn.
     """
 
     shear: Array
     stick: NDArray[np.bool_]
     method: str
-    passes: int
+    iterations: int
 
 
 class Branch(Enum):
@@ -139,16 +139,16 @@ class CohesiveTraction:
     branch
         History that the state belongs to, in words.
     energies
-        Energy [J] of the deformed bodies, the load and the adhesive traction after each pass, relative to bodies far
-        apart.
+        Energy [J] of the deformed bodies, the load and the adhesive traction after each outer iteration, relative to
+        bodies far apart.
     cells_in_zone
         Number of cells in the cohesive zone, over which the traction falls at the edge of a contact.
     tabor
         Tabor's parameter, the elastic deformation over the range of the traction; None without a curved shape.
     regularised
         Whether the range was chosen for the grid, in place of the limit of short ranges.
-    passes
-        Number of contacts solved.
+    outer_iterations
+        Number of contacts solved with a frozen traction.
     range
         Range of the traction [m]: the work of adhesion over the largest traction.
     first_unstable_load
@@ -161,7 +161,7 @@ class CohesiveTraction:
     cells_in_zone: float
     tabor: float | None
     regularised: bool
-    passes: int
+    outer_iterations: int
     range: float
     first_unstable_load: float | None = None
 

@@ -73,7 +73,7 @@ class FrettingShear:
             shear=shear,
             stick=stick,
             method="fretting, Newton",
-            passes=applications,
+            iterations=applications,
             forces=np.array([0.0, *fractions]) * limit.sum() * problem.grid.cell_area,
             rigid_displacement=np.array(displacements),
             shears=np.array(shears),

@@ -157,7 +157,7 @@ class TractiveShear:
             shear=state.shear,
             stick=(limit > 0) & (np.hypot(*state.shear) < limit * (1 - STICKING)),
             method="tractive rolling, Newton",
-            passes=state.applications,
+            iterations=state.applications,
             slip=state.slip,
             creepage=state.creepage,
             power=power,

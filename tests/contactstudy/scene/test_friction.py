@@ -37,7 +37,7 @@ def test_like_bodies_slide_under_the_pressure_of_bodies_that_do_not(coefficient:
     assert not sliding.shear[1].any()
     assert not sliding.stick.any()
     assert sliding.iterations == without.iterations
-    assert sliding.traction.passes == 1
+    assert sliding.traction.iterations == 1
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -55,7 +55,7 @@ def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> Non
     grid = cs.Grid((cells, 1), (2.8 * a0, 1e-3))
     solution = cs.solve(one.problem(grid, cs.ExactPeriodicity()), tolerance=1e-9)
     assert solution.status is cs.Status.CONVERGED
-    assert 1 < solution.traction.passes <= 30
+    assert 1 < solution.traction.iterations <= 30
     pressure = solution.pressure[:, 0]
     touching = grid.x[pressure > 0]
     dx = grid.cell[0]

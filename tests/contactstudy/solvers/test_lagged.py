@@ -31,11 +31,11 @@ def test_a_lagged_part_settles_where_it_is_that_of_its_own_pressure(problem: cs.
     np.testing.assert_allclose(again.pressure, pressure, atol=1e-6 * pressure.max())
     assert found.solution.status is cs.Status.CONVERGED
     assert found.change <= 1e-8
-    assert 2 < found.passes < 12
+    assert 2 < found.outer_iterations < 12
     assert found.iterations > found.solution.iterations
     assert found.convolutions > found.solution.convolutions
-    few = solve_lagged(problem, lagged, cs.SolveOptions(1e-10), change=1e-8, max_passes=2)
-    assert (few.passes, few.solution.status) == (2, cs.Status.ITERATION_LIMIT)
+    few = solve_lagged(problem, lagged, cs.SolveOptions(1e-10), change=1e-8, max_outer=2)
+    assert (few.outer_iterations, few.solution.status) == (2, cs.Status.ITERATION_LIMIT)
     assert few.change > 1e-8
 
 

@@ -20,7 +20,7 @@ from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import arrays, device
 from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_parts
-from contactstudy.elasticity.transforms import Waves, transforms
+from contactstudy.elasticity.transforms import ComplexField, transforms
 
 # Single precision has noise in all waves: in the shortest, times this, it may be as large as the longest are.
 WIDEST = 1e4
@@ -94,7 +94,7 @@ class SpectralInverse:
         self,
         spectrum: Array,
         cells: tuple[int, int],
-        work_array: Callable[[tuple[int, int], DTypeLike], Waves | None],
+        work_array: Callable[[tuple[int, int], DTypeLike], ComplexField | None],
         real: DTypeLike,
     ) -> None:
         xp = arrays()
@@ -280,7 +280,7 @@ def hole_width(contact: Array) -> float:
     return 2 * outside / ends if ends else 0.0
 
 
-def sampled(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+def at_unpadded_waves(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
     """Return the spectrum of a padded grid at the waves of the unpadded one, above zero."""
     xp, put = arrays(), device().put
     (nx, ny), (px, py) = cells, padded

@@ -15,8 +15,8 @@ from contactstudy.elasticity.kernels.layer_image import (
 )
 from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_shear import TURNED, Part, ShearWaves, image
-from contactstudy.elasticity.kernels.wave_coefficients import APART, WaveCoefficients
+from contactstudy.elasticity.kernels.layer_shear import SWAPPED, Part, ShearWaves, image
+from contactstudy.elasticity.kernels.wave_coefficients import LATTICE_RATIO, WaveCoefficients
 
 # A cell alone is one of a lattice so many times as far apart as asked, at least so many thicknesses over the distance of
 # the nearest poles of the response: what is left of its images is then below 1e-6. Beyond so many waves along an axis
@@ -47,7 +47,7 @@ class CoatingDisplacement:
     datum: float
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
-    def turned(self) -> "CoatingDisplacement":
+    def swap_axes(self) -> "CoatingDisplacement":
         """Return these coefficients, which do not change when the axes are exchanged."""
         return self
 
@@ -111,9 +111,9 @@ class CoatingShear:
         """Parity along each axis."""
         return ShearWaves(self.response, Part.ALL).parity(self.name)
 
-    def turned(self) -> "CoatingShear":
+    def swap_axes(self) -> "CoatingShear":
         """Return the field with x and y exchanged."""
-        return CoatingShear(self.response, self.thickness, TURNED[self.name], self.datum)
+        return CoatingShear(self.response, self.thickness, SWAPPED[self.name], self.datum)
 
     @property
     def _terms(self) -> tuple[tuple[float, ...], ...]:
@@ -129,13 +129,13 @@ class CoatingShear:
         h, waves = self.thickness, self._waves(Part.SHORT)
         farthest = max(float(np.abs(x).max()), float(np.abs(y).max())) + max(dx, dy)
         least = LONGEST * h / self.response.first_pole
-        period = max(APART * farthest, least)
+        period = max(LATTICE_RATIO * farthest, least)
         if waves.count(period) <= MOST_WAVES:
             total = h * waves.series(x, y, dx, dy, period)
         else:
             total = h * waves.cell(x, y, dx, dy, least)
         for order, (along, across, coupling) in enumerate(zip(*self._terms, strict=True)):
-            images = {self.name: along, TURNED[self.name]: across}
+            images = {self.name: along, SWAPPED[self.name]: across}
             if self.name in ("x", "y"):
                 images = {self.name: coupling}
             elif self.name == "xy":

@@ -28,7 +28,7 @@ class Coefficients(Protocol):
         """Parity along each axis, 1 for coefficients that are even along it, -1 for odd ones."""
         ...
 
-    def turned(self) -> "Coefficients":
+    def swap_axes(self) -> "Coefficients":
         """Return the coefficients with the two axes exchanged."""
         ...
 
@@ -61,7 +61,7 @@ class Displacement:
     datum: float
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
-    def turned(self) -> "Displacement":
+    def swap_axes(self) -> "Displacement":
         """Return these coefficients, which do not change when the axes are exchanged."""
         return self
 
@@ -138,7 +138,7 @@ def _kernel(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
     cell = across.step, along.step
     if across.padding.window is None:
         if along.padding.window is not None:
-            return _kernel(along, across, coefficients.turned()).T
+            return _kernel(along, across, coefficients.swap_axes()).T
         x, y = across.offsets[:, None], along.offsets
         return coefficients.lattice(x, y, *cell, across.period, along.period)
     even_x, even_y = coefficients.parity

@@ -14,18 +14,22 @@ from contactstudy.domain.device import Cpu, Precision, arrays, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.reuse import cached_array
-from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse, sampled
+from contactstudy.elasticity.approximate_inverse import (
+    ExactInverse,
+    SpectralInverse,
+    at_unpadded_waves,
+)
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel, without_shift
-from contactstudy.elasticity.transforms import Waves, even_waves, scale, transforms
+from contactstudy.elasticity.transforms import ComplexField, even_waves, scale, transforms
 
 # Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
-COARSEST = 32
+MIN_COARSENED = 32
 # One row of so many cells is preconditioned by its own equations.
-FEW = 64
+EXACT_ROW_CELLS = 64
 # Compliance of the mean over the largest coefficient, which makes the equations of one row positive definite.
 MEAN_COMPLIANCE = 10.0
-# Waves with less than this fraction of the energy of the largest are none.
-ROUNDING = 1e-28
+# ComplexField with less than this fraction of the energy of the largest are none.
+NEGLIGIBLE_ENERGY = 1e-28
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +75,7 @@ class Convolution:
         """Work arrays, one for each thread."""
         return local()
 
-    def work_array(self, shape: tuple[int, int], real: DTypeLike) -> Waves | None:
+    def work_array(self, shape: tuple[int, int], real: DTypeLike) -> ComplexField | None:
         """Return the work array of this thread for waves of a field `shape` (px, py) of `real` numbers.
 
         Allocating a large array costs as much as a transform. None on a device whose library reuses memory itself.
@@ -83,7 +87,7 @@ class Convolution:
             waves = self.padded[0] * (self.padded[1] // 2 + 1)
             of_thread["waves"] = np.empty(waves, dtype=np.result_type(self.spectrum, np.complex64))
             of_thread["views"] = {}
-        views: dict[object, Waves] = of_thread["views"]
+        views: dict[object, ComplexField] = of_thread["views"]
         if (shape, real) not in views:
             rows, columns = shape[0], shape[1] // 2 + 1
             numbers = of_thread["waves"].view(np.result_type(real, np.complex64))
@@ -121,7 +125,7 @@ class Convolution:
         px, py = self.padded
         of_x, of_y = np.abs(fft.fft(across, px)) ** 2, np.abs(fft.rfft(along, py)) ** 2
         of_y[1 : (py + 1) // 2] *= 2  # stored once
-        waves = np.flatnonzero(of_y > ROUNDING * of_y.max())
+        waves = np.flatnonzero(of_y > NEGLIGIBLE_ENERGY * of_y.max())
         return float(np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.work)
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
@@ -140,7 +144,7 @@ class Convolution:
     def blocks(self) -> tuple[int, int]:
         """Number of cells (across, along) that are merged, 2 along an axis that can be halved, else 1."""
         across, along = (
-            2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * COARSEST else 1
+            2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * MIN_COARSENED else 1
             for cells, padded in zip(self.cells, self.padded, strict=True)
         )
         return across, along
@@ -171,9 +175,9 @@ class Convolution:
         It works in the operator's own precision, unless another `precision` is given and can hold the spectrum's range.
         For one row of few cells it solves the equations of the contact themselves.
         """
-        if self.cells[1] == 1 and self.cells[0] <= FEW and isinstance(device(), Cpu):
+        if self.cells[1] == 1 and self.cells[0] <= EXACT_ROW_CELLS and isinstance(device(), Cpu):
             return ExactInverse(self._compliance())
-        spectrum = sampled(self.spectrum, self.cells, self.padded)
+        spectrum = at_unpadded_waves(self.spectrum, self.cells, self.padded)
         real = spectrum.dtype if precision is None else precision.real
         return SpectralInverse(spectrum, self.cells, self.work_array, real)
 
@@ -269,7 +273,7 @@ def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Arr
     """Return the transform of influence coefficients that are even along both axes: it is real and even."""
     half, padded = kernel(grid, paddings, coefficients), padded_cells(grid, paddings)
     for axis, points in enumerate(padded):
-        half = _half_way_round(half, points, axis)
+        half = _to_half_period(half, points, axis)
     half = even_waves(half, padded)
     return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
 
@@ -284,13 +288,14 @@ def antisymmetric(
     paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
     around = sum(
-        weight * spread(kernel(grid, paddings, coefficients), padded, coefficients.parity)
+        weight
+        * mirrored_by_parity(kernel(grid, paddings, coefficients), padded, coefficients.parity)
         for coefficients, weight in response.items()
     )
     return Convolution(fft.rfft2(around), grid.cells, padded)
 
 
-def combined(
+def weighted_sum(
     operators: Iterable[tuple[float, Convolution]], local_compliance: float = 0.0
 ) -> Convolution:
     """Return the sum of `operators` on one grid, each times its weight.
@@ -316,9 +321,11 @@ def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
     return px, py
 
 
-def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]) -> Array:
+def mirrored_by_parity(
+    coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
+) -> Array:
     """Return coefficients of known offsets at every point of the padded grid, mirrored by their parity."""
-    around = coefficients[np.ix_(*map(_around, coefficients.shape, padded))]
+    around = coefficients[np.ix_(*map(_offset_indices, coefficients.shape, padded))]
     for axis, even in enumerate(parity):
         if even < 0:  # odd: zero at the origin and half-way round, where both sides meet
             n = padded[axis]
@@ -328,7 +335,7 @@ def spread(coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
     return around
 
 
-def _half_way_round(coefficients: Array, points: int, axis: int) -> Array:
+def _to_half_period(coefficients: Array, points: int, axis: int) -> Array:
     """Return `coefficients` from the offset zero to half-way round an axis of so many `points`.
 
     Points that no pair of cells uses repeat the last known coefficients.
@@ -340,7 +347,7 @@ def _half_way_round(coefficients: Array, points: int, axis: int) -> Array:
     return np.asarray(np.take(coefficients, offsets, axis))
 
 
-def _around(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+def _offset_indices(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
     """Return the offset of each point of a padded axis from zero, at most ``known - 1``.
 
     Points that no pair of cells uses repeat the last known offset.

@@ -8,7 +8,7 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from contactstudy.elasticity.approximate_inverse import ExactInverse, SpectralInverse
-from contactstudy.elasticity.convolution import Convolution, combined
+from contactstudy.elasticity.convolution import Convolution, weighted_sum
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class WithWinklerLayer:
     ) -> SpectralInverse | ExactInverse:
         """Return a preconditioner: the inverse, or that of the convolution beside a layer of the mean compliance."""
         layer = float(self.compliance.mean())
-        inverse = combined([(1.0, self.convolution)], layer).approximate_inverse(precision)
+        inverse = weighted_sum([(1.0, self.convolution)], layer).approximate_inverse(precision)
         if isinstance(inverse, ExactInverse):
             return ExactInverse(inverse.compliance + np.diag(self.compliance.ravel() - layer))
         return inverse

@@ -9,14 +9,14 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
-from contactstudy.elasticity.convolution import padded_cells, spread
+from contactstudy.elasticity.convolution import mirrored_by_parity, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
 from contactstudy.elasticity.kernels.traction import SURFACE
-from contactstudy.elasticity.transforms import TRANSFORMS, Waves
+from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 
 # Weights of two bodies are alike where they differ by less, relative to their sizes: the difference is rounding.
 ALIKE = 1e-14
@@ -44,7 +44,7 @@ class SurfaceField:
         even_x, even_y = (-1 if self.name.count(axis) % 2 else 1 for axis in "xy")
         return even_x, even_y
 
-    def turned(self) -> "SurfaceField":
+    def swap_axes(self) -> "SurfaceField":
         """Return the field with x and y exchanged."""
         return SurfaceField("".join(sorted(self.name.translate({120: 121, 121: 120}))), self.datum)
 
@@ -68,8 +68,8 @@ class SurfaceField:
         cell = dx, dy, width, period
         if self.name == "yy" or (self.name == "xx" and period > width):
             if self.name == "yy" and period > width:
-                turned = y.reshape(-1, 1), x.reshape(1, -1)
-                return self.turned().lattice(*turned, dy, dx, period, width).T
+                swapped = y.reshape(-1, 1), x.reshape(1, -1)
+                return self.swap_axes().lattice(*swapped, dy, dx, period, width).T
             field_yy = self._complement.lattice(x, y, *cell)
             return np.asarray(self._inverse_distance.lattice(x, y, *cell) - field_yy)
         return 2 * np.pi * stress_cell_doubly_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
@@ -89,11 +89,11 @@ class SurfaceField:
 class GeneralConvolution:
     """Convolution of fields (x, y) with coefficients that are even or odd, by their `spectrum` on the padded grid."""
 
-    spectrum: Waves
+    spectrum: ComplexField
     cells: tuple[int, int]
     padded: tuple[int, int]
 
-    def times(self, factors: float | Waves) -> "GeneralConvolution":
+    def times(self, factors: float | ComplexField) -> "GeneralConvolution":
         """Return the convolution whose waves are multiplied by `factors`."""
         return replace(self, spectrum=self.spectrum * factors)
 
@@ -109,7 +109,7 @@ def general_convolution(
 ) -> GeneralConvolution:
     """Return the convolution with `coefficients` on `grid`."""
     padded = padded_cells(grid, paddings)
-    around = spread(kernel(grid, paddings, coefficients), padded, coefficients.parity)
+    around = mirrored_by_parity(kernel(grid, paddings, coefficients), padded, coefficients.parity)
     return GeneralConvolution(TRANSFORMS.forward(around, padded), grid.cells, padded)
 
 
@@ -137,7 +137,7 @@ class ShearResponse:
         x += y
         return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, x)])
 
-    def times(self, factors: Waves) -> "ShearResponse":
+    def times(self, factors: ComplexField) -> "ShearResponse":
         """Return the response whose waves, each of all components, are multiplied by `factors`."""
         return ShearResponse(*(part.times(factors) for part in (self.xx, self.yy, self.xy)))
 

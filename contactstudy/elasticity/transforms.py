@@ -21,25 +21,29 @@ from scipy import fft
 from contactstudy.domain.device import Cpu, arrays, device, threads
 from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_parts
 
-Waves = NDArray[np.complexfloating[Any, Any]]
+ComplexField = NDArray[np.complexfloating[Any, Any]]
 
 
 # Transforms of no more numbers are not shared among threads: waking them takes longer than it saves.
-MANY = 2**16
+MIN_THREADED = 2**16
 
 
 class Transforms(ABC):
     """Pair of transforms; they may overwrite `work`, an array for the waves, where the library takes one."""
 
     @abstractmethod
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
+    def forward(
+        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
+    ) -> ComplexField:
         """Return the waves (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
 
     @abstractmethod
-    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+    def backward(
+        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
+    ) -> Array:
         """Return the first (nx, ny) cells of the field with these `waves`, which are overwritten."""
 
-    def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
+    def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
         """Return `field` (nx, ny), periodic along both axes, with its waves multiplied by `factors`."""
         cells = field.shape[0], field.shape[1]
         waves = self.forward(field, cells, work)
@@ -50,13 +54,17 @@ class Transforms(ABC):
 class Standard(Transforms):
     """Transforms by the device's array library."""
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
+    def forward(
+        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
+    ) -> ComplexField:
         """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         fft = arrays().fft
-        waves: Waves = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
+        waves: ComplexField = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
         return waves
 
-    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+    def backward(
+        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
+    ) -> Array:
         """Return the field of `waves`: along x, then along y on the rows that are wanted."""
         fft = arrays().fft
         rows = fft.ifft(waves, axis=0)[: cells[0], :]
@@ -67,13 +75,17 @@ class Standard(Transforms):
 class SciPy(Transforms):
     """Transforms by scipy.fft, on the threads of the device."""
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
+    def forward(
+        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
+    ) -> ComplexField:
         """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         workers = threads()
         rows = fft.rfft(field, padded[1], axis=1, workers=workers)
         return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=workers))
 
-    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+    def backward(
+        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
+    ) -> Array:
         """Return the field of `waves`: along x, then along y on the rows that are wanted."""
         workers = threads()
         rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[: cells[0]]
@@ -100,7 +112,7 @@ class Ducc(Transforms):
         ducc0 takes no more than ``OMP_NUM_THREADS`` allows, whatever a call asks for, and says nothing. While threads of
         its pool work, the pool must not change.
         """
-        count = threads() if size > MANY else 1
+        count = threads() if size > MIN_THREADED else 1
         if count > 1 and not self._widened:
             with self._lock:
                 if not self._widened and hasattr(self._misc, "resize_thread_pool"):
@@ -109,7 +121,9 @@ class Ducc(Transforms):
                 self._widened = True
         return count
 
-    def forward(self, field: Array, padded: tuple[int, int], work: Waves | None = None) -> Waves:
+    def forward(
+        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
+    ) -> ComplexField:
         """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
         nx, ny = field.shape
         if work is None:
@@ -126,14 +140,16 @@ class Ducc(Transforms):
         self._fft.c2c(work, axes=(0,), out=work, nthreads=self._threads(work.size))
         return work
 
-    def backward(self, waves: Waves, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+    def backward(
+        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
+    ) -> Array:
         """Return the field of `waves`: along x, then along y on the rows that are wanted."""
         count = self._threads(waves.size)
         self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=count)
         rows = waves[: cells[0]]
         if padded[1] == 1:
             return rows.real.copy()
-        if _slow(rows, padded[1]):
+        if _c2r_is_slow(rows, padded[1]):
             field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=threads())
         else:
             field = self._fft.c2r(
@@ -151,12 +167,12 @@ class Ducc(Transforms):
         waves: Array = self._fft.dct(field, type=1, axes=axes)
         return waves
 
-    def filtered(self, field: Array, factors: Array, work: Waves | None) -> Array:
+    def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
         """Return a periodic `field` with its waves multiplied by `factors`, by one call each way."""
         count = self._threads(field.size)
         work = self._fft.r2c(field, axes=(0, 1), out=work, nthreads=count)
         scale(work, factors)
-        if _slow(work, field.shape[1]):
+        if _c2r_is_slow(work, field.shape[1]):
             return self.backward(work, field.shape, field.shape)
         filtered: Array = self._fft.c2r(
             work,
@@ -170,7 +186,7 @@ class Ducc(Transforms):
         return filtered
 
 
-def _slow(waves: Waves, along: int) -> bool:
+def _c2r_is_slow(waves: ComplexField, along: int) -> bool:
     """Return whether ducc0 (0.42) takes twice as long as scipy back to so many cells along: in single precision."""
     return waves.dtype == np.complex64 and along > 512
 
@@ -204,7 +220,7 @@ def transforms() -> Transforms:
     return TRANSFORMS if isinstance(device(), Cpu) else STANDARD
 
 
-def scale(waves: Waves, factors: Array) -> None:
+def scale(waves: ComplexField, factors: Array) -> None:
     """Multiply `waves` by `factors`, one for each wave, in place."""
     loops = compiled_loops(waves.shape)
     if loops is None or factors.dtype.kind != "f":

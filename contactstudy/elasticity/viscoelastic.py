@@ -151,14 +151,14 @@ class RetardedCoefficients:
         """Parity along each axis, that of the part along the axis of motion, else 1."""
         return (self.sign, 1) if self.axis == 0 else (1, self.sign)
 
-    def turned(self) -> "RetardedCoefficients":
+    def swap_axes(self) -> "RetardedCoefficients":
         """Return the coefficients of motion along the other axis."""
-        return replace(self, inner=self.inner.turned(), axis=1 - self.axis)
+        return replace(self, inner=self.inner.swap_axes(), axis=1 - self.axis)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the response to one cell; x and y broadcast."""
         if self.axis == 1:
-            return self.turned().cell(y, x, dy, dx)
+            return self.swap_axes().cell(y, x, dy, dx)
 
         def kernel(s: Array) -> Array:
             return self.inner.cell(s[:, None], np.ravel(y), dx, dy)
@@ -185,7 +185,7 @@ class RetardedCoefficients:
     ) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         if self.axis == 1:
-            return self.turned().lattice(y.T, x.T, dy, dx, period, width).T
+            return self.swap_axes().lattice(y.T, x.T, dy, dx, period, width).T
 
         def kernel(s: Array) -> Array:
             return self.inner.lattice(s[:, None], np.ravel(y), dx, dy, width, period)

@@ -12,7 +12,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.convolution import Convolution, combined, superposed
+from contactstudy.elasticity.convolution import Convolution, superposed, weighted_sum
 from contactstudy.elasticity.local_compliance import WithWinklerLayer
 from contactstudy.evolution.state_variables import (
     AnyStateVariable,
@@ -355,9 +355,9 @@ class TimeStepper:
             assert isinstance(elastic, Convolution)
             return WithWinklerLayer(elastic, on_cells(local, problem.grid.cells))
         if weights == self.weights:
-            return combined([(1.0, operator)], local) if local else operator
+            return weighted_sum([(1.0, operator)], local) if local else operator
         units = self._units if problem is self.problem else self._units_of(problem)
-        return combined(((weight, units[kind]) for kind, weight in weights.items()), local)
+        return weighted_sum(((weight, units[kind]) for kind, weight in weights.items()), local)
 
     @cached_property
     def _units(self) -> Mapping[Coefficients, Convolution]:
@@ -369,7 +369,7 @@ class TimeStepper:
         if len(self.weights) == 1:
             ((coefficients, weight),) = self.weights.items()
             assert isinstance(problem.operator, Convolution)
-            return {coefficients: combined([(1 / weight, problem.operator)])}
+            return {coefficients: weighted_sum([(1 / weight, problem.operator)])}
         if problem.paddings is None:
             raise InvalidInput("Problem.paddings is None: give those of the two axes.")
         return {

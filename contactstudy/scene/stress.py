@@ -19,13 +19,13 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coefficients import Coefficients, kernel
-from contactstudy.elasticity.convolution import padded_cells, spread
+from contactstudy.elasticity.convolution import mirrored_by_parity, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
-from contactstudy.elasticity.transforms import TRANSFORMS, Waves
+from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 from contactstudy.problem.problem import Field
 from contactstudy.scene.bodies import Body, Homogeneous
 
@@ -213,7 +213,9 @@ class StressBelow:
                 around = sum(
                     (
                         weight
-                        * spread(kernel(self.grid, self.paddings, field), padded, field.parity)
+                        * mirrored_by_parity(
+                            kernel(self.grid, self.paddings, field), padded, field.parity
+                        )
                         for weight, field in terms
                     ),
                     start=np.zeros(()),
@@ -276,9 +278,9 @@ class StressCoefficients:
         """Parity of the component in x and y."""
         return self.component.parity
 
-    def turned(self) -> "StressCoefficients":
+    def swap_axes(self) -> "StressCoefficients":
         """Return the component that takes this one's place when the axes are exchanged."""
-        return StressCoefficients(self.component.exchanged(), self.depth, self.poisson_ratio)
+        return StressCoefficients(self.component.swap_axes(), self.depth, self.poisson_ratio)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the stress due to pressure on one cell."""
@@ -305,5 +307,5 @@ def von_mises(stress: Array) -> Array:
     return np.asarray(np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2)))
 
 
-def _room(padded: tuple[int, int]) -> Waves:
+def _room(padded: tuple[int, int]) -> ComplexField:
     return np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)

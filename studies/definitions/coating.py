@@ -110,7 +110,7 @@ class ImageAlone:
     def _depth(self) -> float:
         return 2 * self.coating.thickness
 
-    def turned(self) -> "ImageAlone":
+    def swap_axes(self) -> "ImageAlone":
         """Return these coefficients: they are even along both axes."""
         return self
 

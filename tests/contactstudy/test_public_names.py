@@ -34,7 +34,7 @@ class Springs:
 
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
-    def turned(self) -> "Springs":
+    def swap_axes(self) -> "Springs":
         return self
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:

@@ -16,15 +16,15 @@ from scipy.special import binom, digamma, gammaln, k0, xlog1py, zeta
 
 from contactstudy.domain.fields import Array, product
 
-# Beyond MULTIPOLES half-diagonals of a cell, four moments leave at most 64^-8 / 9 ~ 4e-16; beyond MIDDLE, eight leave
-# 10^-16 / 17.
-MULTIPOLES, FEW_MOMENTS = 64.0, 4
-MIDDLE, MORE_MOMENTS = 10.0, 8
-# Beyond NEAR cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
+# Beyond FAR_DISTANCE half-diagonals of a cell, four multipole moments leave at most 64^-8 / 9 ~ 4e-16; beyond
+# MIDDLE_DISTANCE, eight leave 10^-16 / 17.
+FAR_DISTANCE, FAR_MOMENTS = 64.0, 4
+MIDDLE_DISTANCE, MIDDLE_MOMENTS = 10.0, 8
+# Beyond NEAR_DISTANCE cells a line's field is analytic in a Bernstein ellipse of rho >= 9.9, so that 8 Gauss
 # points leave rho^-16 ~ 1e-16.
-NEAR, NEAR_POINTS = 2.5, 8
-# Lines or images that are worked out together: for few cells, calls cost more than numbers.
-TOGETHER = 2**13
+NEAR_DISTANCE, NEAR_POINTS = 2.5, 8
+# Numbers in one array operation over lines or images: for few cells the overhead of a call exceeds its work.
+BATCH = 2**13
 
 
 def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> Array:
@@ -55,24 +55,24 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     across, along = (x / diagonal) ** 2, (y / diagonal) ** 2
     elongation = (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2
     square = np.asarray(across + along)
-    close = square < MULTIPOLES**2
+    close = square < FAR_DISTANCE**2
     # Close to the cell the value is replaced below and only has to be finite. Operations are in place, since
     # allocating arrays as large as a grid takes longer than the arithmetic.
-    inverse = np.reciprocal(np.maximum(square, MULTIPOLES**2, out=square), out=square)
+    inverse = np.reciprocal(np.maximum(square, FAR_DISTANCE**2, out=square), out=square)
     cosine = np.asarray(across - along)
     cosine *= inverse
     result: Array = np.empty(close.shape)
     if not close.all():
-        result = multipoles(cosine, inverse, elongation, FEW_MOMENTS)
+        result = multipoles(cosine, inverse, elongation, FAR_MOMENTS)
         result *= 4 * half_x * (half_y / diagonal)
     if close.any():
         places = (np.broadcast_to(a, close.shape)[close] for a in (x, y))
-        result[close] = _close(*places, *(_chosen(a, close) for a in (half_x, half_y)))
+        result[close] = _close(*places, *(_selected(a, close) for a in (half_x, half_y)))
     return result
 
 
-def _chosen(lengths: Array, cells: NDArray[np.bool_]) -> Array:
-    """Return the `lengths` of some `cells` in one row; a single length holds for all cells."""
+def _selected(lengths: Array, cells: NDArray[np.bool_]) -> Array:
+    """Return the `lengths` of the `cells` that a mask selects; a single length holds for all cells."""
     if lengths.size == 1 != cells.size:
         return lengths.ravel()
     # a broadcast that changes nothing takes as long as the arithmetic on some hundred cells
@@ -149,20 +149,20 @@ def _polynomial(coefficients: list[float], t: Any) -> Any:
 def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     """Return the integral of 1/r over cells that are too near, or too long, for an expansion in four multipoles."""
     across, along = x / half_x, y / half_y
-    near = np.maximum(across, along) < 2 * NEAR
+    near = np.maximum(across, along) < 2 * NEAR_DISTANCE
     diagonal = np.hypot(half_x, half_y)
     square = (x / diagonal) ** 2 + (y / diagonal) ** 2
-    beyond = ~near & (square >= MIDDLE**2)
+    beyond = ~near & (square >= MIDDLE_DISTANCE**2)
     between = ~(near | beyond)
     result = np.empty(x.shape)
-    result[near] = _edges(*(_chosen(a, near) for a in (x, y, half_x, half_y)))
+    result[near] = _edges(*(_selected(a, near) for a in (x, y, half_x, half_y)))
     if beyond.any():
-        u, v, h, w, d = (_chosen(a, beyond) for a in (x, y, half_x, half_y, diagonal))
+        u, v, h, w, d = (_selected(a, beyond) for a in (x, y, half_x, half_y, diagonal))
         q = 1 / square[beyond]
         c, e = ((u / d) ** 2 - (v / d) ** 2) * q, (h / d) ** 2 - (w / d) ** 2
-        result[beyond] = 4 * h * (w / d) * multipoles(c, q, e, MORE_MOMENTS)
+        result[beyond] = 4 * h * (w / d) * multipoles(c, q, e, MIDDLE_MOMENTS)
     if between.any():
-        u, v, h, w = (_chosen(a, between) for a in (x, y, half_x, half_y))
+        u, v, h, w = (_selected(a, between) for a in (x, y, half_x, half_y))
         wide = across[between] >= along[between]
         ordered = (np.where(wide, *pair) for pair in ((u, v), (v, u), (h, w), (w, h)))
         result[between] = _lines(*ordered)
@@ -176,10 +176,10 @@ def line(x: Array, y: Array, half: Array) -> Array:
     within = y < 2 * half
     if within.shape != x.shape:
         within = np.broadcast_to(within, x.shape)
-    u, v, h = (_chosen(a, within) for a in (x, y, half))
+    u, v, h = (_selected(a, within) for a in (x, y, half))
     result[within] = np.arcsinh((v + h) / u) - np.arcsinh((v - h) / u)
     within = ~within
-    u, v, h = (_chosen(a, within) for a in (x, y, half))
+    u, v, h = (_selected(a, within) for a in (x, y, half))
     # 2 artanh(2 h / ends), at a quarter of that function's time
     ends = np.hypot(u, v + h) + np.hypot(u, v - h)
     result[within] = np.log1p(4 * h / (ends - 2 * h))
@@ -199,7 +199,7 @@ def _lines(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     """Return the integral of 1/r over a cell by Gauss points across it, each a line along it."""
     nodes, weights = np.array(gauss(NEAR_POINTS)).T[:, :, None]
     total = np.zeros(x.shape)
-    count = max(1, TOGETHER // max(x.size, 1))
+    count = max(1, BATCH // max(x.size, 1))
     for start in range(0, NEAR_POINTS, count):
         part = slice(start, start + count)
         lines = line(x + nodes[part] * half_x, y, half_y)
@@ -214,19 +214,20 @@ def gauss(points: int) -> tuple[tuple[float, float], ...]:
     return tuple(zip(nodes.tolist(), (weights / 2).tolist(), strict=True))
 
 
-# Lengths in periods: where the Fourier form takes over from images (its 13 terms end at exp(-13 pi)
-# ~ 1e-18); where only its logarithm is left.
-HANDOVER, FOURIER_END, FOURIER_TERMS = 0.5, 6.0, 13
+# Distances in periods: from FOURIER_START the Fourier series replaces the sum over images (its 13 terms end at
+# exp(-13 pi) ~ 1e-18); beyond FOURIER_END only its logarithm remains.
+FOURIER_START, FOURIER_END, FOURIER_TERMS = 0.5, 6.0, 13
 # Beyond this K0 is below 1e-18.
-VANISHED = 40.0
-# Images are summed one by one up to those so far away that observer and cell reach less than this part
-# of the way there: multipoles then fall by a factor of 4.7 from one to the next.
-REACH = 0.46
-ROUNDING = 1e-17
+NEGLIGIBLE_K0 = 40.0
+# Largest distance from the axis to observer and cell over that to the images that are not summed one by one: their
+# multipoles then fall by a factor of 4.7 from one to the next.
+IMAGE_RATIO = 0.46
+# Relative error of a quadrature by Gauss points, and of a truncated series of multipoles.
+QUADRATURE_ERROR = 1e-17
 
-# A cell wider than the period is cut into strips narrower than it. They are odd in number, so that no
-# seam meets the axis: beside an observer, a seam of one rounding costs 1e-10 of a thin cell. They end
-# beyond FOURIER_END, so that the flanks are all logarithm.
+# A cell wider than the period is cut into strips narrower than it. Their number is odd, so that no border lies on the
+# axis: a border that is off by one rounding beside an observer costs 1e-10 of a thin cell. They end beyond FOURIER_END,
+# where the rest of the cell adds its logarithm alone.
 STRIPS, STRIPS_END = 15, 7.2
 
 
@@ -273,23 +274,23 @@ def boussinesq_cell_periodic(
 def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     """Return the sum S of :func:`boussinesq_cell_periodic` for one size of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
-    # fmod is exact; a rounded quotient y / period would move the observer by many of the smallest cells.
+    # fmod is exact; rounding a quotient y / period would move the observer by many cells, where these are smallest
     x, y = np.abs(x), np.fmod(np.abs(y), period)
     y = np.minimum(y, period - y)
     if dy == period:  # nothing varies along y: plane strain
         return np.asarray(
             _log_mean(*np.broadcast_arrays(x + 0.0 * y, dx / 2)) * (-2 * dx * dy / period)
         )
-    x, y = paired(x, y)
+    x, y = column_and_row(x, y)
     mean = _mean_over_cell(x, y, np.full((1,) * x.ndim, dx / 2), dy / 2, period)
     mean *= dx * dy / period
     return mean.reshape(shape)
 
 
-def paired(x: Array, y: Array) -> tuple[Array, Array]:
+def column_and_row(x: Array, y: Array) -> tuple[Array, Array]:
     """Return x as a column and y as a row if all axes of x precede the axes of y, else both flat.
 
-    What depends on one of them is then computed only once.
+    Functions of x or of y alone are then evaluated once for each value.
     """
     shape = np.broadcast_shapes(x.shape, y.shape)
     last_x = max((k + len(shape) - x.ndim for k, n in enumerate(x.shape) if n != 1), default=-1)
@@ -311,7 +312,7 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
     inner = (x - half_x).reshape(len(x)) / period
     beyond = inner >= FOURIER_END
     wide = ~beyond & (half_x.ravel() > period / 2)
-    fourier = ~beyond & ~wide & (inner >= HANDOVER)
+    fourier = ~beyond & ~wide & (inner >= FOURIER_START)
     forms: dict[Callable[[Array, Array, Array, float, float], Array], NDArray[np.bool_]] = {
         _logarithm: beyond,
         _strips: wide,
@@ -327,7 +328,7 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
 
 
 def _for_rows(lengths: Array, rows: NDArray[np.bool_]) -> Array:
-    """Return the `lengths` of some `rows` of x; a single length holds for all rows."""
+    """Return the `lengths` of the `rows` of x that a mask selects; a single length holds for all rows."""
     return lengths[rows] if len(lengths) == len(rows) else lengths
 
 
@@ -338,19 +339,21 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     """
     across, along = (float(np.fmax.reduce(a, axis=None, initial=0.0)) for a in (x + half_x, y))
     reach = np.hypot(across, along + half_y) / period
-    images = max(1, int(np.ceil(reach / REACH)) - 1)
+    images = max(1, int(np.ceil(reach / IMAGE_RATIO)) - 1)
     total: Array = np.zeros(np.broadcast_shapes(x.shape, y.shape))
-    # in the lengths as given: to round them would move the edges
+    # not in periods: that rounding would move the edges of the cells
     places = y + (np.arange(-images, images + 1) * period).reshape(-1, *[1] * y.ndim)
-    count = max(1, TOGETHER // max(total.size, 1))
+    count = max(1, BATCH // max(total.size, 1))
     for start in range(0, len(places), count):
         part = places[start : start + count]
         total += boussinesq_cell(x, part, 2 * half_x, 2 * half_y).sum(axis=0)
     total *= period / (4 * half_x * half_y)
-    terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
+    terms = int(np.log(QUADRATURE_ERROR) / (2 * np.log(reach / (images + 1)))) + 1
     powers_x = _even_powers(x / period, half_x / period, images, terms)
     powers_y = _even_powers(y / period, np.array(half_y / period), images, terms).T
-    total += combined(powers_x, product(further_images(images, terms), powers_y), total.shape)
+    total += sum_of_products(
+        powers_x, product(further_images(images, terms), powers_y), total.shape
+    )
     total -= 2 * np.log(2 * period)
     return total
 
@@ -358,7 +361,7 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
 def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
     """Return ``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms), lengths in periods."""
     # smallest distance between the ends of a cell and the further images, in half-lengths
-    nodes, weights = np.array(points_within(images / float(half.max()))).T
+    nodes, weights = np.array(gauss_points(images / float(half.max()))).T
     squares = (x.reshape(-1, 1) + half.reshape(-1, 1) * nodes) ** 2
     powers = np.vander(squares.ravel(), terms, increasing=True)
     return np.asarray(np.einsum("p,xpt->xt", weights, powers.reshape(*squares.shape, terms)))
@@ -377,19 +380,19 @@ def further_images(images: int, terms: int) -> Array:
     return np.where(order < terms, 2 * binom(-0.5, k)[:, None] * binom(2 * order, 2 * k) * sums, 0)
 
 
-def points_within(away: float) -> tuple[tuple[float, float], ...]:
-    """Return Gauss points on a segment for a field that is singular `away` half-lengths from its middle.
+def gauss_points(away: float) -> tuple[tuple[float, float], ...]:
+    """Return Gauss points and weights on a segment for a field that is singular `away` half-lengths from its middle.
 
-    Their error is `ROUNDING`.
+    Their error is `QUADRATURE_ERROR`.
     """
-    # They leave rho^-2n of a field that is analytic in the Bernstein ellipse of cosh ln rho = away.
-    return gauss(1 + int(np.log(ROUNDING) / (-2 * np.arccosh(away))))
+    # n points leave rho^-2n of a field that is analytic in the Bernstein ellipse with cosh ln rho = away
+    return gauss(1 + int(np.log(QUADRATURE_ERROR) / (-2 * np.arccosh(away))))
 
 
-def combined(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
+def sum_of_products(across: Array, along: Array, shape: tuple[int, ...]) -> Array:
     """Return the sum over terms of `across` (x, terms) times `along` (terms, y).
 
-    `shape` is that of the offsets as :func:`paired` returns them.
+    `shape` is that of the offsets as :func:`column_and_row` returns them.
     """
     both = product(across, along) if len(shape) == 2 else (across * along.T).sum(axis=1)
     return np.asarray(both)
@@ -402,7 +405,7 @@ def _fourier(x: Array, y: Array, half_x: Array, half_y: float, period: float) ->
     """
     across = harmonics_across(x, half_x, period)
     along = harmonics_along(y, half_y, period, across.shape[1])
-    total = combined(across, along, np.broadcast_shapes(x.shape, y.shape))
+    total = sum_of_products(across, along, np.broadcast_shapes(x.shape, y.shape))
     total -= 2 * _log_mean(x, half_x)
     return total
 
@@ -411,12 +414,14 @@ def harmonics_across(x: Array, half_x: Array | float, period: float) -> Array:
     """Return ``4 K0(2 pi j x / L)`` averaged over a segment about each x, shape (x, j = 1, 2 ...)."""
     # fewer harmonics are left farther from the axis
     inner = float(np.fmin.reduce((x - half_x) / period, axis=None, initial=FOURIER_END))
-    wave = 2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * HANDOVER / inner)) + 1)
+    wave = (
+        2 * np.pi / period * np.arange(1, int(np.ceil(FOURIER_TERMS * FOURIER_START / inner)) + 1)
+    )
     away = float(np.fmin.reduce(x / half_x, axis=None, initial=np.inf))
-    nodes, weights = np.array(points_within(away)).T
+    nodes, weights = np.array(gauss_points(away)).T
     places = x.reshape(-1, 1) + np.reshape(half_x, (-1, 1)) * nodes
     argument = places[:, :, None] * wave
-    decaying = argument < VANISHED
+    decaying = argument < NEGLIGIBLE_K0
     waves = np.zeros(argument.shape)
     waves[decaying] = k0(argument[decaying])
     return np.asarray(np.einsum("p,xpj->xj", 4 * weights, waves))
@@ -454,7 +459,7 @@ def _log_mean(x: Array, half: Array) -> Array:
 def _strips(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
     """Return the sum S of :func:`boussinesq_cell_periodic` for a cell wider than the period.
 
-    The cell is cut into strips at fixed distances from the axis and two flanks.
+    The cell is cut into strips at fixed distances from the axis, and what lies beyond them on either side.
     """
     breakpoints = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
     total = np.zeros(np.broadcast_shapes(x.shape, y.shape))
@@ -473,7 +478,7 @@ def boussinesq_cell_doubly_periodic(
     """Return the integral of 1/r over a cell repeated along x and y, less its mean over both periods.
 
     The error is below 1e-13 of ``max(|S|, dx dy / min(width, period))``. Source: the rows of
-    :func:`~contactstudy.kernels.boussinesq_cell_periodic`, whose harmonics die out within a few of their periods and
+    :func:`~contactstudy.kernels.boussinesq_cell_periodic`, whose harmonics vanish within a few of their periods and
     whose logarithms together are that of a periodic line load, ``-2 ln |2 sin(pi x / W)|`` (Johnson 1985, sect. 13.2).
 
     Parameters
@@ -492,10 +497,10 @@ def boussinesq_cell_doubly_periodic(
     """
     x = np.asarray(x, dtype=np.float64)
     y = np.asarray(y, dtype=np.float64)
-    if period > width:  # rows of the shorter period die out sooner
+    if period > width:  # the harmonics of the shorter period vanish sooner
         ndim = max(x.ndim, y.ndim)
-        turned = np.array(y, ndmin=ndim).T, np.array(x, ndmin=ndim).T
-        return boussinesq_cell_doubly_periodic(*turned, dy, dx, period, width).T
+        swapped = np.array(y, ndmin=ndim).T, np.array(x, ndmin=ndim).T
+        return boussinesq_cell_doubly_periodic(*swapped, dy, dx, period, width).T
     folded = np.fmod(np.abs(x), width)
     x = np.asarray(np.minimum(folded, width - folded))
     total = boussinesq_cell_periodic(x - width, y, dx, dy, period)
@@ -509,8 +514,8 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
 
     No cell of these rows reaches the axis.
     """
-    x, y = paired(x, y)
-    # beyond these rows, at more than FOURIER_END periods from any cell, only the logarithms remain
+    x, y = column_and_row(x, y)
+    # further rows are more than FOURIER_END periods from any cell, where only the logarithms remain
     rows = int(np.ceil(FOURIER_END * period / width)) + 1
     waves = [
         harmonics_across(side * x + m * width, dx / 2, period)
@@ -522,10 +527,10 @@ def _further_rows(x: Array, y: Array, dx: float, dy: float, width: float, period
     for wave in waves:
         across[:, : wave.shape[1]] += wave
     along = harmonics_along(y, dy / 2, period, across.shape[1])
-    total = combined(across, along, np.broadcast_shapes(x.shape, y.shape))
+    total = sum_of_products(across, along, np.broadcast_shapes(x.shape, y.shape))
     # ln |x (W - x)| less ln |2 sin(pi x / W)|, by the sine's product
     logarithms = 2 * np.log(width) - np.log(2 * np.pi)
-    for node, weight in points_within(2 * width / dx):
+    for node, weight in gauss_points(2 * width / dx):
         t = (x + node * dx / 2) / width
         logarithms = logarithms + weight * (gammaln(1 + t) + gammaln(2 - t))
     total += 2 * logarithms

@@ -10,22 +10,22 @@ from scipy.special import k0
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.displacement import (
     FOURIER_END,
+    FOURIER_START,
     FOURIER_TERMS,
-    HANDOVER,
-    NEAR,
+    IMAGE_RATIO,
+    NEAR_DISTANCE,
     NEAR_POINTS,
-    REACH,
-    ROUNDING,
+    QUADRATURE_ERROR,
+    STRIPS,
+    STRIPS_END,
     further_images,
     gauss,
     harmonics_along,
     line,
 )
 
-# Beyond FAR cells a line's field is analytic in a Bernstein ellipse of rho >= 160, so that 4 Gauss points suffice.
-FAR, FAR_POINTS = 40.0, 4
-# A cell wider than the period is cut into strips that end where only the logarithm is left.
-STRIPS, STRIPS_END = 15, 7.2
+# Beyond FAR_DISTANCE cells a line's field is analytic in a Bernstein ellipse of rho >= 160: 4 Gauss points suffice.
+FAR_DISTANCE, FAR_POINTS = 40.0, 4
 
 
 def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -> Array:
@@ -48,9 +48,9 @@ def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -
     steps_y = np.maximum(y, depth) / half_y
     steps = np.maximum(steps_x, steps_y)
     result = np.empty(x.shape)
-    near = steps < 2 * NEAR
+    near = steps < 2 * NEAR_DISTANCE
     result[near] = _corners(x[near], y[near], half_x, half_y, depth)
-    middle = ~near & (steps < 2 * FAR)
+    middle = ~near & (steps < 2 * FAR_DISTANCE)
     for zone, points in ((middle, NEAR_POINTS), (~near & ~middle, FAR_POINTS)):
         wide = zone & (steps_x >= steps_y)
         result[wide] = _lines(x[wide], y[wide], half_x, half_y, depth, points)
@@ -114,17 +114,17 @@ def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, dep
     inner = np.hypot(np.maximum(x - dx / 2, 0), depth) / period
     varies = inner < FOURIER_END
     if dx > period:
-        marks = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
+        breakpoints = np.linspace(-STRIPS_END, STRIPS_END, STRIPS + 1) * period
         for row in np.flatnonzero(varies):
-            for start, end in pairwise(marks.tolist()):
+            for start, end in pairwise(breakpoints.tolist()):
                 low, high = max(x[row] - dx / 2, start), min(x[row] + dx / 2, end)
                 if low < high:
                     middle = np.array([abs(low + high) / 2])
                     result[row] += image_harmonics(middle, y, high - low, dy, period, depth)[0]
         return result
     forms: dict[Callable[..., Array], NDArray[np.bool_]] = {
-        _fourier: varies & (inner >= HANDOVER),
-        _images: varies & (inner < HANDOVER),
+        _fourier: varies & (inner >= FOURIER_START),
+        _images: varies & (inner < FOURIER_START),
     }
     for form, rows in forms.items():
         if rows.any():
@@ -135,7 +135,7 @@ def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, dep
 def _fourier(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
     """Return the part that varies along y, by its harmonics, away from the axis."""
     inner = float(np.hypot(np.maximum(x - dx / 2, 0), depth).min()) / period
-    count = int(np.ceil(FOURIER_TERMS * HANDOVER / inner))
+    count = int(np.ceil(FOURIER_TERMS * FOURIER_START / inner))
     wave = 2 * np.pi / period * np.arange(1, count + 1)
     across = np.zeros((x.size, count))
     for node, weight in _points(x, dx / 2, depth):
@@ -148,11 +148,11 @@ def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: floa
     """Return the part that varies along y near the axis: images one by one, and further ones as multipoles."""
     farthest = float(np.hypot(x + dx / 2, depth).max())
     reach = float(np.hypot(farthest, y.max(initial=0.0) + dy / 2)) / period
-    images = max(1, int(np.ceil(reach / REACH)) - 1)
+    images = max(1, int(np.ceil(reach / IMAGE_RATIO)) - 1)
     total = np.zeros((x.size, y.size))
     for m in range(-images, images + 1):
         total += image_cell(x[:, None], y + m * period, dx, dy, depth)
-    terms = int(np.log(ROUNDING) / (2 * np.log(reach / (images + 1)))) + 1
+    terms = int(np.log(QUADRATURE_ERROR) / (2 * np.log(reach / (images + 1)))) + 1
     powers_x = _even_powers(x, dx / 2, depth, period, terms)
     powers_y = _even_powers(y, dy / 2, 0.0, period, terms)
     further = powers_x @ further_images(images, terms) @ powers_y.T - 2 * np.log(2 * period)
@@ -174,8 +174,8 @@ def image_lattice(
 ) -> Array:
     """Return :func:`image_cell` repeated along both axes, counted from its mean; x is a column and y a row."""
     if period > width:
-        turned = y.reshape(-1, 1), x.reshape(1, -1)
-        return image_lattice(*turned, dy, dx, period, width, depth).T
+        swapped = y.reshape(-1, 1), x.reshape(1, -1)
+        return image_lattice(*swapped, dy, dx, period, width, depth).T
     across, along = (np.fmod(np.abs(a.ravel()), length) for a, length in ((x, width), (y, period)))
     across, along = np.minimum(across, width - across), np.minimum(along, period - along)
     total = -(dx * dy / period) * _log_mean_periodic(across, dx / 2, depth, width)[:, None]
@@ -211,7 +211,7 @@ def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Arr
 
     Its mean over a period W is left out; x is up to half of it (Johnson 1985, sect. 13.2).
     """
-    waves = int(np.ceil(-np.log(ROUNDING) / (2 * np.pi * depth / width)))
+    waves = int(np.ceil(-np.log(QUADRATURE_ERROR) / (2 * np.pi * depth / width)))
     if waves <= 200:
         k = np.arange(1, waves + 1)
         strength = 2 / k * np.exp(-2 * np.pi * k * depth / width) * np.sinc(2 * k * half / width)
@@ -230,4 +230,4 @@ def _points(x: Array, half: float, depth: float) -> tuple[tuple[float, float], .
     """Return Gauss points on segments for a field that is singular at ``+-i depth`` from the axis."""
     away = (x + 1j * depth) / half
     radius = np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)).min()
-    return gauss(1 + int(np.log(ROUNDING) / (-2 * np.log(radius))))
+    return gauss(1 + int(np.log(QUADRATURE_ERROR) / (-2 * np.log(radius))))

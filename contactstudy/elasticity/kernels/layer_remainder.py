@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import binom, digamma, zeta
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import gauss
+from contactstudy.elasticity.kernels.displacement import QUADRATURE_ERROR, gauss
 from contactstudy.elasticity.kernels.layer_response import (
     LAST_WAVE,
     LayerResponse,
@@ -16,21 +16,18 @@ from contactstudy.elasticity.kernels.layer_response import (
     remainder_tables,
 )
 
-# Relative error of a quadrature by Gauss points.
-ROUNDING = 1e-17
-# Values at a time, so that work arrays stay small.
-AT_ONCE = 1 << 20
-# exp(-DECAY) is lost in rounding. Harmonics of the period decay like exp(-2 pi x / L): END periods away
-# from a cell nothing varies along the length.
-DECAY, END = 37.0, 6.0
-# Evaluations of the response that a Fourier series may take; beyond it images are summed in space.
-# A term of a sum over waves costs this fraction of an evaluation.
-MOST_WAVES, SUM = 5e6, 0.02
-# Further away than this, in distances over which the singularity of R nearest to zero is felt, three powers
-# of the distance are enough.
-FAR = 100.0
-# Waves that a Fourier series of both axes may take, and one of the strips; beyond them it is summed in space.
-MOST_LATTICE_WAVES, MOST_ACROSS = 4e6, 3000
+# Values in one array operation, so that work arrays stay small.
+BATCH = 1 << 20
+# exp(-NEGLIGIBLE_DECAY) is below rounding. Harmonics of the period decay like exp(-2 pi x / L): VARYING_PERIODS from a
+# cell nothing varies along the length.
+NEGLIGIBLE_DECAY, VARYING_PERIODS = 37.0, 6.0
+# Evaluations of the response that a Fourier series may take; beyond them images are summed in space. TERM_COST is the
+# cost of a term of a sum over waves in evaluations.
+MAX_EVALUATIONS, TERM_COST = 5e6, 0.02
+# Distance, times that of the singularity of R nearest to zero, beyond which three powers of the distance suffice.
+FAR_FIELD_DISTANCE = 100.0
+# Waves that a Fourier series of both axes may take, and that of strips; beyond them images are summed in space.
+MAX_LATTICE_WAVES, MAX_STRIP_WAVES = 4e6, 3000
 
 
 @dataclass(frozen=True)
@@ -59,9 +56,9 @@ class LayerRemainder:
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the integral over a rectangular cell of sides `dx` and `dy`; the offsets `x` and `y` broadcast.
 
-        What depends on x and on y alone is computed once for each of their values, so x and y should be few or form a
-        grid. Source: the radial field whose divergence is g, integrated along the four edges of the cell, each by Gauss
-        points on pieces that grow with their distance from the observer.
+        Functions of x or of y alone are evaluated once for each value, so these should be few or form a grid. Source:
+        the radial field whose divergence is g, integrated along the four edges of the cell, each by Gauss points on
+        pieces that grow with their distance from the observer.
         """
         x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
         shape = np.broadcast_shapes(x.shape, y.shape)
@@ -97,18 +94,18 @@ class LayerRemainder:
         `y` are flat, x at least 0.
         """
         result = np.zeros((x.size, y.size))
-        near = np.flatnonzero(x - dx / 2 < END * period)
+        near = np.flatnonzero(x - dx / 2 < VARYING_PERIODS * period)
         if dy == period or not near.size:
             return result
-        if dx > 2 * END * period:  # beyond that, a cell adds nothing that varies
-            end = END * period
+        if dx > 2 * VARYING_PERIODS * period:  # beyond that, a cell adds nothing that varies
+            end = VARYING_PERIODS * period
             for n in near.tolist():
                 low, high = max(x[n] - dx / 2, -end), min(x[n] + dx / 2, end)
                 middle = np.array([abs(low + high) / 2])
                 result[n] = self.harmonics(middle, y, high - low, dy, period)[0]
             return result
         row = RemainderRow(self, dx, dy, period)
-        form = row.series if row.waves(float(x[near].max())) <= MOST_WAVES else row.images
+        form = row.series if row.waves(float(x[near].max())) <= MAX_EVALUATIONS else row.images
         result[near] = form(x[near], y)
         return result
 
@@ -123,12 +120,12 @@ class LayerRemainder:
         """
         largest = LAST_WAVE / self.thickness / (2 * np.pi)
         waves = int(largest * width), int(largest * period)
-        if waves[0] * waves[1] <= MOST_LATTICE_WAVES:
+        if waves[0] * waves[1] <= MAX_LATTICE_WAVES:
             return self._series(x.ravel(), y.ravel(), (dx, dy), (width, period), waves)
         if period > width:
             return self.lattice(y.reshape(-1, 1), x.reshape(1, -1), dy, dx, period, width).T
         across, along = np.abs(np.fmod(x.ravel(), width)), y.ravel()
-        rows = int(np.ceil(END * period / width)) + 1
+        rows = int(np.ceil(VARYING_PERIODS * period / width)) + 1
         shifts = width * np.arange(-rows, rows + 1.0)
         distances = np.abs(across + shifts[:, None])
         varying = self.harmonics(distances.ravel(), along, dx, dy, period)
@@ -161,13 +158,13 @@ class LayerRemainder:
         """Return :meth:`strip` repeated with `width` along x, less its mean."""
         h = self.thickness
         waves = int(LAST_WAVE / h * width / (2 * np.pi))
-        if waves <= MOST_ACROSS:
+        if waves <= MAX_STRIP_WAVES:
             q = 2 * np.pi / width * np.arange(1, waves + 1)
             integrand = np.real(self.response.remainder(q * h)) / q * np.sinc(q * dx / (2 * np.pi))
             return np.asarray(
                 np.cos(np.multiply.outer(x, q)) @ integrand * (4 * np.pi / width * dx)
             )
-        far_field = FAR * h / self.response.nearest_pole
+        far_field = FAR_FIELD_DISTANCE * h / self.response.nearest_pole
         last = int(np.ceil(max(far_field, 2 * dx) / width)) + 20
         total = -2 * np.pi * self.response.slope * h * dx / width * np.ones_like(x)
         second, fourth, sixth = self.tables.taylor
@@ -226,13 +223,13 @@ def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
     middle, half = (breakpoints[1:] + breakpoints[:-1]) / 2, np.diff(breakpoints) / 2
     away = (middle + 1j * scale) / half
     radius = np.log(np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)))
-    counts = np.ceil(np.log(ROUNDING) / (-2 * radius)).astype(int)
+    counts = np.ceil(np.log(QUADRATURE_ERROR) / (-2 * radius)).astype(int)
     pieces = np.empty((aside.size, half.size))
     for count in np.unique(counts).tolist():
         nodes, weights = np.array(gauss(count)).T
         chosen = np.flatnonzero(counts == count)
         square = (middle[chosen, None] + half[chosen, None] * nodes) ** 2
-        step = max(1, AT_ONCE // square.size)
+        step = max(1, BATCH // square.size)
         for start in range(0, aside.size, step):
             rows = slice(start, start + step)
             distance = np.sqrt(square + (aside[rows] ** 2)[:, None, None])
@@ -278,7 +275,7 @@ class RemainderRow:
         """
         groups, first = [], 1
         while first <= self._count:
-            decay = DECAY * self.period / (2 * np.pi * first)
+            decay = NEGLIGIBLE_DECAY * self.period / (2 * np.pi * first)
             reach = min(farthest, decay + self.dx / 2)
             groups.append(
                 (first, min(2 * first, self._count + 1), reach, reach + self.dx / 2 + decay)
@@ -291,7 +288,7 @@ class RemainderRow:
         cost = 0.0
         for first, end, reach, across in self._groups(farthest):
             waves = (end - first) * LAST_WAVE / self.remainder.thickness * across / (2 * np.pi)
-            cost += waves * (1 + SUM * reach / self.dx)
+            cost += waves * (1 + TERM_COST * reach / self.dx)
         return cost
 
     def series(self, x: Array, y: Array) -> Array:
@@ -340,10 +337,12 @@ class RemainderRow:
         reach = max(float(x.max()), self.dx / 2)
         # singular where an image's edge is met, at least a period away
         slim = period / reach
-        count = int(np.ceil(DECAY / np.arcsinh(slim))) + 2
+        count = int(np.ceil(NEGLIGIBLE_DECAY / np.arcsinh(slim))) + 2
         nodes_x = reach * chebyshev.chebpts1(count)
         nodes_y = period / 2 * chebyshev.chebpts1(24)
-        far_field = FAR * self.remainder.thickness / self.remainder.response.nearest_pole
+        far_field = (
+            FAR_FIELD_DISTANCE * self.remainder.thickness / self.remainder.response.nearest_pole
+        )
         last = int(np.ceil(max(far_field, 2 * (reach + self.dx / 2)) / period)) + 2
         values = self._tail(nodes_x, nodes_y, last)
         images = np.arange(2.0, last + 1)

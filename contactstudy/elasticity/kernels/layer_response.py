@@ -46,7 +46,7 @@ class LayerResponse:
 
     @cached_property
     def _mismatch(self) -> tuple[float, float, float, float]:
-        """Mismatch of the materials, lambda, kappa, ``1 - lambda`` and ``1 - kappa``."""
+        """Mismatch of the materials (Burmister 1945): lambda, kappa, ``1 - lambda`` and ``1 - kappa``."""
         m, nu1, nu2 = (
             self.shear_ratio,
             self.coating_poisson_ratio,
@@ -157,13 +157,13 @@ def _sinh_square_less_square(k: Numbers) -> Numbers:
 
 # The tables' pieces are [0, 1], [1, 2], [2, 4] ... thicknesses: singularities at two thicknesses and, of
 # the far form, at zero lie outside a Bernstein ellipse of rho = 5.8.
-ORDER = 22
+CHEBYSHEV_POINTS = 22
 # R is below 1e-16 of its largest beyond this k.
 LAST_WAVE = 20.0
 # Gauss points on each piece of k, at most two oscillations long.
-POINTS = 18
-# exp(-x) is neglected beyond this x.
-LOST = 42.0
+GAUSS_POINTS = 18
+# exp(-x) is neglected beyond this x
+NEGLIGIBLE_EXPONENT = 42.0
 
 
 class RemainderTables:
@@ -203,9 +203,9 @@ class RemainderTables:
         for number in np.unique(piece).tolist():
             start, end = (0.0, 1.0) if number == 0 else (2.0 ** (number - 1), 2.0**number)
             if number not in pieces:
-                nodes = chebyshev.chebpts1(ORDER)
+                nodes = chebyshev.chebpts1(CHEBYSHEV_POINTS)
                 values = exact((start + end) / 2 + (end - start) / 2 * nodes)
-                pieces[number] = chebyshev.chebfit(nodes, values, ORDER - 1)
+                pieces[number] = chebyshev.chebfit(nodes, values, CHEBYSHEV_POINTS - 1)
             chosen = piece == number
             local = (2 * s[chosen] - start - end) / (end - start)
             result[chosen] = chebyshev.chebval(local, pieces[number])
@@ -214,7 +214,7 @@ class RemainderTables:
     def _edge_at(self, s: Array) -> Array:
         """Return `edge` at distances `s` in order, by quadrature over k."""
         response = self.response
-        if s[0] >= LOST / response.first_pole:
+        if s[0] >= NEGLIGIBLE_EXPONENT / response.first_pole:
             # along the imaginary axis, where J1 decays as K1; what is cut off is below rounding
             tau, weight = self._imaginary(float(s[0]))
             even = np.real(response.remainder(1j * tau)) / tau
@@ -227,7 +227,7 @@ class RemainderTables:
     def _strip_at(self, s: Array) -> Array:
         """Return `strip` over `s` at distances `s` in order, by quadrature over k."""
         response = self.response
-        if s[0] >= LOST / response.first_pole:
+        if s[0] >= NEGLIGIBLE_EXPONENT / response.first_pole:
             tau, weight = self._imaginary(float(s[0]))
             even = np.real(response.remainder(1j * tau)) / tau**2
             far = np.exp(-np.multiply.outer(s, tau)) @ (even * weight)
@@ -246,7 +246,7 @@ class RemainderTables:
 
     def _imaginary(self, s: float) -> tuple[Array, Array]:
         """Return Gauss points and weights for integrals over tau of a field that decays like ``exp(-s tau)``."""
-        end = min(self.response.first_pole, LOST / s)
+        end = min(self.response.first_pole, NEGLIGIBLE_EXPONENT / s)
         start = 1e-3 * min(self.response.nearest_pole, 1 / s)
         count = int(np.ceil(np.log2(end / start)))
         return composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
@@ -260,6 +260,6 @@ def remainder_tables(response: LayerResponse) -> RemainderTables:
 
 def composite(ends: Array) -> tuple[Array, Array]:
     """Return Gauss points and weights on pieces between `ends`."""
-    nodes, weights = leggauss(POINTS)
+    nodes, weights = leggauss(GAUSS_POINTS)
     middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
     return (middle[:, None] + half[:, None] * nodes).ravel(), (half[:, None] * weights).ravel()

@@ -17,22 +17,22 @@ from contactstudy.elasticity.kernels.stress_cell import (
 )
 from contactstudy.elasticity.kernels.traction import SURFACE
 
-# In a coating thinner than a third of a cell, what these aliases leave is some 1e-3 of the response to single cells.
-MOST_TURNS = 8
+# In a coating thinner than a third of a cell, the neglected aliases are some 1e-3 of the response to single cells.
+MAX_ALIASES = 8
 
 
 class Part(Enum):
-    """Terms of long waves, ``(a + b k + c k^2) exp(-2 k)``, that a response lacks."""
+    """Terms of long waves, ``(a + b k + c k^2) exp(-2 k)``, that are subtracted from a response."""
 
     #: None.
     ALL = 0
-    #: The first, so that what is left of waves across is regular.
+    #: The first, so that the remainder of waves across is regular.
     REGULAR = 1
-    #: All three, so that what is left falls as the fifth power of the distance.
+    #: All three, so that the remainder falls as the fifth power of the distance.
     SHORT = 3
 
 
-TURNED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
+SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class ShearWaves:
     materials
         Ratio of the moduli and Poisson's ratios.
     part
-        ``Part.ALL`` of it, or what long waves leave that are known in closed form.
+        ``Part.ALL`` of it, or the remainder without terms of long waves, which are known in closed form.
     """
 
     materials: LayerResponse
@@ -55,31 +55,21 @@ class ShearWaves:
 
     @property
     def reach(self) -> float:
-        """Distance over the thickness in which waves die."""
+        """Distance over the thickness that amplitudes decay with."""
         return 2.0
 
     @property
-    def most_turns(self) -> float:
-        """Number of aliases of a wave of a grid that are summed on either side, where more do not vanish."""
-        return MOST_TURNS
-
-    @property
-    def nearest_pole(self) -> float:
-        """Lower bound of the distance of singularities from k = 0."""
-        return self.materials.nearest_pole
-
-    @property
-    def first_pole(self) -> float:
-        """Lower bound of the distance of poles in the right half-plane from the real axis."""
-        return self.materials.first_pole
+    def max_aliases(self) -> float:
+        """Largest number of aliases of a wave number that are summed on either side."""
+        return MAX_ALIASES
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a field in x and y."""
         return SURFACE["xx" if name == "yy" else name].parity
 
-    def turned(self, name: str) -> tuple["ShearWaves", str]:
+    def swap_axes(self, name: str) -> tuple["ShearWaves", str]:
         """Return the response and the field that take the place of these when the axes are exchanged."""
-        return self, TURNED[name]
+        return self, SWAPPED[name]
 
     @property
     def terms(self) -> tuple[tuple[float, ...], ...]:
@@ -132,11 +122,11 @@ def _terms(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
     stiff = 1 - materials.coating_poisson_ratio
     constants = materials.contrast, (materials.shear_ratio - 1) / stiff, materials.coupling_contrast
 
-    def risen(k: Numbers, which: int) -> Numbers:
+    def growing(k: Numbers, which: int) -> Numbers:
         return _remainders(materials, k)[which] * np.exp(2 * k)
 
     return tuple(
-        (constant, *materials.series(partial(risen, which=which))[1:3])
+        (constant, *materials.series(partial(growing, which=which))[1:3])
         for which, constant in enumerate(constants)
     )
 
@@ -160,7 +150,7 @@ def _field(name: str, parity: tuple[int, int], point: Field, corner: Field) -> C
     return Component(name, parity, point, corner, lambda strip, nu: 0.0, name)
 
 
-# By field: what shear along waves adds, and its first two derivatives by -z; across them x and y change places.
+# By field: the image term of shear along waves, and its first two derivatives by -z; across them x and y are swapped.
 IMAGES = {
     "xx": (
         _field(
@@ -223,5 +213,5 @@ IMAGES = {
 def image(name: str, order: int, x: Array, y: Array, dx: float, dy: float, depth: float) -> Array:
     """Return the integral over a cell of the field `name` of an image at a `depth`, derived by -z `order` times."""
     if name not in IMAGES:
-        x, y, dx, dy, name = y, x, dy, dx, TURNED[name]
+        x, y, dx, dy, name = y, x, dy, dx, SWAPPED[name]
     return 2 * np.pi * stress_cell(IMAGES[name][order], x, y, depth, dx, dy, 0.0)

@@ -18,10 +18,10 @@ from scipy.interpolate import BSpline, make_interp_spline
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
 
-# Wave number times thickness up to which the state's exponential is used.
-LONG = 1.5
-# Interpolation of the remainder: pieces of at most this width, points on each, and the last wave, exp(-k) = 1e-18.
-PIECE, POINTS, ORDER, LAST = 0.25, 48, 7, 42.0
+# Wave number times thickness up to which the matrix exponential is used.
+LONG_WAVE = 1.5
+# Spline through the remainder: largest width of a piece, points on each, order, and last wave number, exp(-k) = 1e-18.
+SPLINE_PIECE, SPLINE_POINTS, SPLINE_ORDER, LAST_STRESS_WAVE = 0.25, 48, 7, 42.0
 
 
 def half_space(t: Numbers) -> tuple[tuple[Numbers, Numbers, Numbers], ...]:
@@ -58,7 +58,7 @@ class LayerStress:
 
     @property
     def reach(self) -> float:
-        """Distance over the thickness in which the remainder dies: of the layer's image, or of the depth."""
+        """Distance over the thickness that a remainder decays with: exp(-k `reach`)."""
         return 2 - self.depth if self.in_layer else self.depth
 
     def plane(self, k: Numbers) -> Numbers:
@@ -67,14 +67,14 @@ class LayerStress:
         `k` is the wave number times the thickness, on the real or the imaginary axis.
         """
         result: Numbers = np.empty((2, 3, k.size), dtype=np.result_type(k, float))
-        long = np.abs(k) <= LONG
+        long = np.abs(k) <= LONG_WAVE
         for chosen, solve in ((long, self._by_state), (~long, self._by_exponentials)):
             if chosen.any():
                 result[:, :, chosen] = solve(k[chosen])
         return result
 
     def remainder(self, k: Numbers) -> Numbers:
-        """Return :meth:`plane` less what is known in closed form, which is zero at k = 0 and dies as exp(-k `reach`).
+        """Return :meth:`plane` less what is known in closed form, which is zero at k = 0 and decays as exp(-k `reach`).
 
         In the layer that is the stress in a half-space of its material, and at the depth of the image of the point in
         the bond the difference between the substrate's strain in the layer's material and that. Below, it is the stress
@@ -106,7 +106,7 @@ class LayerStress:
         return decay - down + up, down + up - decay - (ratio - 1) * image
 
     def interpolated(self, k: Array) -> Array:
-        """Return :meth:`remainder` at real `k` of any shape up to `LAST`, from values that are computed once."""
+        """Return :meth:`remainder` at real `k` of any shape up to `LAST_STRESS_WAVE`, by a spline made once."""
         values = np.asarray(_table(self)(k.ravel())).T
         return np.asarray(values.reshape(2, 3, *k.shape))
 
@@ -209,8 +209,10 @@ def _stress(functions: Numbers, weights: Numbers) -> Numbers:
 def _table(stress: LayerStress) -> BSpline:
     """Return the remainder as a spline (load and component) of the wave number."""
     ends = [0.0, stress.materials.nearest_pole / 2]
-    while ends[-1] < LAST:
-        ends.append(ends[-1] + min(ends[-1], PIECE))
-    k = np.concatenate([np.arange(POINTS) / POINTS * (end - at) + at for at, end in pairwise(ends)])
+    while ends[-1] < LAST_STRESS_WAVE:
+        ends.append(ends[-1] + min(ends[-1], SPLINE_PIECE))
+    k = np.concatenate(
+        [np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)]
+    )
     k = np.append(k, ends[-1])
-    return make_interp_spline(k, stress.remainder(k).reshape(6, -1).T, ORDER)
+    return make_interp_spline(k, stress.remainder(k).reshape(6, -1).T, SPLINE_ORDER)

@@ -7,18 +7,18 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import Numbers
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
 from contactstudy.elasticity.kernels.layer_stress import LayerStress
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component
 from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
 
-# Components of stress by what presses or drags the surface: pressure, shear across, shear along.
+# Components of stress by the load on the surface: pressure, shear across, shear along.
 FAMILIES: Mapping[str, Mapping[str, Component]] = {
     "pressure": COMPONENTS,
     "across": CERRUTI_ACROSS,
     "along": CERRUTI_ALONG,
 }
-TURNED = {"pressure": "pressure", "across": "along", "along": "across"}
+SWAPPED_LOADS = {"pressure": "pressure", "across": "along", "along": "across"}
 
 
 @dataclass(frozen=True)
@@ -41,31 +41,26 @@ class StressWaves:
 
     @property
     def reach(self) -> float:
-        """Distance over the thickness in which the remainder dies."""
+        """Distance over the thickness that the remainder decays with."""
         return self.stress.reach
 
     @property
-    def most_turns(self) -> float:
-        """Number of aliases of a wave of a grid that are summed on either side, where more do not vanish."""
+    def max_aliases(self) -> float:
+        """Largest number of aliases of a wave number that are summed on either side."""
         return inf
 
     @property
-    def nearest_pole(self) -> float:
-        """Lower bound of the distance of singularities from k = 0."""
-        return self.stress.materials.nearest_pole
-
-    @property
-    def first_pole(self) -> float:
-        """Lower bound of the distance of poles in the right half-plane from the real axis."""
-        return self.stress.materials.first_pole
+    def materials(self) -> LayerResponse:
+        """Ratio of the moduli and Poisson's ratios."""
+        return self.stress.materials
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a component of stress in x and y."""
         return FAMILIES[self.load][name].parity
 
-    def turned(self, name: str) -> tuple["StressWaves", str]:
+    def swap_axes(self, name: str) -> tuple["StressWaves", str]:
         """Return the response and the component that take the place of these when the axes are exchanged."""
-        return StressWaves(self.stress, TURNED[self.load]), COMPONENTS[name].turned
+        return StressWaves(self.stress, SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
 
     def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
         """Return the stress over the load under waves across with wave numbers `k`, real or imaginary."""

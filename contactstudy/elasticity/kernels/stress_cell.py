@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.displacement import gauss
 
-# Distances in the longer side of a cell. Up to NEAR the difference of corners loses a factor of
-# NEAR^2 and the cell's aspect; from there on a point's field is analytic in a Bernstein ellipse of
+# Distances in the longer side of a cell. Up to CORNER_DISTANCE the difference of corners loses a factor of
+# CORNER_DISTANCE^2 and the cell's aspect; from there on a point's field is analytic in a Bernstein ellipse of
 # rho >= 16, 36, 80, 320 or 4000, so that 7, 5, 4, 3 or 2 Gauss points leave at most 1e-13.
-NEAR = 4.0
-GAUSS_ZONES = ((NEAR, 7), (9.0, 5), (20.0, 4), (80.0, 3), (1000.0, 2))
+CORNER_DISTANCE = 4.0
+GAUSS_ZONES = ((CORNER_DISTANCE, 7), (9.0, 5), (20.0, 4), (80.0, 3), (1000.0, 2))
 
 # X, Y, z, distance, Poisson's ratio -> the field
 Field = Callable[[Array, Array, float, Array, float], Array]
@@ -39,10 +39,10 @@ class Component:
         Integral of `point` over x and y.
     plane
         pi times the stress in plane strain, from the angle and the pole of a :class:`Strip`.
-    turned
+    swapped
         Name of the component with the axes exchanged.
     family
-        Components among which `turned` is looked up, by default ``COMPONENTS``.
+        Components among which `swapped` is looked up, by default ``COMPONENTS``.
     """
 
     name: str
@@ -50,12 +50,12 @@ class Component:
     point: Field
     corner: Field
     plane: "Callable[[Strip, float], Array | float]"
-    turned: str
+    swapped: str
     family: "Mapping[str, Component] | None" = field(default=None, compare=False, repr=False)
 
-    def exchanged(self) -> "Component":
+    def swap_axes(self) -> "Component":
         """Return the component with the axes exchanged."""
-        return (COMPONENTS if self.family is None else self.family)[self.turned]
+        return (COMPONENTS if self.family is None else self.family)[self.swapped]
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class Strip:
 
     @property
     def breadth(self) -> float:
-        """Width of the strip; 0 with a period, where the mean is left out."""
+        """Width of the strip; 0 with a period, where the mean is omitted."""
         _, _, dx, width = self.edges
         return dx if width is None else 0.0
 
@@ -246,7 +246,7 @@ def stress_cell(
     u, v = np.abs(across), np.abs(along)
     distance = np.sqrt(u * u + v * v + z * z) / max(dx, dy)
     result = np.empty(u.shape)
-    near = distance < NEAR
+    near = distance < CORNER_DISTANCE
     result[near] = _corners(component.corner, u[near], v[near], z, dx, dy, poisson_ratio)
     ends = (*(start for start, _ in GAUSS_ZONES[1:]), np.inf)
     for (start, points), end in zip(GAUSS_ZONES, ends, strict=True):

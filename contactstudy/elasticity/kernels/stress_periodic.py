@@ -19,7 +19,7 @@ from contactstudy.elasticity.kernels.stress_cell import (
 )
 
 # Distance from the axis, in periods, beyond which the stress does not vary along it: exp(-2 pi 6) ~ 1e-17.
-PLANE = 6.0
+PLANE_STRAIN_PERIODS = 6.0
 # Positions that stand for the images at more than twice the distance from the axis: each gains a
 # factor of rho^2 = 8^2.
 TAIL_POINTS = 10
@@ -66,7 +66,7 @@ def stress_cell_periodic(
     x, y = _column_and_row(x, y)
     y = y - period * np.round(y / period)
     outer, inner = (np.maximum(np.abs(x.ravel()) + side * dx / 2, 0) for side in (1, -1))
-    far = (np.hypot(inner, z) >= PLANE * period) | (dy == period)
+    far = (np.hypot(inner, z) >= PLANE_STRAIN_PERIODS * period) | (dy == period)
     result = np.empty(np.broadcast_shapes(x.shape, y.shape))
     if far.any():
         plane = plane_strain(component, strip(x[far], z, dx), poisson_ratio)
@@ -207,12 +207,12 @@ def stress_cell_doubly_periodic(
         Poisson's ratio of the half-space.
     """
     x, y = _column_and_row(x, y)
-    if period > width:  # rows of the shorter period die out sooner
-        turned = component.exchanged()
+    if period > width:  # the harmonics of the shorter period vanish sooner
+        swapped = component.swap_axes()
         arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
-        return stress_cell_doubly_periodic(turned, *arguments).T
+        return stress_cell_doubly_periodic(swapped, *arguments).T
     x = x - width * np.round(x / width)
-    rows = int(np.ceil(PLANE * period / width)) + 1
+    rows = int(np.ceil(PLANE_STRAIN_PERIODS * period / width)) + 1
     y = y - period * np.round(y / period)
 
     def row(x: Array, y: Array, m: int) -> Array:

@@ -99,12 +99,12 @@ for _name, _parity, _point, _corner, _plane, _other in (
     ),
     ("xy", (1, -1), _xy_point, _xy_corner, _zero, lambda s, nu: -s.logarithm),
 ):
-    _turned = _NORMAL[_name].turned
+    _swapped_name = _NORMAL[_name].swapped
     CERRUTI_ACROSS[_name] = Component(
-        f"{_name} by shear across", _parity, _point, _corner, _plane, _turned, CERRUTI_ALONG
+        f"{_name} by shear across", _parity, _point, _corner, _plane, _swapped_name, CERRUTI_ALONG
     )
-    CERRUTI_ALONG[_turned] = Component(
-        f"{_turned} by shear along",
+    CERRUTI_ALONG[_swapped_name] = Component(
+        f"{_swapped_name} by shear along",
         (_parity[1], _parity[0]),
         _swapped(_point),
         _swapped(_corner),

@@ -9,15 +9,16 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import Numbers, composite
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers, composite
 
-Places = NDArray[np.intp]
+Indices = NDArray[np.intp]
 # exp(-NEGLIGIBLE_EXPONENT) is below rounding.
 NEGLIGIBLE_EXPONENT = 34.0
-# Phase of a wave, in radians, that the Gauss points of one piece resolve.
-PHASE = 12.0
-# A row's waves along it die within so many periods; a cell alone is one of a lattice so many times as wide as asked.
-DEAD, APART = 6.0, 4
+# Phase of a wave, in radians, that the Gauss points of one piece of k resolve.
+PIECE_PHASE = 12.0
+# The waves of a row decay within DECAY_PERIODS; a cell alone is one of a lattice LATTICE_RATIO times as wide as the
+# grid.
+DECAY_PERIODS, LATTICE_RATIO = 6.0, 4
 
 
 class WaveResponse(Protocol):
@@ -27,29 +28,24 @@ class WaveResponse(Protocol):
 
     @property
     def reach(self) -> float:
-        """Distance over the thickness in which waves die: amplitudes fall as exp(-k `reach`)."""
+        """Distance over the thickness that amplitudes decay with, as exp(-k `reach`)."""
         ...
 
     @property
-    def most_turns(self) -> float:
-        """Number of aliases of a wave of a grid that are summed on either side, where more do not vanish."""
+    def max_aliases(self) -> float:
+        """Largest number of aliases of a wave number that are summed on either side."""
         ...
 
     @property
-    def nearest_pole(self) -> float:
-        """Lower bound of the distance of singularities from k = 0."""
-        ...
-
-    @property
-    def first_pole(self) -> float:
-        """Lower bound of the distance of poles in the right half-plane from the real axis."""
+    def materials(self) -> LayerResponse:
+        """Ratio of the moduli and Poisson's ratios, which determine the singularities in k."""
         ...
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a field in x and y."""
         ...
 
-    def turned(self, name: str) -> "tuple[WaveResponse, str]":
+    def swap_axes(self, name: str) -> "tuple[WaveResponse, str]":
         """Return the response and the field that take the place of these when the axes are exchanged."""
         ...
 
@@ -69,7 +65,7 @@ class WaveResponse(Protocol):
 class WaveCoefficients:
     """Influence coefficients of a field that falls as the inverse cube of the distance, by its waves.
 
-    Of a cell alone it is that of a lattice four times as wide.
+    A cell alone is approximated by a lattice four times as wide.
 
     Parameters
     ----------
@@ -90,9 +86,9 @@ class WaveCoefficients:
         """Parity of the field in x and y."""
         return self.waves.parity(self.name)
 
-    def turned(self) -> "WaveCoefficients":
+    def swap_axes(self) -> "WaveCoefficients":
         """Return the coefficients that take the place of these when the axes are exchanged."""
-        waves, name = self.waves.turned(self.name)
+        waves, name = self.waves.swap_axes(self.name)
         return WaveCoefficients(waves, self.thickness, name)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float, least: float = 0.0) -> Array:
@@ -102,10 +98,10 @@ class WaveCoefficients:
         """
         cells = []
         for offsets, step in ((x, dx), (y, dy)):
-            needed = APART * (round(float(np.abs(offsets).max()) / step) + 1)
+            needed = LATTICE_RATIO * (round(float(np.abs(offsets).max()) / step) + 1)
             cells.append(fft.next_fast_len(max(needed, int(least / step))))
         field = self._lattice(dx, dy, *cells)
-        return np.asarray(field[_places(x, dx, cells[0]), _places(y, dy, cells[1])])
+        return np.asarray(field[_indices(x, dx, cells[0]), _indices(y, dy, cells[1])])
 
     def series(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to one cell of a square lattice by its Fourier series; one of x and y is a column.
@@ -127,7 +123,7 @@ class WaveCoefficients:
         return np.asarray(response if np.ndim(x) == 2 else response.T)
 
     def count(self, period: float) -> int:
-        """Return the number of waves of a `period` along one axis that do not vanish."""
+        """Return the number of waves of a `period` along one axis that are not negligible."""
         longest = 2 * np.pi * self.waves.reach * self.thickness
         return int(NEGLIGIBLE_EXPONENT * period / longest)
 
@@ -138,19 +134,19 @@ class WaveCoefficients:
 
     def strip(self, x: Array, dx: float) -> Array:
         """Return the response to a strip of width `dx`, endless along y, at offsets `x`."""
-        distances, places = np.unique(np.abs(x), return_inverse=True)
-        return np.asarray(np.where(x < 0, self.parity[0], 1) * self._line(distances, dx)[places])
+        distances, which = np.unique(np.abs(x), return_inverse=True)
+        return np.asarray(np.where(x < 0, self.parity[0], 1) * self._line(distances, dx)[which])
 
     def varying(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the part of :meth:`row` that varies along y, whose mean is zero."""
         along = round(period / dy)
         if along == 1:
             return np.zeros((x.size, y.size))
-        reach = 2 * float(np.abs(x).max()) + DEAD * period
+        reach = 2 * float(np.abs(x).max()) + DECAY_PERIODS * period
         across = fft.next_fast_len(int(np.ceil(reach / dx)) + 1)
-        chosen = self._lattice(dx, dy, across, along)[_places(x.ravel(), dx, across)]
+        chosen = self._lattice(dx, dy, across, along)[_indices(x.ravel(), dx, across)]
         chosen = chosen - chosen.mean(axis=1, keepdims=True)
-        return np.asarray(chosen[:, _places(y.ravel(), dy, along)])
+        return np.asarray(chosen[:, _indices(y.ravel(), dy, along)])
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
@@ -159,11 +155,11 @@ class WaveCoefficients:
         cells = round(width / dx), round(period / dy)
         field = self._lattice(dx, dy, *cells)
         return np.asarray(
-            field[np.ix_(_places(x.ravel(), dx, cells[0]), _places(y.ravel(), dy, cells[1]))]
+            field[np.ix_(_indices(x.ravel(), dx, cells[0]), _indices(y.ravel(), dy, cells[1]))]
         )
 
     def _lattice(self, dx: float, dy: float, across: int, along: int) -> Array:
-        """Return the response (across, along) to a cell of a lattice at all its points, by the sum of its waves."""
+        """Return the response (across, along) to a cell of a lattice at all its points, summed over its waves."""
         return _lattice(self.waves, self.thickness, dx, dy, across, along)[self.name]
 
     def _line(self, x: Array, dx: float) -> Array:
@@ -177,7 +173,7 @@ class WaveCoefficients:
 
     def _between(self, start: Array, end: Array) -> Array:
         """Return the response to strips from `start` to `end`, at least 0; all in thicknesses."""
-        far = NEGLIGIBLE_EXPONENT / self.waves.first_pole
+        far = NEGLIGIBLE_EXPONENT / self.waves.materials.first_pole
         result = np.zeros(start.size)
         for integral, lower, upper in (
             (self._near, np.minimum(start, far), np.minimum(end, far)),
@@ -191,8 +187,8 @@ class WaveCoefficients:
 
     def _near(self, start: Array, end: Array) -> Array:
         """Return the response to near strips, by quadrature over real waves."""
-        longest = min(0.5, PHASE / max(float(end.max()), 1e-3))
-        ends = [0.0, min(self.waves.nearest_pole / 4, longest)]
+        longest = min(0.5, PIECE_PHASE / max(float(end.max()), 1e-3))
+        ends = [0.0, min(self.waves.materials.nearest_pole / 4, longest)]
         while ends[-1] < NEGLIGIBLE_EXPONENT / self.waves.reach:
             ends.append(ends[-1] + min(ends[-1], longest))
         k, weight = composite(np.array(ends))
@@ -206,8 +202,8 @@ class WaveCoefficients:
     def _far(self, start: Array, end: Array) -> Array:
         """Return the response to far strips, by quadrature over waves that decay."""
         width = (end - start)[:, None]
-        last = min(self.waves.first_pole, NEGLIGIBLE_EXPONENT / float(start.min()))
-        first = 1e-3 * min(self.waves.nearest_pole, last, 1 / float(width.max()))
+        last = min(self.waves.materials.first_pole, NEGLIGIBLE_EXPONENT / float(start.min()))
+        first = 1e-3 * min(self.waves.materials.nearest_pole, last, 1 / float(width.max()))
         count = int(np.ceil(np.log2(last / first)))
         tau, weight = composite(np.concatenate([[0.0], np.geomspace(first, last, count + 1)]))
         waves = 1j * self.waves.plane_amplitude(self.name, 1j * tau) * weight / np.pi
@@ -233,8 +229,8 @@ def _lattice(
     last = NEGLIGIBLE_EXPONENT / (waves.reach * thickness)
     first_x = 2 * np.pi * fft.fftfreq(across, dx)
     first_y = 2 * np.pi * fft.rfftfreq(along, dy)
-    for kx, rows in _aliased(first_x, dx, last, waves.most_turns):
-        for ky, columns in _aliased(first_y, dy, last, waves.most_turns):
+    for kx, rows in _aliased(first_x, dx, last, waves.max_aliases):
+        for ky, columns in _aliased(first_y, dy, last, waves.max_aliases):
             if np.hypot(np.abs(kx).min(), np.abs(ky).min()) > last:
                 continue
             mean = np.sinc(kx * dx / (2 * np.pi))[:, None] * np.sinc(ky * dy / (2 * np.pi))
@@ -245,18 +241,18 @@ def _lattice(
     return {name: fft.irfft2(sums, (across, along)) for name, sums in summed.items()}
 
 
-def _aliased(first: Array, step: float, last: float, most: float) -> list[tuple[Array, Places]]:
-    """Return wave numbers up to `last`, with their places among the `first` ones whose aliases they are."""
-    turns = int(min(np.ceil(last * step / (2 * np.pi) + 0.5), most))
+def _aliased(first: Array, step: float, last: float, most: float) -> list[tuple[Array, Indices]]:
+    """Return wave numbers up to `last`, with the indices of the `first` ones whose aliases they are."""
+    count = int(min(np.ceil(last * step / (2 * np.pi) + 0.5), most))
     aliases = []
-    for turn in range(-turns, turns + 1):
-        waves = first + 2 * np.pi * turn / step
-        places = np.flatnonzero(np.abs(waves) <= last)
-        if places.size:
-            aliases.append((waves[places], places))
+    for alias in range(-count, count + 1):
+        waves = first + 2 * np.pi * alias / step
+        indices = np.flatnonzero(np.abs(waves) <= last)
+        if indices.size:
+            aliases.append((waves[indices], indices))
     return aliases
 
 
-def _places(offsets: Array, step: float, cells: int) -> Places:
-    """Return the places of `offsets` on a circle of `cells`."""
+def _indices(offsets: Array, step: float, cells: int) -> Indices:
+    """Return the indices of `offsets` on a periodic axis of `cells`."""
     return np.asarray(np.round(np.asarray(offsets) / step).astype(np.intp) % cells)

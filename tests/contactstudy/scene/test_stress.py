@@ -57,7 +57,7 @@ def test_stress_is_the_sum_over_all_pairs(
         if exact_x and exact_y:
             table = stress_cell_doubly_periodic(component, x, y, 0.15, dx, dy, width, period, NU)
         elif exact_x:
-            turned = COMPONENTS[component.turned]
+            turned = COMPONENTS[component.swapped]
             table = stress_cell_periodic(turned, y, x, 0.15, dy, dx, width, NU).T
         elif exact_y:
             table = stress_cell_periodic(component, x, y, 0.15, dx, dy, period, NU)

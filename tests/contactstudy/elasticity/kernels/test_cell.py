@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike, NDArray
 
 from contactstudy.elasticity.kernels.displacement import (
-    MIDDLE,
-    MULTIPOLES,
-    NEAR,
+    FAR_DISTANCE,
+    MIDDLE_DISTANCE,
+    NEAR_DISTANCE,
     boussinesq_cell,
 )
 from tests.fifty_digits import stored
@@ -73,7 +73,7 @@ ASPECTS = [1e-3, 0.0307, 1 / 3, 1.0, np.pi, 1e3]
 # steps off the centre: on, beside and along the edges and corners, and across the joins of the zones
 STEPS = np.array(
     [0, 1e-20, 1e-8, 0.25, 0.5 - 1e-16, 0.5, 0.5 + 1e-16, 0.5 - 1e-6, 0.5 + 1e-6, 1, 1.5]
-    + [np.nextafter(zone, side) for zone in (NEAR, 40.0) for side in (0, zone, np.inf)]
+    + [np.nextafter(zone, side) for zone in (NEAR_DISTANCE, 40.0) for side in (0, zone, np.inf)]
     + [3, 1e4, 1e8]
 )
 
@@ -103,7 +103,7 @@ def test_coefficient_is_exact_on_edges_and_corners_and_between_zones(aspect: flo
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)
-@pytest.mark.parametrize("begin", [MIDDLE, MULTIPOLES])
+@pytest.mark.parametrize("begin", [MIDDLE_DISTANCE, FAR_DISTANCE])
 def test_coefficient_is_exact_where_multipoles_begin(begin: float, aspect: float) -> None:
     ends = np.array([0, 1 - 1e-9, 1 - EPS, 1 + EPS, 1 + 1e-9, 2]) * begin
     away = np.hypot(0.5, aspect / 2) * ends[:, None]

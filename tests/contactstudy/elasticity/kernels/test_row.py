@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.elasticity.kernels.displacement import (
     FOURIER_END,
-    HANDOVER,
+    FOURIER_START,
     boussinesq_cell,
     boussinesq_cell_periodic,
 )
@@ -163,7 +163,7 @@ def test_no_seam_of_a_wide_cell_is_seen(dx: float) -> None:
 @pytest.mark.parametrize(("dx", "dy"), CELLS)
 def test_forms_of_the_lattice_meet(dx: float, dy: float) -> None:
     """Each form is exact up to where it hands over to the next: an end of the cell at these places."""
-    ends = np.array([HANDOVER, FOURIER_END, -FOURIER_END])
+    ends = np.array([FOURIER_START, FOURIER_END, -FOURIER_END])
     x = np.abs(ends[:, None] * (1 + np.array([-1e-12, 1e-12])) + dx / 2)
     assert lattice_error(x.reshape(-1, 1), np.array([0.0, 0.5 * dy]), dx, dy, 1.0) < EXACT
 

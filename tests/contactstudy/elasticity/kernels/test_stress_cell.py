@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, GAUSS_ZONES, stress_cell, strip
 from contactstudy.elasticity.kernels.stress_periodic import (
-    PLANE,
+    PLANE_STRAIN_PERIODS,
     plane_strain,
     stress_cell_doubly_periodic,
     stress_cell_periodic,
@@ -173,7 +173,7 @@ def test_turning_the_cell_turns_its_stress(name: str) -> None:
     component = COMPONENTS[name]
     x, y = np.array([0.2, 0.9, 7.0])[:, None], np.array([0.1, 0.7, 30.0])
     straight = stress_cell(component, x, y, 0.4, 1.0, 0.7, NU)
-    turned = stress_cell(COMPONENTS[component.turned], y, x, 0.4, 0.7, 1.0, NU)
+    turned = stress_cell(COMPONENTS[component.swapped], y, x, 0.4, 0.7, 1.0, NU)
     assert_allclose(turned, straight, rtol=1e-12, atol=1e-15)
 
 
@@ -268,7 +268,7 @@ def test_row_is_the_sum_of_its_images(row: tuple[float, float, float, float]) ->
 def test_row_turns_into_plane_strain(z: float) -> None:
     """On both sides of where the period is dropped."""
     for name in NAMES:
-        x = np.sqrt((PLANE * 1.3) ** 2 - z**2) + 0.05 + np.array([-1e-13, 1e-13])
+        x = np.sqrt((PLANE_STRAIN_PERIODS * 1.3) ** 2 - z**2) + 0.05 + np.array([-1e-13, 1e-13])
         before, after = stress_cell_periodic(COMPONENTS[name], x, Y, z, 0.1, 0.1, 1.3, NU)
         largest = np.abs(six(x[0], 0.0, z, 0.1, 0.1)).max()
         assert_allclose(before, after, rtol=0, atol=EXACT * largest)

@@ -72,7 +72,7 @@ def test_a_lattice_is_in_equilibrium_and_turns_with_its_axes(
     for name, one in family.items():
         lattice = stress_cell_doubly_periodic(one, x, y, DEPTH, dx, dy, *extent, NU)
         turned = stress_cell_doubly_periodic(
-            one.exchanged(), y.reshape(-1, 1), x.reshape(1, -1), DEPTH, dy, dx, *extent[::-1], NU
+            one.swap_axes(), y.reshape(-1, 1), x.reshape(1, -1), DEPTH, dy, dx, *extent[::-1], NU
         )
         np.testing.assert_allclose(lattice, turned.T, atol=1e-12)
         carried = (

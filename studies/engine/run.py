@@ -249,7 +249,7 @@ class _Run:
             from studies.engine.cluster import compute_on_dask
 
             return partial(compute_on_dask, workers=workers, address=scheduler, log=self.log)
-        from studies.engine.in_process import compute_here
+        from studies.engine.executors import compute_here
 
         return partial(compute_here, begins=self.journal.begin)
 

@@ -19,6 +19,8 @@ from contactstudy import InvalidInput
 from contactstudy.domain.identity import Tree, canonical, text
 from studies.store.loaded import THIS_PROGRAM, digest, entry_of, resolved
 
+PLAIN = (type(None), bool, str, bytes, int, float, complex)
+CONTAINERS = (tuple, list, dict, set, frozenset)
 REMEDY = "make it a function of a file, a partial of one, or a frozen dataclass with __call__"
 
 
@@ -33,109 +35,102 @@ class States:
     """
 
     modules: set[str] = field(default_factory=set)
-    _taken: dict[tuple[int, str], tuple[object, Tree]] = field(default_factory=dict)
+    _taken: dict[tuple[int, str | None], tuple[object, Tree]] = field(default_factory=dict)
     _users: dict[str, bool] = field(default_factory=lambda: {"__main__": True, "builtins": False})
 
-    def held(self, value: Any, holder: str = "measures") -> Tree:
-        """Return the state of a function, and of all that it holds.
+    def held(self, value: Any, holder: str | None = "measures") -> Tree:
+        """Return the state of a function, class or value, and of all that it holds.
+
+        Parameters
+        ----------
+        value
+            The value.
+        holder
+            What holds it, for the error; None gives None for an object whose state cannot be seen.
 
         Raises
         ------
         InvalidInput
             For an object whose state cannot be seen.
         """
-        if isinstance(value, tuple | list | dict | set | frozenset):
-            items = value.items() if isinstance(value, dict) else value
-            parts = [self.held(item, holder) for item in items]
-            ordered = sorted(parts, key=text) if isinstance(value, set | frozenset) else parts
-            return [type(value).__name__, ordered]
-        state = self._callable(value, self.held)
-        if state is not None:
-            return state
-        if is_dataclass(value) and not isinstance(value, type):
-            if not type(value).__dataclass_params__.frozen:  # type: ignore[attr-defined]
-                raise _refused(value, holder)
-            parts = [
-                [part.name, self.held(getattr(value, part.name), holder)]
-                for part in fields(value) if part.compare
-            ]  # fmt: skip
-            return [self.of_class(type(value)), parts]
-        try:
+        if type(value) in PLAIN:
             return canonical(value)
-        except InvalidInput:
-            raise _refused(value, holder) from None
+        if holder is None and isinstance(value, ModuleType):
+            return None
+        state = self._callable(value, holder)
+        return self._once(value, holder, self._value) if state is None else state
 
-    def _seen(self, value: Any, _: str = "") -> Tree:
-        """Return the state of a value that a module or a class has; None for an object that cannot be written."""
-        state = self._callable(value, self._seen)
-        if state is not None or isinstance(value, ModuleType):
-            return state
-        with suppress(InvalidInput, RecursionError):
-            return canonical(value)
-        if isinstance(value, tuple | list):
-            return [self._seen(item) for item in value]
-        if type(value) is dict:
-            return [[k, self._seen(v)] for k, v in value.items() if isinstance(k, str)]
+    def _value(self, value: Any, holder: str | None) -> Tree:
+        """Return the state of a value that is no function."""
         kind = type(value)
-        if kind is SimpleNamespace or (
-            hasattr(value, "__dict__") and self._is_users(kind.__module__)
-        ):
-            return self._once(
-                value, "seen", lambda: [self.of_class(kind), self._seen(dict(vars(value)))]
+        if kind in CONTAINERS:
+            items = value.items() if kind is dict else value
+            parts = [self.held(item, holder) for item in items]
+            return [kind.__name__, sorted(parts, key=text) if kind in (set, frozenset) else parts]
+        is_record = is_dataclass(value) and not isinstance(value, (*CONTAINERS, *PLAIN))
+        if holder is None and hasattr(value, "__dict__"):
+            is_record |= kind is SimpleNamespace or self._is_users(kind.__module__)
+        is_fixed = not is_dataclass(value) or kind.__dataclass_params__.frozen
+        if is_fixed or holder is None:
+            if is_record:
+                return [self.of_class(kind), self.held(_attributes(value), holder)]
+            with suppress(InvalidInput, RecursionError):
+                return [self.of_class(kind), canonical(value)]
+        if holder is not None:
+            raise InvalidInput(
+                f"{holder} holds an object of {kind.__qualname__}, whose state cannot be seen, so that what is "
+                f"stored could be another's: {REMEDY}."
             )
         with suppress(Exception):  # an object of a library, which may not be written
             return [f"{kind.__module__}.{kind.__qualname__}", digest(pickle.dumps(value))]
         return None
 
-    def _callable(self, value: Any, of: Callable[..., Tree]) -> Tree | None:
-        """Return the state of a function or class, with what it holds as `of` sees it; None for another value."""
+    def _callable(self, value: Any, holder: str | None) -> Tree | None:
+        """Return the state of a function or class with what it holds; None for another value."""
         if isinstance(value, type):
             return self.of_class(value)
         if isinstance(value, partial):
-            return ["partial", of(value.func), of(list(value.args)), of(dict(value.keywords))]
+            return ["partial", self.held([value.func, value.args, value.keywords], holder)]
         if isinstance(value, MethodType):
-            return ["method", of(value.__func__), of(value.__self__)]
+            return ["method", self.held([value.__func__, value.__self__], holder)]
         if isinstance(value, FunctionType):
-            return self._once(value, of.__name__, lambda: self._function(value, of))
-        if isinstance(value, staticmethod | classmethod):
-            return of(value.__func__)
+            return self._once(value, holder, self._function)
         if isinstance(value, property):
-            return [of(part) for part in (value.fget, value.fset) if part is not None]
+            return self.held([value.fget, value.fset], holder)
         if isinstance(value, cached_property):
-            return of(value.func)
+            return self.held(value.func, holder)
+        is_callable = callable(value) or isinstance(value, classmethod)
+        if is_callable and hasattr(value, "__wrapped__"):  # a method, or a cache around a function
+            return self.held(value.__wrapped__, holder)
         if isinstance(value, np.ufunc):
             return repr(value)
-        if callable(value) and hasattr(value, "__wrapped__"):  # a cache around a function
-            return of(value.__wrapped__)
         name = getattr(value, "__qualname__", None)
         owner = getattr(value, "__self__", None)
         if callable(value) and name and (owner is None or isinstance(owner, ModuleType | type)):
             return f"{getattr(value, '__module__', '')}.{name}"  # of compiled code
         return None
 
-    def _once(self, value: object, kind: str, state: Callable[[], Tree]) -> Tree:
+    def _once(
+        self, value: Any, holder: str | None, state: Callable[[Any, str | None], Tree]
+    ) -> Tree:
         """Return the state of an object that may name itself."""
-        identity = id(value), kind
+        identity = id(value), holder
         if identity not in self._taken:
-            self._taken[identity] = value, len(self._taken)
-            self._taken[identity] = value, state()
+            self._taken[identity] = value, "itself"
+            self._taken[identity] = value, state(value, holder)
         return self._taken[identity][1]
 
-    def _function(self, function: FunctionType, of: Callable[..., Tree]) -> Tree:
+    def _function(self, function: FunctionType, holder: str | None) -> Tree:
         """Return the code of a function, what it holds, and the values that it names."""
         self.modules.add(function.__module__)
-        parts: list[Tree] = [
-            f"{function.__module__}.{function.__qualname__}",
-            of(list(function.__defaults__ or ())),
-            of(function.__kwdefaults__ or {}),
-            of(dict(vars(function))),
-        ]
+        held = [function.__defaults__, function.__kwdefaults__, vars(function)]
+        parts = [f"{function.__module__}.{function.__qualname__}", self.held(held, holder)]
         for cell in function.__closure__ or ():
             try:
                 content = cell.cell_contents
             except ValueError:  # a name that is not bound yet
                 continue
-            parts.append(of(content))
+            parts.append(self.held(content, holder))
         if self._is_users(function.__module__):
             parts.append(_code(function.__code__, function.__doc__))
             names = sorted(set(_names(function.__code__)))
@@ -151,9 +146,9 @@ class States:
             if isinstance(value, ModuleType):
                 if self._is_users(value.__name__):
                     inner = [(part, vars(value)[part]) for part in names if part in vars(value)]
-                    yield name, [[part, self._seen(v)] for part, v in inner if v is not value]
+                    yield name, [[part, self.held(v, None)] for part, v in inner if v is not value]
             else:
-                yield name, self._seen(value)
+                yield name, self.held(value, None)
 
     def _is_users(self, module: str) -> bool:
         """Return whether a module is a user's: not of this program, a distribution or the standard library."""
@@ -170,15 +165,15 @@ class States:
 
     def of_class(self, kind: type) -> Tree:
         """Return the state of a class: its functions and the plain values among its attributes."""
-        return self._once(kind, "class", lambda: self._class(kind))
+        return self._once(kind, None, self._class)
 
-    def _class(self, kind: type) -> Tree:
+    def _class(self, kind: type, _: str | None) -> Tree:
         name = f"{kind.__module__}.{kind.__qualname__}"
         if not self._is_users(kind.__module__):
             return name
         self.modules.add(kind.__module__)
         attributes = {
-            name: self._seen(value)
+            name: self.held(value, None)
             for name, value in vars(kind).items()
             if not name.startswith("__") or (callable(value) and not _is_generated(value))
         }
@@ -213,9 +208,12 @@ def _constant(constant: object) -> Tree:
     return repr(constant) if constant is ... else canonical(constant)
 
 
-def _refused(value: object, holder: str) -> InvalidInput:
-    """Return the error for an object whose state cannot be seen."""
-    return InvalidInput(
-        f"{holder} holds an object of {type(value).__qualname__}, whose state cannot be seen, so that what is stored "
-        f"could be another's: {REMEDY}."
-    )
+def _attributes(value: object) -> dict[str, Any]:
+    """Return the attributes of an object, without fields that are not compared and without what was cached."""
+    parts = fields(value) if is_dataclass(value) else ()
+    attributes = {part.name: getattr(value, part.name) for part in parts}
+    attributes |= getattr(value, "__dict__", {})
+    ignored = {part.name for part in parts if not part.compare} | {
+        name for name, part in vars(type(value)).items() if isinstance(part, cached_property)
+    }
+    return {name: part for name, part in attributes.items() if name not in ignored}

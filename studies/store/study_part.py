@@ -101,14 +101,10 @@ def _defined(statement: ast.stmt, pure: Names) -> Names | None:
     """Return the names that a statement defines; None if it does anything else."""
     match statement:
         case ast.FunctionDef(decorator_list=[]) | ast.AsyncFunctionDef(decorator_list=[]):
-            arguments = statement.args
-            annotated = [*arguments.args, *arguments.posonlyargs, *arguments.kwonlyargs]
-            evaluated = [*arguments.defaults, *arguments.kw_defaults, statement.returns]
-            evaluated += [argument.annotation for argument in annotated]
-            names = [statement.name]
+            # an argument is evaluated by its annotation and its default
+            evaluated, names = [statement.args, statement.returns], [statement.name]
         case ast.Assign(targets=targets) if all(isinstance(part, ast.Name) for part in targets):
-            evaluated = [statement.value]
-            names = [part.id for part in targets if isinstance(part, ast.Name)]
+            evaluated, names = [statement.value], [ast.unparse(part) for part in targets]
         case ast.AnnAssign(target=ast.Name(id=name), value=ast.expr()):
             evaluated, names = [statement.value, statement.annotation], [name]
         case _:
@@ -125,12 +121,7 @@ def _defined(statement: ast.stmt, pure: Names) -> Names | None:
 def _evaluated(node: ast.AST) -> Iterator[ast.AST]:
     """Yield every part of an expression that is evaluated with it: not the body of a lambda."""
     yield node
-    if isinstance(node, ast.Lambda):
-        for default in (*node.args.defaults, *node.args.kw_defaults):
-            if default is not None:
-                yield from _evaluated(default)
-        return
-    for part in ast.iter_child_nodes(node):
+    for part in [node.args] if isinstance(node, ast.Lambda) else ast.iter_child_nodes(node):
         yield from _evaluated(part)
 
 

@@ -85,11 +85,32 @@ def local_class(scale: float) -> Measures:
     return Local()
 
 
+class Named(list[float]):
+    def __init__(self, scale: float) -> None:
+        self.scale = scale
+
+
+@dataclass(frozen=True)
+class Derived:
+    name: str = "of a file"
+
+    def __call__(self, case: object, result: float) -> float:
+        return float(vars(self)["scale"] * result)
+
+
+def with_more_than_its_fields(scale: float) -> Measures:
+    one = Derived()
+    object.__setattr__(one, "scale", scale)
+    return one
+
+
 KINDS: dict[str, Callable[[float], Any]] = {
     made.__name__: made
     for made in (closure, closure_of_a_function, closure_of_a_table, closure_of_functions, default, attribute)
 } | {
     "decorated": decorated,
+    "list with an attribute": lambda scale: over(Named(scale)),
+    "frozen dataclass with more than its fields": with_more_than_its_fields,
     "partial": lambda scale: functools.partial(pow, scale),
     "frozen dataclass": Frozen,
     "method of a frozen dataclass": lambda scale: Frozen(scale).__call__,

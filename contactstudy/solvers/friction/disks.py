@@ -40,8 +40,8 @@ class Disks:
         shifted = trial + self.shift[:, None]
         return np.asarray(shifted * (self.radius / np.maximum(np.hypot(*shifted), self.radius)))
 
-    def derivative(self, trial: Array) -> tuple[Callable[[Array], Array], Array]:
-        """Return the derivative of the projection at the last `trial` as a map of (2, cells), and the cells that stick.
+    def derivative(self, trial: Array) -> Callable[[Array], Array]:
+        """Return the derivative of the projection at the last `trial` as a map of (2, cells).
 
         With ``n = z / |z|`` at the shifted trial z it is ``G = (radius / |z|) (1 - n n^T)`` in the cells whose disk cuts
         z off, and 1 in those that stick. A given sum takes ``G 1 (1^T G 1)^-1 1^T G`` from G.
@@ -57,7 +57,7 @@ class Disks:
             return np.asarray(cut * (change - normal * along))
 
         if self.total is None:
-            return of_cells, stick
+            return of_cells
         prescribed = ~np.isnan(self.total)
         rigid = np.stack(
             [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[prescribed]]
@@ -69,7 +69,7 @@ class Disks:
             shift = inverse @ shear_change.sum(axis=1)[prescribed]
             return np.asarray(shear_change - np.einsum("g,gcn->cn", shift, rigid))
 
-        return balanced, stick
+        return balanced
 
     def _shift_to(self, total: Array, trial: Array) -> Array:
         """Return the shift of a `trial` (2, cells) that gives its projection the sum `total`.

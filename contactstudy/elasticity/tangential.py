@@ -31,7 +31,7 @@ class SurfaceField:
     name
         Name of the field in :data:`~contactstudy.elasticity.kernels.traction.SURFACE`, or "yy".
     datum
-        Distance [m] from which displacement is counted, for "yy", as in
+        Distance [m] from which displacement of a row is counted, for "xx" and "yy", as in
         :class:`~contactstudy.elasticity.coefficients.Displacement`.
     """
 
@@ -59,7 +59,9 @@ class SurfaceField:
         cell = dx, dy, period
         if self.name == "yy":
             return self._inverse_distance.row(x, y, *cell) - self._complement.row(x, y, *cell)
-        return 2 * np.pi * stress_cell_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
+        field = 2 * np.pi * stress_cell_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
+        # the field of the row is constant across, beside what decays: the surface at the datum stays where it is
+        return field - 2 * dx * dy / period if self.name == "xx" else field
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float

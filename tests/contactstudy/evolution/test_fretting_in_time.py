@@ -152,8 +152,7 @@ def test_a_large_displacement_slides_all_of_the_contact() -> None:
     friction = cs.Fretting(MU, displacements=(0.0, far, -far, far), times=(0.0, 1.0, 2.0, 3.0))
     found = fretted(friction, [0.0, 1.0, 3.0])
     assert found.frames[-1].quantities["stick_fraction"].value == 0
-    # shear along x of a line moves the surface by nu / (1 - nu) more than pressure does
-    elastic = 8 * MU**2 / pi * (log(2) + 0.25 + NU / (1 - NU))
+    elastic = 8 * MU**2 / pi * (log(2) + 0.25)
     cycle = energy(found.frames[2]) - energy(found.frames[1])
     assert cycle == pytest.approx(4 * MU * far - elastic, rel=1e-4)
 

@@ -190,6 +190,6 @@ class Fretting:
         """Return a sentence on the solves of the shear."""
         count = len(self.forces or self.displacements or ())
         return (
-            f"friction: fretting by Newton's method, {count} steps of 20 to 80 applications of the "
+            f"friction: fretting by Newton's method, {count} steps of 20 to 60 applications of the "
             "response, four transforms each, in addition to the normal solve."
         )

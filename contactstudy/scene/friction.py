@@ -230,7 +230,7 @@ class PartialSlip:
                 if any(map(is_layered, scene.solids))
                 else "something varies along the length and Poisson's ratio is not 0;"
             )
-            + " 30 to 80 applications of four transforms each, in addition to the normal solve."
+            + " 20 to 60 applications of four transforms each, in addition to the normal solve."
         )
 
     @staticmethod

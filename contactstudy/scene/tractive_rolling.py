@@ -149,10 +149,8 @@ class TractiveRolling:
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
-        work = "130" if varies else "75"
         sentence = (
-            f"friction: tractive rolling by Newton's method, up to about {work} applications of the "
-            "shear operator"
+            "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
         )
         if not are_alike(scene.solids):
             sentence += ", and again with the pressure under this shear until neither changes"

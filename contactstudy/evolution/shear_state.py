@@ -11,7 +11,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.evolution.state_variables import Contribution, State, Step
 from contactstudy.problem.problem import Field
-from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.load import PiecewiseLinear
 from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step
 
 # Error of the shear over the difference of two integrations, where a rising pressure locks it in below a coating or slip
@@ -62,8 +62,8 @@ class ShearState:
     coefficient: float
     wear: float
     response: ShearResponse
-    forces: ChangingLoad | None
-    displacements: ChangingLoad | None
+    forces: PiecewiseLinear | None
+    displacements: PiecewiseLinear | None
     period: float
     cell_compliance: float
     gap_scale: float
@@ -179,7 +179,7 @@ class ShearState:
         """Return how many times the slip of a step counts."""
         history = self.forces if self.forces is not None else self.displacements
         assert history is not None
-        times = getattr(history, "times", ())
+        times = history.times
         later = next((time for time in times if time >= step.end), step.end)
         earlier = max((time for time in times if time <= step.start), default=step.start)
         return max(1.0, 2 * (later - earlier) / self.period)

@@ -92,7 +92,7 @@ def contact_quantities(
     if solution.traction is not None:
         numbers |= _of_traction(solution, solution.traction, estimate)
         if isinstance(solution.traction, RollingTraction):
-            numbers |= _of_creepage(solution.traction, float(pressure.sum()), grid, length)
+            numbers |= _of_creepage(solution.traction, grid, length)
         if isinstance(solution.traction, FrettingTraction):
             numbers |= _of_cycle(solution, solution.traction, estimate, length)
     if solution.adhesion is not None:
@@ -180,8 +180,8 @@ def _of_traction(
     load, touching = float(pressure.sum()), int(np.count_nonzero(pressure))
     force = float(np.hypot(*traction.shear.sum(axis=(1, 2))))
     coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
-    if isinstance(traction, RollingTraction) and isfinite(traction.force_error):
-        coefficient = replace(coefficient, bound=traction.force_error, reason="")
+    if isinstance(traction, RollingTraction) and isfinite(traction.errors.force):
+        coefficient = replace(coefficient, bound=traction.errors.force, reason="")
     stick = Quantity(
         float(np.count_nonzero(traction.stick) / touching) if touching else 0.0,
         "1",
@@ -198,8 +198,14 @@ def _of_traction(
 
 
 def _at_stick_slip_border(solution: Solution, traction: Traction) -> NDArray[np.bool_]:
-    """Return the touching cells (x, y) at the stick-slip border, the uncertainty of which is one row of cells."""
+    """Return the touching cells (x, y) at the stick-slip border, the uncertainty of which is one row of cells.
+
+    Where all of a rolling contact slips, a zone of stick may hide in the cells at its leading edge.
+    """
     touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
+    if isinstance(traction, RollingTraction) and not stick.any():
+        ahead = np.pad(touching, ((1, 1), (0, 0)))
+        return touching & ~(ahead[2:] & ahead[:-2])
     paddings = solution.problem.paddings
     beside = np.zeros_like(touching)
     for axis in (0, 1):
@@ -241,20 +247,20 @@ def _of_cycle(
 
 
 def _of_creepage(
-    traction: RollingTraction, load: float, grid: Grid, length: float | None
+    traction: RollingTraction, grid: Grid, length: float | None
 ) -> dict[str, Quantity]:
     """Return what tractive rolling adds to the numbers of a traction: creepage, and power with its bound."""
     total = float(traction.power.sum() * grid.cell_area)
     power = per_length(total, "W", "frictional power", length, grid.period)
-    # power is that of the force: its error, and the part that falls outside the contact
-    shear = float(np.abs(traction.shear).sum())
-    error = traction.force_error * load / shear if shear else 0.0
+    of_power = traction.errors.power / total if total else 0.0
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
-    exact = ErrorParts(discretisation=0.0) if traction.creepage_given else None
+    of_creepage = 0.0 if traction.creepage_given else traction.errors.creepage
+    if isfinite(of_creepage):
+        creepage = replace(creepage, bound=of_creepage, reason="")
     return {
-        "creepage": bounded(creepage, exact),
+        "creepage": creepage,
         "frictional_power": bounded(
-            power, ErrorParts(discretisation=traction.power_outside_contact + error)
+            power, ErrorParts(discretisation=traction.power_outside_contact + of_power)
         ),
     }
 

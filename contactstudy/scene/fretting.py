@@ -25,11 +25,24 @@ from contactstudy.scene.friction import (
     coefficient,
     sheared,
 )
-from contactstudy.scene.load import ChangingLoad, LoadHistory
+from contactstudy.scene.load import ChangingLoad, PiecewiseLinear, checked_times
 from contactstudy.solvers.friction.fretting import FrettingShear
 
 # Instants at which a force is compared with what friction bears.
 SAMPLES = 201
+
+
+@dataclass(frozen=True)
+class FrettingHistory(PiecewiseLinear):
+    """Forces [N/m] or displacements [m] along x at instants [s], linear between them."""
+
+    times: tuple[float, ...]
+    along_x: tuple[float, ...]
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Force [N/m] or displacement [m] at each instant."""
+        return self.along_x
 
 
 @suggest_fields
@@ -88,8 +101,7 @@ class Fretting:
                 raise InvalidInput(
                     f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give as many."
                 )
-            set_fields(self, times=tuple(self.times))
-            assert self.history is not None  # which checks the times
+            set_fields(self, times=checked_times("Fretting.times", self.times))
         elif self.displacements is not None:
             raise InvalidInput(
                 "Fretting.times is None together with displacements: give times [s]."
@@ -103,13 +115,13 @@ class Fretting:
                 )
 
     @property
-    def history(self) -> LoadHistory | None:
+    def history(self) -> "FrettingHistory | None":
         """Forces [N/m] or displacements [m] over time; None without times."""
         if self.times is None:
             return None
         values = self.displacements if self.forces is None else self.forces
         assert values is not None
-        return LoadHistory(self.times, values)
+        return FrettingHistory(self.times, values)
 
     @classmethod
     def cycle(cls, coefficient: float, amplitude: float, steps: int = 1) -> "Fretting":

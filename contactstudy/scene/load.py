@@ -160,9 +160,68 @@ class ChangingLoad(History, Protocol):
         ...
 
 
+class PiecewiseLinear:
+    """Values at instants, which may jump there: linear between them, zero before the first and held after the last."""
+
+    times: tuple[float, ...]
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Value at each instant."""
+        raise NotImplementedError
+
+    @property
+    def start(self) -> float:
+        """First time [s]."""
+        return self.times[0]
+
+    @property
+    def end(self) -> float:
+        """Last time [s], after which the last value is held."""
+        return self.times[-1]
+
+    def breaks(self, end: float) -> tuple[float, ...]:
+        """Return the instants [s] up to `end`."""
+        return tuple(sorted({time for time in self.times if time <= end}))
+
+    def before(self, time: float) -> float:
+        """Return the value just before `time` [s]; zero up to the first instant."""
+        return self._between(bisect_left(self.times, time), time)
+
+    def at(self, time: float) -> float:
+        """Return the value from `time` [s] on; zero before the first instant."""
+        return self._between(bisect_right(self.times, time), time)
+
+    def _between(self, index: int, time: float) -> float:
+        """Return the value at `time` [s], after `index` instants."""
+        if index == 0:
+            return 0.0
+        if index == len(self.times):
+            return self.values[-1]
+        t0, t1 = self.times[index - 1 : index + 1]
+        p0, p1 = self.values[index - 1 : index + 1]
+        weight = (time - t0) / (t1 - t0)
+        return p0 * (1 - weight) + p1 * weight
+
+    def mean(self, start: float, end: float) -> float:
+        """Return the mean value between two times [s] without a break between them."""
+        return (self.at(start) + self.before(end)) / 2
+
+
+def checked_times(name: str, times: tuple[Seconds, ...]) -> tuple[float, ...]:
+    """Return `times` [s] that do not decrease; raise :class:`~contactstudy.InvalidInput` for others, by their `name`."""
+    checked = each(name, times, finite, "give a time [s]")
+    for number, (before, after) in enumerate(pairwise(checked), start=1):
+        if after < before or checked.count(after) > 2:
+            raise InvalidInput(
+                f"{name}[{number}] is {after!r}: give times that do not decrease, the same one twice at the most."
+            )
+    return checked
+
+
 @suggest_fields
 @dataclass(frozen=True)
-class LoadHistory:
+class LoadHistory(PiecewiseLinear):
     """Load given at instants, linear between them and held after the last.
 
     Parameters
@@ -190,18 +249,12 @@ class LoadHistory:
                 raise InvalidInput(
                     f"LoadHistory.{name} is {values!r}: give a tuple of numbers, one for each instant."
                 )
-        times = each("LoadHistory.times", self.times, finite, "give a time [s]")
+        times = checked_times("LoadHistory.times", self.times)
         loads = each("LoadHistory.per_length", self.per_length, in_range_or_zero, AT_LEAST_ZERO)
         if len(times) != len(loads):
             raise InvalidInput(
                 f"LoadHistory.per_length has {len(loads)} loads for {len(times)} times: give one for each."
             )
-        for number, (before, after) in enumerate(pairwise(times), start=1):
-            if after < before or times.count(after) > 2:
-                raise InvalidInput(
-                    f"LoadHistory.times[{number}] is {after!r}: give times that do not decrease, the same one "
-                    "twice at the most."
-                )
         if max(loads) <= 0:
             throughout = "0" if max(loads) == min(loads) == 0 else "not above 0"
             raise InvalidInput(
@@ -210,46 +263,14 @@ class LoadHistory:
         set_fields(self, times=times, per_length=loads)
 
     @property
+    def values(self) -> tuple[float, ...]:
+        """Load [N/m] at each instant."""
+        return self.per_length
+
+    @property
     def largest(self) -> float:
         """Largest load [N/m]."""
         return max(self.per_length)
-
-    @property
-    def start(self) -> float:
-        """First time [s]."""
-        return self.times[0]
-
-    @property
-    def end(self) -> float:
-        """Last time [s], after which the load is held."""
-        return self.times[-1]
-
-    def breaks(self, end: float) -> tuple[float, ...]:
-        """Return the instants [s] up to `end`."""
-        return tuple(sorted({time for time in self.times if time <= end}))
-
-    def before(self, time: float) -> float:
-        """Return the load [N/m] just before `time` [s]; zero up to the first instant."""
-        return self._between(bisect_left(self.times, time), time)
-
-    def at(self, time: float) -> float:
-        """Return the load [N/m] from `time` [s] on; zero before the first instant."""
-        return self._between(bisect_right(self.times, time), time)
-
-    def _between(self, index: int, time: float) -> float:
-        """Return the load [N/m] at `time` [s], after `index` instants."""
-        if index == 0:
-            return 0.0
-        if index == len(self.times):
-            return self.per_length[-1]
-        t0, t1 = self.times[index - 1 : index + 1]
-        p0, p1 = self.per_length[index - 1 : index + 1]
-        weight = (time - t0) / (t1 - t0)
-        return p0 * (1 - weight) + p1 * weight
-
-    def mean(self, start: float, end: float) -> float:
-        """Return the mean load [N/m] between two times [s] without a break between them."""
-        return (self.at(start) + self.before(end)) / 2
 
     def refuse_tension(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart."""

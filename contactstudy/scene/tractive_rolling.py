@@ -149,9 +149,7 @@ class TractiveRolling:
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
-        sentence = (
-            "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
-        )
+        sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
         if not are_alike(scene.solids):
             sentence += ", and again with the pressure under this shear until neither changes"
         return f"{sentence}." + (f" {STATIONARY_HEIGHTS}" if self._travels(scene) else "")

@@ -32,7 +32,7 @@ class NewtonConstants:
     Attributes
     ----------
     forcing
-        Fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and a quarter more applications.
+        Fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and more applications.
     max_vectors
         Vectors of one GMRES: ten times what was seen on any contact.
     max_halvings
@@ -40,6 +40,8 @@ class NewtonConstants:
     least_shear
         Fraction of the largest limit below which shear is not resolved in proportion: where a force returns to zero,
         what is left may be rounding.
+    sticking
+        Fraction of the largest limit by which the trial shear of a cell that sticks is below its own limit.
     first_projections
         Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps
         fail far from the solution alone, where a few projections find most of the cells that stick.
@@ -49,6 +51,7 @@ class NewtonConstants:
     max_vectors: int = 200
     max_halvings: int = 10
     least_shear: float = 1e-4
+    sticking: float = 1e-6
     first_projections: int = 4
 
 
@@ -112,12 +115,15 @@ class CoulombNewton:
         """Return the nearest shear (2, cells) that friction carries, with the given sum if there is one."""
         return self._disks.project(shear)
 
-    def sticks(self, shear: Array, slip: Array, margin: float) -> NDArray[np.bool_]:
-        """Return which cells stick (cells,): whose trial shear, by `shear` and `slip`, is below its limit by a `margin`.
+    def sticks(self, shear: Array, slip: Array) -> NDArray[np.bool_]:
+        """Return which cells (x, y) stick: whose trial shear, by `shear` and `slip` (2, cells), is below its limit.
 
         A cell that slips by more than the residual is outside its disk, whatever its own shear lacks to the rim.
         """
-        return np.asarray(np.hypot(*(shear - self._rho * slip)) < self._disks.radius - margin)
+        radius, stick = self._disks.radius, np.zeros(self._shape, dtype=bool)
+        trial = np.hypot(*(shear - self._rho * slip))
+        stick.ravel()[self._cells] = trial < radius - CONSTANTS.sticking * radius.max()
+        return stick
 
     def solve(
         self, free_slip: Array, shear: Array, tolerance: float, max_applications: int
@@ -182,7 +188,7 @@ class CoulombNewton:
         return change, slip_change
 
     def _preconditioned(self, values: Array, projection: Callable[[Array], Array]) -> Array:
-        """Return ``(1 - P + P (rho D)^-1 P) values`` with the derivative P of the `projection` and about the inverse of D.
+        """Return ``(1 - P + P (rho D)^-1 P) values`` for the derivative P of the `projection`, D inverted roughly.
 
         It is the inverse where P is 0 or 1, and about that of the cells that slip, whose P is between.
         """

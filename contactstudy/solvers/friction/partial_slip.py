@@ -17,9 +17,6 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
 from contactstudy.solvers.friction.slip import SlipAtRest
 
-# A cell sticks whose trial shear is below the limit by more than this fraction of the largest limit.
-STICKING = 1e-6
-
 
 @dataclass(frozen=True, eq=False)
 class SlipStep:
@@ -100,10 +97,14 @@ def slip_step(
         rigid = newton.rigid
         slip = slip - rigid[:, None]
     shear = newton.project(shear)
-    stick = np.zeros(limit.shape, dtype=bool)
-    stick[limit > 0] = newton.sticks(shear, slip, STICKING * limit.max())
-    applications = newton.applications + 1
-    return SlipStep(newton.field(shear), newton.field(slip), rigid, stick, residual, applications)
+    return SlipStep(
+        newton.field(shear),
+        newton.field(slip),
+        rigid,
+        newton.sticks(shear, slip),
+        residual,
+        newton.applications + 1,
+    )
 
 
 def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Array:

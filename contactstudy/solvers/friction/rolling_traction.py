@@ -1,6 +1,7 @@
 """Shear of steady rolling with the creepage, the slip and the power that belong to it."""
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -33,6 +34,29 @@ class Creepage:
         return rigid
 
 
+@dataclass(frozen=True)
+class RollingErrors:
+    """Errors by the size of the cells, estimated by coarser grids; infinite where there is none.
+
+    Parameters
+    ----------
+    force
+        Of the tangential force over the load.
+    creepage
+        Of a longitudinal creepage that is found.
+    power
+        Of the frictional power on the grid [W].
+    """
+
+    force: float = inf
+    creepage: float = inf
+    power: float = inf
+
+
+# Errors on one grid alone, which nothing estimates.
+UNKNOWN = RollingErrors()
+
+
 @dataclass(frozen=True, eq=False)
 class RollingTraction(Traction):
     """Shear of steady rolling on the first body, with its slip and its power.
@@ -47,8 +71,8 @@ class RollingTraction(Traction):
         Frictional power per area (x, y) [W/m^2], from the mean of the shear before and after a step of one cell.
     power_outside_contact
         Fraction of the power outside the contact: the error of the power by the size of the cells.
-    force_error
-        Estimated error of the tangential force over the load, by coarser grids; infinite where there is none.
+    errors
+        Estimated errors of force, creepage and power.
     creepage_given
         Whether the creepage was given, and not the force.
     """
@@ -57,5 +81,5 @@ class RollingTraction(Traction):
     creepage: Creepage
     power: Array
     power_outside_contact: float
-    force_error: float
+    errors: RollingErrors
     creepage_given: bool

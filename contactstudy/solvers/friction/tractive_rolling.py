@@ -15,9 +15,10 @@ Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import inf, sqrt
+from math import sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
@@ -25,7 +26,12 @@ from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
-from contactstudy.solvers.friction.rolling_traction import Creepage, RollingTraction
+from contactstudy.solvers.friction.rolling_traction import (
+    UNKNOWN,
+    Creepage,
+    RollingErrors,
+    RollingTraction,
+)
 from contactstudy.solvers.friction.slip import RollingSlip
 from contactstudy.solvers.lagged import solve_coupled
 from contactstudy.solvers.solution import Solution, Status, Traction
@@ -39,8 +45,8 @@ COARSE_TOLERANCE = 1e-3
 MAX_PASSES = 60
 # Distance [cells] within which the edge of stick is found.
 EDGE = 0.3
-# A cell sticks whose shear is below the limit by more than this fraction.
-STICKING = 1e-6
+# Least creepage over that at which all slides, and least force over mu P, that an error is related to.
+LEAST_SLIDING = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +60,9 @@ class Coupling:
         """Return the change of the gap (x, y) [m] by `shear` (component, x, y) [Pa]."""
         return self.across(shear[0]) + self.along(shear[1])
 
-    def pressure_slip(self, pressure: Array, step: float) -> Array:
-        """Return the slip (component, x, y) by the tangential displacement under `pressure` (x, y) [Pa].
-
-        `step` [m] is the width of a cell, negative where the contact moves to smaller x.
-        """
-        displacement = -np.stack([self.across(pressure), self.along(pressure)])
-        return (displacement - ahead(displacement, step)) / abs(step)
+    def displacement(self, pressure: Array) -> Array:
+        """Return the tangential displacement (component, x, y) [m] under `pressure` (x, y) [Pa]."""
+        return -np.stack([self.across(pressure), self.along(pressure)])
 
 
 def ahead(field: Array, step: float) -> Array:
@@ -147,44 +149,47 @@ class TractiveShear:
 
     def _traction(self, grid: Grid, pressure: Array, state: "SteadyShear") -> RollingTraction:
         """Return the traction of a steady state with its power."""
-        step = np.copysign(grid.cell[0], self.speed)
-        limit = self.coefficient * pressure
-        # the shear before and after a step: q . s alone misses what the step from cell to cell dissipates
-        mean = (state.shear + ahead(state.shear, step)) / 2
-        power = -abs(self.speed) * np.einsum("cxy,cxy->xy", mean, state.slip)
+        power = self._power(grid, state)
         total = float(power.sum())
         return RollingTraction(
             shear=state.shear,
-            stick=(limit > 0) & (np.hypot(*state.shear) < limit * (1 - STICKING)),
+            stick=state.stick,
             method="tractive rolling, Newton",
             iterations=state.applications,
             slip=state.slip,
             creepage=state.creepage,
             power=power,
-            power_outside_contact=float(power[limit == 0].sum()) / total if total else 0.0,
-            force_error=self.coefficient * state.force_error,
+            power_outside_contact=float(power[pressure == 0].sum()) / total if total else 0.0,
+            errors=state.errors,
             creepage_given=self.fraction is None,
         )
+
+    def _power(self, grid: Grid, state: "SteadyShear") -> Array:
+        """Return the frictional power per area (x, y) [W/m^2] of a steady state."""
+        # the shear before and after a step: q . s alone misses what the step from cell to cell dissipates
+        mean = (state.shear + ahead(state.shear, np.copysign(grid.cell[0], self.speed))) / 2
+        return np.asarray(-abs(self.speed) * np.einsum("cxy,cxy->xy", mean, state.slip))
 
     def steady(
         self, grid: Grid, pressure: Array, options: SolveOptions, last: "SteadyShear | None" = None
     ) -> "SteadyShear":
         """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
-        creepage, fractions, work = self.creepage, list[float](), 0.0
+        creepage, levels, work = self.creepage, list[list[float]](), 0.0
         shear: Array = np.zeros((2, *grid.cells))
         if last is not None:
             shear = last.shear
-        pressure_slip: Array = np.zeros((2, *grid.cells))
+        by_pressure: Array = np.zeros((2, *grid.cells))
         if self.coupling is not None:
-            pressure_slip = self.coupling.pressure_slip(
-                pressure, np.copysign(grid.cell[0], self.speed)
-            )
+            by_pressure = self.coupling.displacement(pressure)
         steady = None
         for level in [grid] if last is not None else coarser_grids(grid):
             fine = level is grid
             limit = on_cells(self.coefficient * pressure, level.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
-            slip = RollingSlip(self.shear_response(level), np.copysign(level.cell[0], self.speed))
+            step = float(np.copysign(level.cell[0], self.speed))
+            slip = RollingSlip(self.shear_response(level), step)
+            displacement = on_grid(by_pressure, level)
+            free_slip = (displacement - ahead(displacement, step)) / abs(step) - creepage.on(level)
             total = None
             if self.fraction is not None:
                 total = np.array([self.fraction * limit.sum(), np.nan])
@@ -192,33 +197,69 @@ class TractiveShear:
             steady = _steady(
                 newton,
                 creepage,
-                on_grid(pressure_slip, level) - creepage.on(level),
+                free_slip,
                 on_grid(shear, level),
                 options.tolerance if fine else max(COARSE_TOLERANCE, options.tolerance),
                 options.max_iterations,
             )
             shear = steady.shear
             work += 2 * newton.applications * limit.size / pressure.size
-            fractions.append(float(shear[0].sum() / limit.sum()))
+            force = self.coefficient * shear.sum(axis=(1, 2)) / limit.sum()
+            power = float(self._power(level, steady).sum()) * level.cell_area
+            levels.append([*force, steady.creepage.longitudinal, power])
         assert steady is not None
         if last is not None:
-            return replace(steady, convolutions=work, force_error=last.force_error)
+            return replace(steady, convolutions=work, errors=last.errors)
         touching = np.pad(limit > 0, ((1, 0), (0, 0)))
         chord = np.count_nonzero(touching) / np.count_nonzero(touching[1:] & ~touching[:-1])
-        return replace(steady, convolutions=work, force_error=_force_error(fractions, chord))
+        return replace(steady, convolutions=work, errors=self._errors(np.array(levels), chord))
+
+    def _errors(self, levels: Array, chord: float) -> RollingErrors:
+        """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
+
+        Grids are each twice as fine and the error is of first order: two differences count, for one alone is small now
+        and then. The edge of stick is known to EDGE of a cell, which moves force or creepage as in Carter's closed form
+        for a contact of `chord` cells along x.
+        """
+        if len(levels) == 1:
+            return UNKNOWN
+        orders = np.array([[1.0], [2.0]])[: len(levels) - 1]
+        across, along, creepage, power = (np.abs(np.diff(levels, axis=0))[::-1][:2] / orders).max(
+            axis=0
+        )
+        *force, found_creepage, found_power = np.abs(levels[-1])
+        size = float(np.hypot(*force))
+        sliding = _carter_creepage(min(size / self.coefficient, 1.0))
+        edge = 2 * EDGE / chord
+        moved = edge / max(sliding, LEAST_SLIDING)
+        if self.fraction is None:
+            moved = (
+                4
+                * sliding
+                * max(1 - sliding, edge)
+                * edge
+                / max(size / self.coefficient, LEAST_SLIDING)
+            )
+        free = size if self.fraction is None else force[1]
+        return RollingErrors(
+            force=max(float(np.hypot(across, along)), moved * free),
+            creepage=max(float(creepage), moved * found_creepage),
+            power=max(float(power), moved * found_power),
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyShear:
-    """Steady state on one grid: shear and slip (component, x, y), and what it took."""
+    """Steady state on one grid: shear and slip (component, x, y), where it sticks, and what it took."""
 
     shear: Array
     slip: Array
+    stick: NDArray[np.bool_]
     creepage: Creepage
     residual: float
     applications: int
     convolutions: float = 0.0
-    force_error: float = inf
+    errors: RollingErrors = UNKNOWN
 
 
 def _steady(
@@ -236,28 +277,16 @@ def _steady(
     """
     values, _, residual = newton.solve(rigid, newton.gathered(shear), tolerance, max_applications)
     rigid_slip = newton.rigid
-    field = newton.field(newton.project(values))
-    slip = rigid - rigid_slip[:, None, None] + newton.slip_field(newton.gathered(field))
+    values = newton.project(values)
+    slip = rigid - rigid_slip[:, None, None] + newton.slip_field(values)
     creepage = replace(creepage, longitudinal=creepage.longitudinal + float(rigid_slip[0]))
-    return SteadyShear(field, slip, creepage, residual, newton.applications)
+    stick = newton.sticks(values, newton.gathered(slip))
+    return SteadyShear(newton.field(values), slip, stick, creepage, residual, newton.applications)
 
 
 def _carter_creepage(fraction: float) -> float:
     """Return the creepage over that at which all slides, in Carter's closed form, for a force over mu P."""
-    return float(np.copysign(1 - sqrt(max(1 - abs(fraction), 0.0)), fraction))
-
-
-def _force_error(fractions: list[float], chord: float) -> float:
-    """Return the error of the last of `fractions` of mu P, by coarser grids and by the cell that stick ends in.
-
-    Grids are each twice as fine and the error is of first order: two differences count, for one alone is small now and
-    then. The edge of stick is known to EDGE of a cell, which moves the force as in Carter's closed form for a contact of
-    `chord` cells along x.
-    """
-    differences = np.abs(np.diff(fractions))[::-1][:2] / (1.0, 2.0)[: len(fractions) - 1]
-    part = abs(_carter_creepage(fractions[-1]))
-    edge = 4 * part * (1 - part) * EDGE * 2 / chord
-    return float(max(differences.max(), edge)) if len(differences) else inf
+    return 1 - sqrt(1 - fraction)
 
 
 def coarser_grids(grid: Grid) -> list[Grid]:

@@ -164,6 +164,8 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
         for sign in (1, -1)
     )
     np.testing.assert_allclose(one.frames[-1].shear, -other.frames[-1].shear, atol=1e-9)
+    back = fretted(cs.Fretting(MU, (0.0, -FORCE), times=(0.0, 1.0)), [0.0, 1.0], grid=grid)
+    assert back.frames[-1].shear.sum() * grid.cell_area == pytest.approx(-FORCE)
     tiny = fretted(cs.Fretting(1e-9, (0.0, 1e-10), times=(0.0, 1.0)), [0.0, 1.0], grid=grid)
     assert np.abs(tiny.frames[-1].shear).max() <= 1e-9
 
@@ -175,6 +177,7 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
         ({}, {}, "give one of them"),
         ({"displacements": (1.0,)}, {}, "give times"),
         ({"forces": (0.0, 0.1), "times": (0.0,)}, {}, "give as many"),
+        ({"forces": (0.0, 0.1), "times": (1.0, 0.0)}, {}, r"Fretting.times\[1\] is 0.0"),
         ({"forces": (0.0, 0.4), "times": (0.0, 1.0)}, {}, "N/m at .* s, where friction bears"),
         ({"forces": (0.1,)}, {"wear": cs.Wear(1.0, 0.0)}, "give Fretting.times"),
         ({"forces": (0.0, 0.1), "times": (0.0, 1.0)}, {"wear": cs.Wear(1.0, 1.0)}, "give 0 m/s"),

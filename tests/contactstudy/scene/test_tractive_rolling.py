@@ -45,7 +45,7 @@ def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     dx = solution.problem.grid.cell[0]
     assert solution.status is cs.Status.CONVERGED
     error = traction_share(solution)[0] - (1 - (1 - part) ** 2)
-    assert MU * abs(error) <= solution.traction.force_error <= 50 * MU / cells
+    assert MU * abs(error) <= solution.traction.errors.force <= 50 * MU / cells
     stick_width = solution.stick.sum() * dx / 2
     assert stick_width == pytest.approx(A * (1 - part), abs=dx)
     x, half = solution.problem.grid.x, A * (1 - part)
@@ -385,3 +385,54 @@ def test_a_dataset_has_slip_and_power() -> None:
     np.testing.assert_array_equal(dataset["slip_x"].values, solution.traction.slip[0])
     np.testing.assert_array_equal(dataset["power_density"].values, solution.traction.power)
     assert dataset["power_density"].attrs["units"] == "W m-2"
+
+
+UNLIKE = (ELASTIC, RIGID)
+
+
+@pytest.mark.parametrize(
+    ("friction", "changes"),
+    [
+        # forces along y beside a given one along x, spin alone, all but sliding
+        (cs.TractiveRolling(MU, tangential=0.0, lateral=0.3 * SATURATION), {}),
+        (cs.TractiveRolling(MU, tangential=0.5e4, lateral=-0.1 * SATURATION), {}),
+        (rolling(lateral=0.2 * SATURATION, spin=SATURATION / A), {"shapes": (cs.Sphere(RADIUS),)}),
+        (rolling(longitudinal=0.999 * SATURATION), {}),
+        (cs.TractiveRolling(1e-3, tangential=-80.0), {"solids": UNLIKE}),
+    ],
+)
+def test_force_creepage_power_and_stick_are_within_their_bounds(
+    friction: cs.TractiveRolling, changes: dict[str, object]
+) -> None:
+    """Against cells of a quarter of the width."""
+    point = "shapes" in changes
+    scene = replace(SMOOTH, friction=friction, **changes)
+    if point:
+        scene = replace(scene, load=cs.LineLoad(1e4))
+    extent = (4e-4, 4e-4) if point else (3 * scene.hertz.half_width, 1e-3)
+    padding = (cs.ZeroPadding(), cs.ZeroPadding()) if point else cs.ExactPeriodicity()
+    coarse, fine = (
+        cs.solve(scene, cs.Grid((n, n if point else 1), extent), padding).quantities
+        for n in ((36, 72) if point else (60, 240))
+    )
+    for name in ("traction_coefficient", "creepage", "frictional_power", "stick_fraction"):
+        error = abs(coarse[name].value - fine[name].value)
+        assert error <= coarse[name].bound * (1 + 1e-9)
+        assert coarse[name].bound <= 0.2 * abs(coarse[name].value) + 0.1
+
+
+@pytest.mark.parametrize("solids", [(STEEL, STEEL), UNLIKE])
+def test_what_sticks_does_not_slip_and_what_slips_is_sheared_against_its_slip(
+    solids: tuple[cs.HalfSpace, cs.HalfSpace],
+) -> None:
+    friction = rolling(longitudinal=0.1 * SATURATION, lateral=-0.3 * SATURATION, spin=2.0)
+    solution = solved(friction, (48, 32), 1e-7, solids=solids, shapes=ROUGH)
+    slip, limit = solution.traction.slip, MU * solution.pressure
+    largest = np.hypot(*slip)[limit > 0].max()
+    assert solution.status is cs.Status.CONVERGED
+    assert np.hypot(*slip)[solution.stick].max() < 1e-4 * largest
+    slips = (limit > 0) & ~solution.stick
+    lost = -np.einsum("cxy,cxy->xy", solution.shear, slip)
+    np.testing.assert_allclose(
+        lost[slips], (limit * np.hypot(*slip))[slips], atol=1e-4 * limit.max() * largest
+    )

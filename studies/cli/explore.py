@@ -81,11 +81,10 @@ def contents(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
         if variable.dtype.kind in "fiub" and "flag_values" not in variable.attrs
     }
     fields = {
-        key: _coarse(dataset, variable)
+        key: _coarse(variable)
         for key, variable in variables.items()
         if max(variable.shape, default=1) > 1 and np.isfinite(variable.values).any()
     }
-    fields = {key: field for key, field in fields.items() if _same_axes(field, fields)}
     is_study = "case_status" in dataset
     if is_study:
         axes = set(dataset["case_status"].dims)
@@ -121,25 +120,18 @@ def contents(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
     return shown
 
 
-def _coarse(dataset: "xr.Dataset", variable: "xr.DataArray") -> "xr.DataArray":
-    """Return a field of real numbers by the means of blocks of cells, if its page would otherwise hold too many."""
+def _coarse(variable: "xr.DataArray") -> "xr.DataArray":
+    """Return a field of real numbers, of means over blocks of cells where the page would otherwise hold too many.
+
+    Such a field has axes of its own, such as ``x by 2``; the last block may be smaller.
+    """
     field = variable.astype(float)
-    cells = {dim: dataset.sizes[dim] for dim in ("x", "y") if dataset.sizes.get(dim, 1) > 1}
-    largest = max(
-        array.size for array in dataset.data_vars.values() if cells.keys() <= set(array.dims)
-    )
-    block = ceil((largest / MAX_VALUES) ** (1 / max(len(cells), 1)))
-    blocks = {dim: block for dim in cells if dim in field.dims and block <= cells[dim]}
-    return field.coarsen(blocks, boundary="trim").mean() if block > 1 and blocks else field
-
-
-def _same_axes(field: "xr.DataArray", fields: "dict[str, xr.DataArray]") -> bool:
-    """Return whether every other field has as many values along the axes that they share."""
-    return all(
-        field.sizes[dim] == candidate.sizes[dim]
-        for candidate in fields.values()
-        for dim in set(field.dims) & set(candidate.dims)
-    )
+    cells = [dim for dim in ("x", "y") if field.sizes.get(dim, 1) > 1]
+    block = ceil((field.size / MAX_VALUES) ** (1 / max(len(cells), 1)))
+    if block == 1 or not cells:
+        return field
+    blocks = field.coarsen(dict.fromkeys(cells, block), boundary="pad").mean()
+    return blocks.rename({dim: f"{dim} by {block}" for dim in cells})
 
 
 def _axis(field: "xr.DataArray", dim: str, *, in_study: bool) -> dict[str, Any]:

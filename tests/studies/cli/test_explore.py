@@ -122,14 +122,19 @@ def test_nothing_in_a_hostile_file_is_executed(study: xr.Dataset, tmp_path: Path
 
 
 def test_a_fine_contact_is_shown_by_means_of_blocks() -> None:
-    ones = np.ones((800, 500))
-    axes = {"x": ("x", np.linspace(-1, 1, 800)), "y": ("y", np.linspace(-1, 1, 500))}
-    fine = xr.Dataset(dict.fromkeys(("pressure", "gap"), (("x", "y"), ones)), axes)
+    ones = np.ones((800, 501))
+    axes = {"x": ("x", np.linspace(-1, 1, 800)), "y": ("y", np.linspace(-1, 1, 501))}
+    fine = xr.Dataset(
+        {"pressure": (("x", "y"), ones), "gap": (("x", "y"), ones), "load": ("x", ones[:, 0])}, axes
+    )
     shows = contents(fine, "fine")
-    pressure = values(shows["variables"]["pressure"])
-    assert MAX_VALUES / 8 < len(pressure) <= MAX_VALUES
-    assert (pressure == 1).all()
-    assert len(shows["axes"]["x"]["values"]) * len(shows["axes"]["y"]["values"]) == len(pressure)
+    pressure = shows["variables"]["pressure"]
+    assert MAX_VALUES / 8 < len(values(pressure)) <= MAX_VALUES
+    assert (values(pressure) == 1).all()
+    across, along = (shows["axes"][dim]["values"] for dim in pressure["dims"])
+    assert len(across) * len(along) == len(values(pressure))
+    assert along[-1] == 1  # a block of the last cell alone
+    assert len(values(shows["variables"]["load"])) == 800  # what is small is shown as it is
 
 
 def test_the_command_writes_a_page_beside_the_file(study: xr.Dataset, tmp_path: Path) -> None:

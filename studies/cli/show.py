@@ -144,7 +144,7 @@ def _rank(name: str) -> int:
 
 def _is_time(name: str) -> bool:
     """Return whether a column has times of a case, which depend on the machine."""
-    return name == "contended" or name.startswith(("setup_time", "solve_time"))
+    return name == "contended" or name.startswith(("setup_time", "solve_time", "wall_time"))
 
 
 def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:

@@ -34,7 +34,7 @@ PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]
 MetresPerSecond = Annotated[float, Unit("m/s", "a speed", "100 mm/s")]
 Seconds = Annotated[float, Unit("s", "a time", "2 min")]
 Hertz = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
-Radians = Annotated[float, Unit("rad", "an angle", "90 degree")]
+Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]
 
 # Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used.
@@ -43,8 +43,8 @@ READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
     "m2": ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²")),
     "m3": ((1.0, "m³"), (1e-9, "mm³"), (1e-18, "µm³")),
-    "m2 m-1": ((1e-3, "mm²/mm"), (1e-6, "µm²/µm")),
-    "m3 m-1": ((1e-6, "mm³/mm"), (1e-12, "µm³/µm")),
+    "m2 m-1": ((1e-3, "mm²/mm"),),
+    "m3 m-1": ((1e-6, "mm³/mm"), (1e-15, "µm³/mm")),
     "N": ((1e3, "kN"), (1.0, "N")),
     "N m-1": ((1e3, "N/mm"), (1.0, "N/m")),
     "N m-2": ((1e6, "N/mm per mm"),),

@@ -130,6 +130,8 @@ def _position_text(axis: str, at: float) -> str:
 
 
 def _percent(quantity: Quantity) -> str:
+    if not quantity.bound:
+        return "exact"
     if isfinite(quantity.relative_bound):
         percent = 100 * quantity.relative_bound
         return f"error <= {percent:.2g} %" if percent < 99.5 else f"error <= {percent:.0f} %"

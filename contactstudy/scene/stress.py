@@ -66,7 +66,7 @@ class SubsurfaceStress:
     solid: int = 0
 
     def __post_init__(self) -> None:
-        remedy = 'give a tuple of depths [m], such as (1e-4, 2e-4), or "auto"'
+        remedy = 'give a list of depths [m], such as [1e-4, 2e-4], or "auto"'
         if self.depths != AUTO and (not isinstance(self.depths, tuple | list) or not self.depths):
             raise InvalidInput(f"SubsurfaceStress.depths is {self.depths!r}: {remedy}.")
         given_depths = self.depths if self.depths != AUTO else ()

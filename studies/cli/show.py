@@ -162,13 +162,13 @@ def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:
 
 
 def _in_words(variable: "xr.DataArray") -> "xr.DataArray":
-    """Return a flag variable with the meaning of each value, and any other variable unchanged."""
+    """Return a flag variable with the meaning of each value, empty for nan, and any other variable unchanged."""
     meanings = str(variable.attrs.get("flag_meanings", "")).split()
     if not meanings:
         return variable
     values = [int(value) for value in np.atleast_1d(variable.attrs["flag_values"])]
     words = dict(zip(values, meanings, strict=True))
-    named = np.vectorize(lambda value: words.get(int(value), ""), otypes=[object])(variable.values)
+    named = np.vectorize(lambda value: words.get(value, ""), otypes=[object])(variable.values)
     return variable.copy(data=named)
 
 

@@ -27,9 +27,9 @@ STRESS: dict[str, Any] = {"color": "#D55E00"}
 def picture(solved: xr.Dataset) -> Figure:
     """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
     plane_strain = solved.sizes["y"] == 1
-    stressed = "von_mises" in solved
     drawn = [_across, _gap] if plane_strain else [_map, _along, _across, _gap]
-    drawn += [_stress] if stressed else []
+    more = {"shear_x": _shear, "von_mises": _stress}
+    drawn += [draw for name, draw in more.items() if name in solved]
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):
@@ -97,6 +97,16 @@ def _gap(ax: Axes, solved: xr.Dataset) -> None:
     size, height = usual_unit_of(middle["gap"], "m")
     ax.plot(solved["x"] / width, middle["gap"] / size, **GAP)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"gap [{height}]", title="gap in the middle")
+
+
+def _shear(ax: Axes, solved: xr.Dataset) -> None:
+    width, metres = usual_unit_of(solved["x"], "m")
+    middle = solved.isel(y=solved.sizes["y"] // 2)
+    size, pascals = usual_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
+    for name, direction, style in (("shear_x", "across", PRESSURE), ("shear_y", "along", GAP)):
+        if middle[name].any():
+            ax.plot(solved["x"] / width, middle[name] / size, label=f"shear {direction}", **style)
+    ax.set(xlabel=f"across [{metres}]", ylabel=f"shear [{pascals}]", title="shear in the middle")
 
 
 def _stress(ax: Axes, solved: xr.Dataset) -> None:

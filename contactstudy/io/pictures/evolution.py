@@ -28,6 +28,7 @@ def evolution_picture(evolved: xr.Dataset) -> Figure:
     worn = "worn_depth" in evolved
     adheres = "attraction" in evolved
     drawn = [_profiles, _map, _numbers, _loop if adheres else _errors] + [_worn] * worn
+    drawn += [_shear] * ("shear_x" in evolved)
     if "residual_displacement" in evolved:
         bodies = [
             str(name).removeprefix(STRAIN)
@@ -62,7 +63,10 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
             cmap="viridis", shading="nearest", norm="log", rasterized=True,
         )  # fmt: skip
         axes[2].set(
-            xlabel="time [s]", ylabel=f"across [{metres}]", title=f"film in the middle [{film[1]}]"
+            xlabel="time [s]",
+            ylabel=f"across [{metres}]",
+            title=f"film in the middle [{film[1]}]",
+            xlim=inside["time"][[0, -1]],
         )
         figure.colorbar(mesh, ax=axes[2])
         for name, color in (("central_film", "#0072B2"), ("minimum_film", "#D55E00")):
@@ -145,9 +149,16 @@ def _worn(ax: Axes, evolved: xr.Dataset) -> None:
     _lines(ax, evolved, "worn_depth", usual_unit_of(evolved["worn_depth"], "m"))
 
 
+def _shear(ax: Axes, evolved: xr.Dataset) -> None:
+    _lines(ax, evolved, "shear_x", usual_unit_of(abs(evolved["shear_x"]), "Pa"))
+
+
 def _dent(ax: Axes, evolved: xr.Dataset) -> None:
     name = "residual_displacement"
-    _lines(ax, evolved, name, usual_unit_of(abs(evolved[name]), "m"))
+    scale = usual_unit_of(abs(evolved[name]), "m")
+    _lines(ax, evolved, name, scale)
+    ax.set_ylabel(f"residual displacement [{scale[1]}], into the bodies")
+    ax.invert_yaxis()
 
 
 def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
@@ -209,6 +220,8 @@ def _map(ax: Axes, evolved: xr.Dataset) -> None:
         rasterized=True,
     )
     ax.set(xlabel="time [s]", ylabel=f"across [{metres}]", title=f"mean pressure [{pascals}]")
+    if distinct.sum() > 1:
+        ax.set_xlim(time[0], time[-1])
     ax.figure.colorbar(mesh, ax=ax)
 
 

@@ -295,8 +295,8 @@ class MeasuredSurface:
         points = len(heights), 1 if count == 1 else count * self.seam.lengths
         if points not in (grid.cells, (grid.cells[0], 1)):
             raise InvalidInput(
-                f"MeasuredSurface.heights has {points} points in a period: give a grid of as many "
-                f"cells, which has {grid.cells}, or MeasuredSurface.extent."
+                f"MeasuredSurface.extent is None, and its {points} points are not the {grid.cells} cells of the grid: "
+                "give extent, the size of all points."
             )
         return -heights
 

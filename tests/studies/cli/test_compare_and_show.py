@@ -281,6 +281,16 @@ def test_a_solution_is_one_row_of_its_numbers(folder: Path) -> None:
     assert row["status"] == "CONVERGED"
 
 
+def test_a_status_that_a_case_does_not_have_is_empty(tmp_path: Path) -> None:
+    status = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed ok"}
+    outcome = ("load", np.array([1, 0], dtype=np.int8), status)
+    solved = ("load", np.array([1.0, np.nan]), status)
+    xr.Dataset({"case_status": outcome, "solver_status": solved}, {"load": [1.0, 2.0]}).to_netcdf(
+        tmp_path / "stopped.nc"
+    )
+    assert [row["solver_status"] for row in table(tmp_path / "stopped.nc")] == ["ok", ""]
+
+
 def test_a_march_is_a_row_for_each_instant(tmp_path: Path) -> None:
     march = xr.Dataset(
         {

@@ -57,6 +57,14 @@ def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
     assert named(gaped) == ("across [µm]", "gap [nm]", "gap in the middle")
 
 
+def test_shear_is_drawn_in_the_directions_that_it_has() -> None:
+    sheared = labelled(shear_x=(("x", "y"), -PRESSURE / 2), shear_y=(("x", "y"), 0 * PRESSURE))
+    shear = picture(sheared).axes[4]
+    [line] = shear.lines
+    assert line.get_xydata() == pytest.approx(np.transpose([X * 1e6, [-1.5, -15, -3.5]]))
+    assert named(shear) == ("across [µm]", "shear [MPa]", "shear in the middle")
+
+
 def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     stressed = labelled(von_mises=(("z", "x", "y"), STRESS))
     figure = picture(stressed)

@@ -179,10 +179,10 @@ def test_a_surface_that_cannot_be_is_refused(make: Any, message: str) -> None:
 
 def test_points_that_are_not_the_grids_cells_need_sizes() -> None:
     with pytest.raises(
-        cs.InvalidInput, match=r"^MeasuredSurface\.heights has \(24, 8\) points in a period: give"
+        cs.InvalidInput, match=r"^MeasuredSurface\.extent is None, and its \(24, 8\) points are not"
     ):
         cs.MeasuredSurface(HEIGHTS[:, :8]).gap(GRID)
-    with pytest.raises(cs.InvalidInput, match=r"\(24, 8\) points in a period"):
+    with pytest.raises(cs.InvalidInput, match=r"\(24, 8\) points are not"):
         cs.MeasuredSurface(np.zeros((24, 8))).gap(GRID)
 
 

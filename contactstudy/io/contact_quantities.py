@@ -280,9 +280,14 @@ def _of_stress(
     coordinates: Mapping[str, Array],
     estimate: ErrorEstimate,
 ) -> dict[str, Quantity]:
-    """Return the largest von Mises stress below the surface with its depth, and the margin to yield where known."""
+    """Return the largest von Mises stress below the surface with its depth, and the margin to yield where known.
+
+    Where the scene gives the depths, the stress between and beyond them may be larger, and the labels say so.
+    """
     if scene is None or "von_mises" not in derived:
         return {}
+    is_given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
+    where = " at the depths given" if is_given else ""
     stress = derived["von_mises"]
     axes = {
         **coordinates,
@@ -290,15 +295,15 @@ def _of_stress(
     }
     largest, position = _largest(stress.values, axes, stress.dimensions)
     why = estimate.warnings
-    value = Quantity(largest, "Pa", "largest von Mises stress", position=position)
+    value = Quantity(largest, "Pa", f"largest von Mises stress{where}", position=position)
     numbers = {"largest_von_mises": bounded(value, estimate.largest_von_mises, why)}
     if "z" in position:
-        depth = Quantity(position["z"], "m", "depth of the largest von Mises stress")
+        depth = Quantity(position["z"], "m", f"depth of the largest von Mises stress{where}")
         numbers["largest_von_mises_depth"] = bounded(depth, estimate.largest_von_mises_depth, why)
     solids = (scene.solids[out.solid] for out in scene.outputs if hasattr(out, "solid"))
     strength = min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
     if strength < inf and largest:
-        margin = Quantity(strength / largest, "1", "yield strength over von Mises stress")
+        margin = Quantity(strength / largest, "1", f"yield strength over von Mises stress{where}")
         error = estimate.largest_von_mises
         if error is not None and error.total < 1:
             bound = margin.value * error.total / (1 - error.total)

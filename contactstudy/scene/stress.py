@@ -229,7 +229,8 @@ class StressBelow:
         """Return depths [m] from the surface to below the contact that include the largest von Mises stress, to 1 %.
 
         Near its maximum the stress changes slowly with depth, so that steps by a third find the neighbouring depths, and
-        steps by a tenth between them the maximum. On a large grid only the depth of the maximum is returned.
+        steps by a tenth between them the maximum. On a large grid only the depth of the maximum and those beside it are
+        returned.
         """
         rows = np.flatnonzero(pressure.any(axis=1))
         cell = min(self.grid.cell)
@@ -247,8 +248,11 @@ class StressBelow:
         best = depth_of_largest([0.0, *np.geomspace(cell / 2, deepest, count), *self.medium.faces])
         if best > 0:
             best = depth_of_largest(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
-        size = (len(COMPONENTS) + 1) * len(largest) * pressure.size
-        return tuple(sorted(largest)) if size <= MAX_VALUES else (best,)
+        depths = sorted(largest)
+        if (len(COMPONENTS) + 1) * len(depths) * pressure.size > MAX_VALUES:
+            at = depths.index(best)
+            depths = depths[max(at - 1, 0) : at + 2]
+        return tuple(depths)
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Return ``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""

@@ -105,6 +105,19 @@ def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
     assert contact.quantities["largest_von_mises_depth"].value == number.position["z"]
 
 
+@pytest.mark.parametrize("depths", ["auto", (1e-5, 2e-4)])
+def test_a_stress_says_whether_it_is_the_largest_of_given_depths_alone(
+    depths: str | tuple[float, ...], line_contact: LineContact
+) -> None:
+    steel = replace(STEEL, yield_strength=1e9)
+    scene = replace(
+        line_contact.scene, solids=(steel, steel), outputs=(cs.SubsurfaceStress(depths),)
+    )
+    numbers = cs.solve(scene, line_contact.grid((32, 1), 1.4), cs.ExactPeriodicity()).quantities
+    for name in ("largest_von_mises", "largest_von_mises_depth", "safety_factor"):
+        assert ("at the depths given" in numbers[name].label) is (depths != "auto")
+
+
 def test_a_safety_factor_holds_within_the_bound_of_the_stress(line_contact: LineContact) -> None:
     steel = replace(STEEL, yield_strength=1e9)
     outputs = (cs.SubsurfaceStress((2e-5, 4e-5, 8e-5)),)

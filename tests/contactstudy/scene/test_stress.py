@@ -258,6 +258,17 @@ def test_chosen_depths_show_the_largest_stress_to_one_per_cent(
     assert_allclose(depths[level : level + 2] / depths[level - 1 : level + 1], 1.1, rtol=1e-12)
 
 
+def test_a_large_grid_keeps_the_depths_beside_the_largest_stress(
+    line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("contactstudy.scene.stress.MAX_VALUES", 1)
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(),))
+    grid = line_contact.grid((40, 1), 1.2, width=2.6)
+    contact = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
+    assert contact.derived["von_mises"].values.max(axis=(1, 2)).argmax() == 1
+    assert contact.quantities["largest_von_mises_depth"].bound > 0
+
+
 def test_depths_are_numbers_or_auto() -> None:
     assert cs.SubsurfaceStress("auto") == cs.SubsurfaceStress()
     with pytest.raises(cs.InvalidInput, match='or "auto"'):

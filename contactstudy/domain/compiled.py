@@ -80,7 +80,9 @@ def gap(
 
 
 @exact
-def contact(pressure: Array, height: Array, limit: float, cells: Array, active_gap: Array) -> None:
+def active_set(
+    pressure: Array, height: Array, limit: float, cells: Array, active_gap: Array
+) -> None:
     """Write the active set, cells in contact at no limit (1, others 0), and their gap."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
@@ -91,7 +93,7 @@ def contact(pressure: Array, height: Array, limit: float, cells: Array, active_g
 
 
 @exact
-def enter(
+def add_entering(
     pressure: Array, height: Array, extended: Array, step_length: float, limit: float, contact: Array,
     active_gap: Array, results: Array,
 ) -> None:  # fmt: skip
@@ -112,7 +114,7 @@ def enter(
 
 
 @summing
-def totals(cells: Array, residual: Array, results: Array) -> None:
+def direction_sums(cells: Array, residual: Array, results: Array) -> None:
     """Write for each row the number of `cells`, and the sum of the preconditioned `residual`."""
     for i in range(cells.shape[0]):
         count = residual_sum = 0.0
@@ -211,7 +213,7 @@ def outside_limits(
 
 
 @exact
-def shorten(
+def take_fraction(
     trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, fraction: float,
     limit: float,
 ) -> None:  # fmt: skip

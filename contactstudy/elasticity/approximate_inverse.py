@@ -1,17 +1,22 @@
 """Preconditioner of a contact problem: a pressure on the contact from its displacement.
 
-A displacement ``u`` that is known in the contact alone is extended to all cells with little energy, divided by the
-spectrum of the periodic grid, and gathered to the contact by the transposed extension, or a fragmented contact would
-seem far too stiff: by more with every halving of the cells. Outside the contact ``w``, which is 1 there and 0 elsewhere,
-the extension is the weighted mean ``G(u) / G(w)``, in which the nearest cells of the contact weigh most.
+1. A displacement ``u`` known on the contact is extended to all cells with little energy.
+2. It is divided by the spectrum of the periodic grid.
+3. The pressure is restricted to the contact by the transposed extension.
 
-The displacement with the least energy is the mean over the first hitting point of a random walk (Levy flight) whose
-jumps are distributed as the inverse ``S`` of the operator couples cells, like ``r^-3``. Its kernel falls like ``r^-3``
-beyond the width of the holes in the contact, and more slowly within. That is the kernel of ``G = (1 + t S)^(-1/2)``: it
-is positive, a mixture of Poisson's kernels, and falls like ``r^-3/2`` up to the length that ``t`` stands for.
+Extending ``u`` by zeros instead makes a fragmented contact far too stiff, by more with every halving of the cells.
+Outside the contact ``w``, which is 1 there and 0 elsewhere, the extension is the weighted mean ``G(u) / G(w)``, in
+which the nearest cells of the contact weigh most.
+
+The extension of least energy is the mean of ``u`` over the first hitting point of a Levy flight whose jumps are
+distributed as the inverse ``S`` of the operator couples cells, like ``r^-3`` (Kyprianou, Osojnik & Shardlow 2018). Its
+kernel falls like ``r^-3`` beyond the width of the holes in the contact, and more slowly within. So does the kernel of
+``G = (1 + t S)^(-1/2)``: it is positive, a mixture of Poisson's kernels, and falls like ``r^-3/2`` up to a length that
+``t`` sets.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import log2
 from typing import Any
 
@@ -22,14 +27,32 @@ from contactstudy.domain.device import arrays, device
 from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_parts
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
-# Single precision has noise in all waves: in the shortest, times this, it may be as large as the longest are.
-WIDEST = 1e4
-# The smoothing reaches over so many holes; of 1, 1.5, 2 and 3 this takes the fewest iterations on sparse contacts.
-HOLES = 2
-# Weights below so many roundings of the largest are noise of a transform.
-ROUNDINGS = 100
-# Cells whose sides differ by a factor of more make no blocks of 2 x 2.
-ELONGATED = 4.0
+
+@dataclass(frozen=True)
+class InverseConstants:
+    """Constants of the preconditioner.
+
+    Attributes
+    ----------
+    single_range
+        Largest ratio of the spectrum's values for single precision, whose noise is the same in all wave numbers.
+    holes
+        Range of the smoothing over the width of a hole; of 1, 1.5, 2 and 3 this takes the fewest iterations on sparse
+        contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
+    noise
+        Roundings of the largest weight below which a weight is noise of a transform.
+    elongation
+        Ratio of the sides of a cell above which cells are not joined to blocks of 2 x 2. Joining them makes solves 1.1
+        to 2 times as fast.
+    """
+
+    single_range: float = 1e4
+    holes: float = 2.0
+    noise: float = 100.0
+    elongation: float = 4.0
+
+
+CONSTANTS = InverseConstants()
 
 
 class ExactInverse:
@@ -72,22 +95,21 @@ class ExactExtension:
 
 
 class SpectralInverse:
-    """Division by a spectrum on the unpadded grid, as if it were periodic: a preconditioner.
+    """Preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
     The mean over the grid is mapped to zero. Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros
-    outside the contact. The walk on spheres is that of Kyprianou, Osojnik & Shardlow (2018); the extension by one
-    smoothing is of this package.
+    outside the contact.
 
     Parameters
     ----------
     spectrum
-        Spectrum of the operator at the waves of the unpadded grid (x, y // 2 + 1).
+        Spectrum of the operator at the wave numbers of the unpadded grid (x, y // 2 + 1).
     cells
         Cells of the grid (across, along).
     work_array
         Returns the work array of a transform.
     real
-        Type of the numbers to work in, if their digits span the range of the spectrum: a preconditioner needs few.
+        Type of the numbers to work in, if their digits span the range of the spectrum.
     """
 
     def __init__(
@@ -100,12 +122,12 @@ class SpectralInverse:
         xp = arrays()
         inverse = 1 / spectrum
         inverse[0, 0] = 0.0
-        if float(xp.max(inverse)) * float(xp.max(spectrum)) > WIDEST:
+        if float(xp.max(inverse)) * float(xp.max(spectrum)) > CONSTANTS.single_range:
             real = spectrum.dtype
         self._inverse, self.real = xp.astype(inverse, real, copy=False), real
         self._cells, self._work_array = cells, work_array
         self._transforms, self._waves = transforms(), work_array(cells, real)
-        # that of the shortest waves along either axis
+        # inverse of the shortest wavelength along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
         # the range of the smoothing in cells, and its spectrum
         self._smoothing: tuple[float, Array] = 0.0, self._inverse
@@ -116,14 +138,14 @@ class SpectralInverse:
         """Number of cells transformed so far."""
         return self._transformed + (self._coarser.work if self._coarser is not None else 0.0)
 
-    def extension(self, contact: Array) -> "FullExtension":
+    def extension(self, contact: Array) -> "CoveringExtension":
         """Return the map from the displacement of a `contact` (x, y) to that of all cells."""
         if self._coarser is not None:
             return BlockExtension(contact, self._coarser, self.pressure)
         width = hole_width(contact)
         if not width:
-            return FullExtension(contact, self.pressure)
-        width = 2.0 ** round(log2(HOLES * width))
+            return CoveringExtension(contact, self.pressure)
+        width = 2.0 ** round(log2(CONSTANTS.holes * width))
         if width != self._smoothing[0]:
             stretch = width * np.pi / self._stiffest
             self._smoothing = width, 1 / arrays().sqrt(1 + stretch * self._inverse)
@@ -139,7 +161,7 @@ class SpectralInverse:
         if compiled_loops(self._cells) is None or nx % 4 or ny % 4:
             return None
         elongation = float(spectrum[0, -1]) / float(spectrum[nx // 2, 0])
-        if not 1 / ELONGATED < elongation < ELONGATED:
+        if not 1 / CONSTANTS.elongation < elongation < CONSTANTS.elongation:
             return None
         low = np.concatenate([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
         return SpectralInverse(
@@ -151,13 +173,13 @@ class SpectralInverse:
         return self._filtered(field, self._smoothing[1])
 
     def _filtered(self, field: Array, factors: Array) -> Array:
-        """Return `field` with its waves multiplied by `factors`."""
+        """Return `field` with its Fourier coefficients multiplied by `factors`."""
         self._transformed += field.size
         return self._transforms.filtered(field, factors, self._waves)
 
 
-class FullExtension:
-    """Extension of a contact that holds a fraction of every cell: its displacement there counts for the whole cell.
+class CoveringExtension:
+    """Extension of a contact that holds a fraction of every cell: its displacement counts for the whole cell.
 
     `pressure` is the map from a displacement of all cells to their pressure.
     """
@@ -166,11 +188,11 @@ class FullExtension:
         self.contact, self._pressure = contact, pressure
 
     def __call__(self, displacement: Array) -> Array:
-        """Return the `displacement` (x, y), which is weighted by the fractions, without these weights."""
+        """Return the `displacement` (x, y), which is weighted by the fractions, divided by them."""
         return displacement / self.contact
 
     def transposed(self, pressure: Array) -> Array:
-        """Return the `pressure` (x, y): the transposed map, weighted by the fractions."""
+        """Return the `pressure` (x, y): the transposed map, for a displacement weighted by the fractions."""
         return pressure
 
     def pressure(self, extended: Array) -> Array:
@@ -178,7 +200,7 @@ class FullExtension:
         return self.transposed(self._pressure(extended))
 
 
-class SmoothedExtension(FullExtension):
+class SmoothedExtension(CoveringExtension):
     """Extension by the weighted mean of the contact's displacement; `smoothed` is a symmetric, positive convolution."""
 
     def __init__(
@@ -191,7 +213,7 @@ class SmoothedExtension(FullExtension):
         xp = arrays()
         self._smoothed = smoothed
         weights = smoothed(contact)
-        least = ROUNDINGS * float(xp.finfo(contact.dtype).eps) * float(xp.max(weights))
+        least = CONSTANTS.noise * float(xp.finfo(contact.dtype).eps) * float(xp.max(weights))
 
         def invert(contact: Array, weights: Array) -> None:
             weights[...] = (1 - contact) / xp.maximum(weights, least)
@@ -211,7 +233,7 @@ class SmoothedExtension(FullExtension):
         return extended
 
     def transposed(self, pressure: Array) -> Array:
-        """Gather a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
+        """Restrict a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
         gathered = self._smoothed(pressure * self._outside)
 
         def combine(pressure: Array, gathered: Array, contact: Array) -> None:
@@ -222,10 +244,10 @@ class SmoothedExtension(FullExtension):
         return pressure
 
 
-class BlockExtension(FullExtension):
+class BlockExtension(CoveringExtension):
     """Extension by way of blocks of 2 x 2 cells, whose means are extended and interpolated linearly.
 
-    A block belongs to the contact by the fraction of its cells that do. Blocks wrap round the grid.
+    A block belongs to the contact by the fraction of its cells that do. The blocks are periodic.
     """
 
     def __init__(
@@ -244,7 +266,7 @@ class BlockExtension(FullExtension):
         return extended
 
     def transposed(self, pressure: Array) -> Array:
-        """Gather a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
+        """Restrict a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
         blocks = self._blocks(pressure)
         self._in_parts(self._loops.filled_transposed, pressure, self.contact, blocks)
         blocks = self._extension.transposed(blocks)
@@ -271,7 +293,7 @@ class BlockExtension(FullExtension):
 def hole_width(contact: Array) -> float:
     """Return the mean number of cells between two cells of a `contact` (x, y) along a row or column.
 
-    It is 0 where the contact has no end.
+    It is 0 where no cell of the contact has a neighbour outside.
     """
     xp, inside = arrays(), contact > 0
     ends = int(xp.count_nonzero(inside[1:, :] != inside[:-1, :]))
@@ -281,7 +303,7 @@ def hole_width(contact: Array) -> float:
 
 
 def at_unpadded_waves(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-    """Return the spectrum of a padded grid at the waves of the unpadded one, above zero."""
+    """Return the spectrum of a padded grid at the wave numbers of the unpadded one, above zero."""
     xp, put = arrays(), device().put
     (nx, ny), (px, py) = cells, padded
     if px % nx == 0 and py % ny == 0:

@@ -76,7 +76,7 @@ class Displacement:
         return response
 
     def rigid_shift(self, line: float) -> float:
-        """Return what the datum adds to the response to a row of images, each with the area `line` times the period."""
+        """Return what the datum adds to the response to a row of images, whose area is `line` [m] per length."""
         return 2 * line * log(self.datum)
 
     def lattice(
@@ -97,7 +97,7 @@ class _Axis:
 
     @property
     def known(self) -> int:
-        """Number of offsets to evaluate; on a circle the others follow by symmetry."""
+        """Number of offsets to evaluate; on a periodic axis the others follow by symmetry."""
         return self.cells // 2 + 1 if self.padding.wraps else self.cells
 
     @property
@@ -111,7 +111,7 @@ def without_shift(
 ) -> tuple[Coefficients, float]:
     """Return the coefficients with the datum 1 m where they have one, and the constant that they then lack on `grid`.
 
-    What takes long to compute is then equal for all data.
+    The costly arrays are then equal for all data.
     """
     if not hasattr(coefficients, "rigid_shift"):
         return coefficients, 0.0
@@ -126,7 +126,7 @@ def without_shift(
 def kernel(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:
     """Return `coefficients` (x, y) at offsets of 0, 1, 2 ... cells, summed over the images that the paddings include.
 
-    An axis of n cells that wraps has ``n // 2 + 1`` offsets, any other axis n.
+    A periodic axis of n cells has ``n // 2 + 1`` offsets, any other axis n.
     """
     axes = zip(grid.cells, grid.cell, grid.extent, paddings, strict=True)
     across, along = (_Axis(*axis) for axis in axes)
@@ -154,9 +154,8 @@ def _kernel(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
 def _summed(coefficients: Callable[[Array], Array], axis: _Axis, parity: int) -> Array:
     """Return the sum of ``coefficients(d + m L)`` over the periods m of the axis's window, for its known offsets d.
 
-    `coefficients` is even or odd, and takes distances along its first axis. The offsets of one period therefore serve
-    two images: the one ahead and, reversed, the next one behind. Far images are added first, so that small terms are
-    summed before large ones.
+    `coefficients` is even or odd in its argument, so that the offsets of one period serve two images: the one ahead and,
+    reversed, the next one behind. Far images are added first: small terms are summed before large ones.
     """
     window, count = axis.padding.window, axis.cells
     assert window is not None

@@ -22,14 +22,33 @@ from contactstudy.elasticity.approximate_inverse import (
 from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel, without_shift
 from contactstudy.elasticity.transforms import ComplexField, even_waves, scale, transforms
 
-# Axes of fewer cells than this are not coarsened: a coarser grid would no longer see the contact.
-MIN_COARSENED = 32
-# One row of so many cells is preconditioned by its own equations.
-EXACT_ROW_CELLS = 64
-# Compliance of the mean over the largest coefficient, which makes the equations of one row positive definite.
-MEAN_COMPLIANCE = 10.0
-# ComplexField with less than this fraction of the energy of the largest are none.
+# Wave numbers with less than this fraction of the energy of the largest one do not count.
 NEGLIGIBLE_ENERGY = 1e-28
+
+
+@dataclass(frozen=True)
+class OperatorConstants:
+    """Constants of coarser grids and of the inverse of one row.
+
+    Attributes
+    ----------
+    min_coarsened
+        Least cells along an axis of a coarser grid. With 64, contacts take up to 1.2 times the convolutions; with 8, as
+        many.
+    exact_row_cells
+        Most cells of one row whose equations are solved exactly as a preconditioner. It saves half of the convolutions
+        there, and up to a quarter of the time.
+    mean_compliance
+        Compliance of the mean over the largest coefficient, which makes these equations positive definite. From 1 to
+        1000 it changes nothing.
+    """
+
+    min_coarsened: int = 32
+    exact_row_cells: int = 64
+    mean_compliance: float = 10.0
+
+
+CONSTANTS = OperatorConstants()
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +56,7 @@ class Convolution:
     """Linear map from pressure to displacement on one grid, ``displacement = K * pressure``.
 
     Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. It is symmetric, and positive definite except
-    for a rigid shift. Only the rows that hold pressure are transformed along y, and only the rows that are wanted are
+    for a rigid shift. Rows of zeros are not transformed along y, and only the rows of the grid are
     transformed back.
 
     Parameters
@@ -144,7 +163,7 @@ class Convolution:
     def blocks(self) -> tuple[int, int]:
         """Number of cells (across, along) that are merged, 2 along an axis that can be halved, else 1."""
         across, along = (
-            2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * MIN_COARSENED else 1
+            2 if cells % 2 == 0 and padded % 2 == 0 and cells >= 2 * CONSTANTS.min_coarsened else 1
             for cells, padded in zip(self.cells, self.padded, strict=True)
         )
         return across, along
@@ -152,8 +171,8 @@ class Convolution:
     def coarsened(self) -> "Convolution":
         """Return the operator on larger cells: mean displacement of blocks of cells under a pressure constant in each.
 
-        A Galerkin coarsening: in the spectrum, the two averages multiply by ``cos(pi k / n)^2``, and the larger cells
-        fold the upper half of the frequencies onto the lower.
+        Galerkin coarsening: in the spectrum, restriction and prolongation multiply by ``cos(pi k / n)^2``, and the
+        larger cells alias the upper half of the wave numbers to the lower.
         """
         spectrum, (px, py), (across, along) = self.spectrum, self.padded, self.blocks
         if across == 2:
@@ -173,9 +192,13 @@ class Convolution:
         """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
         It works in the operator's own precision, unless another `precision` is given and can hold the spectrum's range.
-        For one row of few cells it solves the equations of the contact themselves.
+        For one row of few cells it solves the equations of the contact exactly.
         """
-        if self.cells[1] == 1 and self.cells[0] <= EXACT_ROW_CELLS and isinstance(device(), Cpu):
+        if (
+            self.cells[1] == 1
+            and self.cells[0] <= CONSTANTS.exact_row_cells
+            and isinstance(device(), Cpu)
+        ):
             return ExactInverse(self._compliance())
         spectrum = at_unpadded_waves(self.spectrum, self.cells, self.padded)
         real = spectrum.dtype if precision is None else precision.real
@@ -184,18 +207,18 @@ class Convolution:
     def _compliance(self) -> Array:
         """Return the displacement of each cell of one row under a unit pressure on each (cells, cells).
 
-        A constant is added that makes it positive definite; a step that keeps the load does not feel it.
+        A constant is added that makes it positive definite; under a given load it only changes the approach.
         """
         unit = np.zeros(self.cells, dtype=self.spectrum.dtype)
         unit[0] = 1
         row = self(unit)[:, 0]
-        row += MEAN_COMPLIANCE * np.abs(row).max()
+        row += CONSTANTS.mean_compliance * np.abs(row).max()
         index = np.arange(len(row))
         return np.asarray(row[np.abs(index[:, None] - index)])
 
 
 def _aliased(low: Array, high: Array, weights: Array) -> Array:
-    """Return the mean of two parts of a spectrum, `low` with these `weights` and `high` with their complements to 1."""
+    """Return ``low weights + high (1 - weights)`` for two parts of a spectrum."""
     folded = low - high
     folded *= arrays().astype(device().put(weights), folded.dtype, copy=False)
     folded += high
@@ -261,7 +284,7 @@ def superposed(
         unshifted, shift = without_shift(coefficients, grid, paddings)
         key = unshifted, grid, paddings
         transform = cached_array(key, partial(_spectrum, *key))
-        # an array that is not kept for others is changed in place
+        # an array that is not cached is changed in place
         target = transform if transform.flags.writeable else None
         spectrum = np.multiply(transform, weight, out=target)
         spectrum[0, 0] += weight * shift * padded[0] * padded[1]
@@ -283,7 +306,8 @@ def antisymmetric(
 ) -> Convolution:
     """Return the convolution with a weighted sum of coefficients that are odd along one axis.
 
-    It is no operator for a solver: its displacement is to be lagged. Arguments are those of :func:`superposed`.
+    It is not symmetric, so that no solver takes it: its displacement is lagged. Arguments are those of
+    :func:`superposed`.
     """
     paddings = across_and_along(padding)
     padded = padded_cells(grid, paddings)
@@ -324,10 +348,10 @@ def padded_cells(grid: Grid, paddings: Paddings) -> tuple[int, int]:
 def mirrored_by_parity(
     coefficients: Array, padded: tuple[int, int], parity: tuple[int, int]
 ) -> Array:
-    """Return coefficients of known offsets at every point of the padded grid, mirrored by their parity."""
+    """Return coefficients of known offsets at every point of the padded grid, extended by their parity."""
     around = coefficients[np.ix_(*map(_offset_indices, coefficients.shape, padded))]
     for axis, even in enumerate(parity):
-        if even < 0:  # odd: zero at the origin and half-way round, where both sides meet
+        if even < 0:  # odd: zero at the origin and at half the period
             n = padded[axis]
             index = np.arange(n)
             sign = np.sign(n - 2 * index) * (index > 0)
@@ -336,9 +360,9 @@ def mirrored_by_parity(
 
 
 def _to_half_period(coefficients: Array, points: int, axis: int) -> Array:
-    """Return `coefficients` from the offset zero to half-way round an axis of so many `points`.
+    """Return `coefficients` from the offset zero to half the period of an axis of so many `points`.
 
-    Points that no pair of cells uses repeat the last known coefficients.
+    Offsets that no pair of cells has repeat the last known coefficient.
     """
     n_known, n_offsets = coefficients.shape[axis], points // 2 + 1
     if n_known == n_offsets:
@@ -348,9 +372,9 @@ def _to_half_period(coefficients: Array, points: int, axis: int) -> Array:
 
 
 def _offset_indices(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """Return the offset of each point of a padded axis from zero, at most ``known - 1``.
+    """Return the distance of each point of a padded, periodic axis from zero, at most ``known - 1``.
 
-    Points that no pair of cells uses repeat the last known offset.
+    Offsets that no pair of cells has repeat the last known one.
     """
     index = np.arange(padded)
     return np.minimum(np.minimum(index, padded - index), known - 1)

@@ -60,7 +60,7 @@ class WithWinklerLayer:
     def approximate_inverse(
         self, precision: Precision | None = None
     ) -> SpectralInverse | ExactInverse:
-        """Return a preconditioner: the inverse, or that of the convolution beside a layer of the mean compliance."""
+        """Return a preconditioner: the exact inverse of few cells, else that with a layer of the mean compliance."""
         layer = float(self.compliance.mean())
         inverse = weighted_sum([(1.0, self.convolution)], layer).approximate_inverse(precision)
         if isinstance(inverse, ExactInverse):

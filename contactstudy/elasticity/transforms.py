@@ -1,9 +1,8 @@
-"""Real transforms of a zero-padded field; rows that are all zeros are not transformed.
+"""Real Fourier transforms of a zero-padded field; rows of zeros are not transformed.
 
-ducc0 is used, and scipy where it is missing. One convolution in ms on one thread, work array reused where it can be,
-medians of one run on an AMD EPYC: 512 x 512 cells padded to 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured)
-3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1; 1024 x 1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to
-6e-16.
+ducc0 is used, and scipy where it is missing. One convolution in ms on one thread (AMD EPYC, medians): 512 x 512 cells
+padded to 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded to 1024 x 1024: 14.3, 7.9, 8.1; 1024 x
+1024 padded to 2048 x 1024: 27.6, 21.9, 24.9. All three agree to 6e-16.
 """
 
 import os
@@ -24,27 +23,27 @@ from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_part
 ComplexField = NDArray[np.complexfloating[Any, Any]]
 
 
-# Transforms of no more numbers are not shared among threads: waking them takes longer than it saves.
+# Transforms of fewer numbers run on one thread: waking others takes longer than it saves.
 MIN_THREADED = 2**16
 
 
 class Transforms(ABC):
-    """Pair of transforms; they may overwrite `work`, an array for the waves, where the library takes one."""
+    """Pair of transforms; they may overwrite `work`, an array for Fourier coefficients, where the library takes one."""
 
     @abstractmethod
     def forward(
         self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
     ) -> ComplexField:
-        """Return the waves (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
+        """Return the Fourier coefficients (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
 
     @abstractmethod
     def backward(
         self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
     ) -> Array:
-        """Return the first (nx, ny) cells of the field with these `waves`, which are overwritten."""
+        """Return the first (nx, ny) cells of the field with the Fourier coefficients `waves`, which are overwritten."""
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
-        """Return `field` (nx, ny), periodic along both axes, with its waves multiplied by `factors`."""
+        """Return `field` (nx, ny), periodic along both axes, with its Fourier coefficients multiplied by `factors`."""
         cells = field.shape[0], field.shape[1]
         waves = self.forward(field, cells, work)
         scale(waves, factors)
@@ -57,7 +56,7 @@ class Standard(Transforms):
     def forward(
         self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
     ) -> ComplexField:
-        """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
+        """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
         fft = arrays().fft
         waves: ComplexField = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
         return waves
@@ -65,7 +64,7 @@ class Standard(Transforms):
     def backward(
         self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
     ) -> Array:
-        """Return the field of `waves`: along x, then along y on the rows that are wanted."""
+        """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
         fft = arrays().fft
         rows = fft.ifft(waves, axis=0)[: cells[0], :]
         field: Array = fft.irfft(rows, n=padded[1], axis=1)[:, : cells[1]]
@@ -78,7 +77,7 @@ class SciPy(Transforms):
     def forward(
         self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
     ) -> ComplexField:
-        """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
+        """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
         workers = threads()
         rows = fft.rfft(field, padded[1], axis=1, workers=workers)
         return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=workers))
@@ -86,7 +85,7 @@ class SciPy(Transforms):
     def backward(
         self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
     ) -> Array:
-        """Return the field of `waves`: along x, then along y on the rows that are wanted."""
+        """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
         workers = threads()
         rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[: cells[0]]
         field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=workers)
@@ -101,7 +100,7 @@ class Ducc(Transforms):
     """Transforms by ducc0.fft, on the threads of the device, into the work array."""
 
     def __init__(self) -> None:
-        # no stubs, and not there for everybody
+        # optional, and without type stubs
         ducc0: Any = import_module("ducc0")
         self._fft, self._misc = ducc0.fft, ducc0.misc
         self._lock, self._widened = Lock(), False
@@ -124,11 +123,11 @@ class Ducc(Transforms):
     def forward(
         self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
     ) -> ComplexField:
-        """Return the waves of `field`: along y on the rows that hold pressure, then along x."""
+        """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
         nx, ny = field.shape
         if work is None:
             work = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.result_type(field, 1j))
-        if padded[1] == 1:  # one cell along is its own wave
+        if padded[1] == 1:  # the transform of one cell is the cell itself
             work[:nx] = field
         else:
             if ny < padded[1]:
@@ -143,7 +142,7 @@ class Ducc(Transforms):
     def backward(
         self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
     ) -> Array:
-        """Return the field of `waves`: along x, then along y on the rows that are wanted."""
+        """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
         count = self._threads(waves.size)
         self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=count)
         rows = waves[: cells[0]]
@@ -168,7 +167,7 @@ class Ducc(Transforms):
         return waves
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
-        """Return a periodic `field` with its waves multiplied by `factors`, by one call each way."""
+        """Return a periodic `field` with its Fourier coefficients multiplied by `factors`, by one call each way."""
         count = self._threads(field.size)
         work = self._fft.r2c(field, axes=(0, 1), out=work, nthreads=count)
         scale(work, factors)
@@ -187,7 +186,7 @@ class Ducc(Transforms):
 
 
 def _c2r_is_slow(waves: ComplexField, along: int) -> bool:
-    """Return whether ducc0 (0.42) takes twice as long as scipy back to so many cells along: in single precision."""
+    """Return whether ducc0 (0.42) takes twice as long as scipy for this inverse transform, as in single precision."""
     return waves.dtype == np.complex64 and along > 512
 
 
@@ -196,12 +195,13 @@ STANDARD = Standard()
 
 
 def even_waves(half: Array, points: tuple[int, int]) -> Array:
-    """Return the real transform of a field (x, y) of `points` that is even along both axes, from zero to half-way round.
+    """Return the real transform of a field (x, y) of `points` that is even along both axes, from zero to half the
+    period.
 
     Parameters
     ----------
     half
-        Values at the offsets from zero to half-way round (points // 2 + 1 along each axis).
+        Values at the offsets from zero to half the period (points // 2 + 1 along each axis).
     points
         Points of the field along both axes.
     """
@@ -221,7 +221,7 @@ def transforms() -> Transforms:
 
 
 def scale(waves: ComplexField, factors: Array) -> None:
-    """Multiply `waves` by `factors`, one for each wave, in place."""
+    """Multiply Fourier coefficients `waves` by `factors`, one for each, in place."""
     loops = compiled_loops(waves.shape)
     if loops is None or factors.dtype.kind != "f":
         in_blocks(imul, waves, factors)

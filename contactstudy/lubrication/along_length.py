@@ -19,9 +19,9 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, gmres, splu
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.approximate_inverse import (
+    CoveringExtension,
     ExactExtension,
     ExactInverse,
-    FullExtension,
     SpectralInverse,
 )
 from contactstudy.elasticity.convolution import Convolution
@@ -175,7 +175,7 @@ class StepSystem:
     touching: Mask
     fourier: "FourierStage"
     local: "LineStage | FactorStage"
-    extension: ExactExtension | FullExtension | None = None
+    extension: ExactExtension | CoveringExtension | None = None
 
     @cached_property
     def free(self) -> Mask:

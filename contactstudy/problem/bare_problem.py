@@ -10,12 +10,27 @@ from contactstudy.problem.constraint import Constraint, Gap, Resultant, largest_
 from contactstudy.problem.operator import Operator
 from contactstudy.problem.passes import ArrayPasses, passes_for
 
-# A gap is uncertain by this number of roundings of the largest displacement: residuals stop falling at half of it.
-ROUNDINGS = 2.0
-# Compliance of the first Winkler foundation over that of a cell; the second differs little, whatever it is.
-RELATIVE_COMPLIANCE = 4.0
-# Ratio of the sides of cells from which a Winkler foundation is no start.
-ELONGATED = 30.0
+# Rounding error of a gap, in roundings of the largest displacement; residuals stop falling at half of it.
+GAP_ROUNDINGS = 2.0
+
+
+@dataclass(frozen=True)
+class WinklerConstants:
+    """Constants of the start on a Winkler foundation, judged by the convolutions of 15 contacts.
+
+    Attributes
+    ----------
+    compliance
+        Compliance of the first foundation over that of a cell. From 1 to 20 the convolutions change by 0.9 to 1.4 times.
+    elongation
+        Ratio of the sides of a cell above which the start is uniform. With 3 a roller takes 2 convolutions more.
+    """
+
+    compliance: float = 4.0
+    elongation: float = 30.0
+
+
+CONSTANTS = WinklerConstants()
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,12 +76,12 @@ class BareProblem:
     def winkler_start(self) -> Array:
         """Return the pressure (x, y) of a Winkler foundation with the compliance of the operator under such a pressure.
 
-        It is uniform where no compliance follows, and on elongated cells: there waves along the shorter side are much
+        It is uniform where no compliance follows, and on elongated cells, where waves along the shorter side are much
         stiffer than others.
         """
-        if not 1 / ELONGATED < self.elongation < ELONGATED:
+        if not 1 / CONSTANTS.elongation < self.elongation < CONSTANTS.elongation:
             return self.uniform()
-        compliance = RELATIVE_COMPLIANCE * self.operator.self_compliance
+        compliance = CONSTANTS.compliance * self.operator.self_compliance
         pressure = self.project(-self.undeformed_gap / compliance)
         free = self.constraint.free(pressure)
         cells = total(free)
@@ -112,7 +127,7 @@ class BareProblem:
         absolute value is found unless it is given as `largest`.
         """
         largest = largest_size(displacement) if largest is None else largest
-        rounding = float(ROUNDINGS * arrays().finfo(displacement.dtype).eps * largest)
+        rounding = float(GAP_ROUNDINGS * arrays().finfo(displacement.dtype).eps * largest)
         return not max(tolerance, rounding) < residual < inf
 
     def coarsened(self) -> "BareProblem | None":

@@ -40,7 +40,7 @@ class Gap:
     largest_displacement: float
 
 
-def in_double(field: Array, factor: float) -> Array:
+def scaled_in_double(field: Array, factor: float) -> Array:
     """Return a numpy array `field` times `factor` in double precision, in place if it has that precision."""
     double = np.asarray(field, dtype=np.float64)
     double *= factor
@@ -48,21 +48,21 @@ def in_double(field: Array, factor: float) -> Array:
 
 
 def violation(pressure: Array, height: Array, free: Array) -> Array:
-    """Return by how much cells (x, y) that are not `free` violate a limit: by penetration, or by an open gap.
+    """Return by how much cells (x, y) that are not `free` violate their condition, which is at least 0.
 
-    Cells without pressure should not penetrate, and cells at the upper limit should not be open.
+    Cells without pressure should not penetrate, and cells at the upper limit should have no open gap.
     """
     xp = arrays()
     return xp.maximum(xp.where(pressure == 0, -height, height) * (1 - free), 0)
 
 
 def largest_of(*measures: float) -> float:
-    """Return the largest of measures at least 0, or nan if one is nan, which Python's own ``max`` may miss."""
+    """Return the largest of measures at least 0, or nan if one is nan, which Python's ``max`` may miss."""
     return nan if isnan(sum(measures)) else float(max(measures))
 
 
 class Constraint(Protocol):
-    """Convex set of pressures (x, y), cell by cell: the limits of some cells are active, the other cells are free."""
+    """Convex set of pressures (x, y), cell by cell: a cell is at a limit of its pressure, or it is free."""
 
     def scaled(self, pressure: float) -> Self:
         """Return the set of pressures of this one times `pressure`: the same set in another unit."""
@@ -82,7 +82,7 @@ class Constraint(Protocol):
     def free(self, pressure: Array) -> Array:
         """Return 1 for cells (x, y) at no limit, where the gap should be zero, and 0 for the others.
 
-        These are numbers, because a masked choice costs ten times a product on a rough contact.
+        These are numbers: on a rough contact, selecting by a mask costs ten times a product.
         """
         ...
 
@@ -132,7 +132,7 @@ def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     `limit`. Source: Held, Wolfe & Crowder (1974), here with an upper limit.
     """
     xp = arrays()
-    # counted from the highest cell, so that the numbers have the size of the load where the pressure is
+    # counted from the highest cell: where there is pressure, numbers are then of the size of the load
     depths = xp.astype(trial, xp.float64, copy=False)
     depths -= float(xp.max(depths))
     breakpoints = xp.sort(xp.reshape(-depths, (-1,)))
@@ -151,7 +151,7 @@ def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
     count = max(float(loaded[segment]), 1.0)
     shift = float(breakpoints[segment]) + missing / count
     del breakpoints, loaded, carried
-    # a second correction, for the rounding of a cumulative sum
+    # correct the shift for the rounding of the cumulative sum
     shift += (total - float(xp.sum(xp.clip(depths + shift, 0.0, limit)))) / count
     depths += shift
     trial[...] = xp.astype(xp.clip(depths, 0.0, limit), trial.dtype, copy=False)
@@ -168,7 +168,7 @@ class Compressive:
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return `pressure` times `unit`, in double precision; it may be overwritten."""
-        return in_double(pressure, unit)
+        return scaled_in_double(pressure, unit)
 
     def capacity(self, cells: int) -> float:
         """Return infinity: there is no upper limit."""
@@ -211,7 +211,7 @@ class Compressive:
         loaded = trial[trial != 0]
         carried = float(xp.sum(loaded))
         if loaded.shape[0] and float(xp.max(loaded)) > total:
-            # numbers of this size would drown the load
+            # rounding of such pressures would exceed the load
             chosen = cells > 0
             trial[chosen] = project_capped_simplex(trial[chosen], total, inf)
             return trial
@@ -251,7 +251,7 @@ def load_multiplier(
     """Return the shift, the Lagrange multiplier of the load, and the factor that make a pressure carry `load`.
 
     The pressure has the sum `carried` in a number of `loaded` cells; `load_above` returns both for a shift. The factor
-    makes up for what no shift can reach, and is 1 within some roundings `epsilon`.
+    corrects what rounding leaves; it is 1 within 16 roundings `epsilon`.
     """
     shift, before = 0.0, -1.0
     while carried > load and loaded != before:
@@ -277,7 +277,7 @@ class HardnessLimited:
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return `pressure` times `unit`; cells that yielded have this hardness to the last bit."""
         yielding = pressure >= self.scaled(1 / unit).hardness
-        return np.where(yielding, self.hardness, in_double(pressure, unit))
+        return np.where(yielding, self.hardness, scaled_in_double(pressure, unit))
 
     def capacity(self, cells: int) -> float:
         """Return the load of a number of `cells` at the hardness."""
@@ -315,9 +315,9 @@ class HardnessLimited:
         carried = trial[loaded]
         rounding = 8 * float(xp.finfo(trial.dtype).eps)
         if xp.max(carried) == self.hardness and abs(float(xp.sum(carried)) / total - 1) <= rounding:
-            return trial  # a factor one bit below 1 would take yielding cells off their limit
-        # what is carried grows with the factor along a concave broken line: Newton's steps from the left
-        # never pass the root, and end on its own segment
+            return trial  # a factor one bit below 1 would release yielding cells
+        # the load is a concave, piecewise linear function of the factor: Newton's steps from the left never pass the
+        # root, and end on its segment
         factor = total / float(xp.sum(carried))
         while True:
             yielding = carried * factor >= self.hardness
@@ -333,7 +333,7 @@ class HardnessLimited:
         return project_capped_simplex(trial, total, self.hardness)
 
     def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shift the `cells` of a `trial` pressure to the sum `total`, if they can make up for the others, in place."""
+        """Shift the `cells` of a `trial` pressure to the sum `total`, in place; scale all cells if these cannot reach it."""
         xp = arrays()
         self.clip(trial)
         chosen = cells > 0
@@ -401,7 +401,7 @@ class PrescribedLoad:
 
 @dataclass(frozen=True)
 class PrescribedApproach:
-    """Resultant of a given approach [m], from which heights are counted: pressures carry any load, or none."""
+    """Resultant of a given approach [m], from which heights are counted: the pressures carry any load, or none."""
 
     approach: float
 

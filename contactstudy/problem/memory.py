@@ -10,27 +10,26 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import Convolution, padded_cells
 from contactstudy.problem.problem import Problem
 
-# Arrays of the grid's size that a solve holds beside those of the padded grid: the transform pair, and two more
-# where the transforms of a library take room of their own.
-FIELDS = 14
-PAIR, WITH_ROOM = 2, 4
-# Bytes that any machine has; to ask the system takes as long as a solve of some hundred cells.
-ALWAYS_THERE = 2**24
-# Arrays of these that a problem holds before it is solved: its gap and its spectrum, which is real and half as long.
+# Arrays of the grid's size that a solve holds, and of the padded grid: a pair for the transforms, and two more where a
+# library's transforms take work arrays of their own.
+SOLVE_FIELDS = 14
+TRANSFORM_PAIR, PAIR_AND_WORK = 2, 4
+# Bytes that any machine has free: asking the system takes as long as a solve of some hundred cells.
+FREE_ON_ANY_MACHINE = 2**24
+# Of these, the arrays that a problem holds before it is solved: its gap, and its real spectrum of half the length.
 GAP, SPECTRUM = 1, 0.5
-
-# The largest block [bytes] by which glibc learns to keep memory.
-LEARNT = 2**25 - 2**13
+# The largest block [bytes] whose release raises the memory that glibc keeps.
+LARGEST_KEPT_BLOCK = 2**25 - 2**13
 
 
 def keep_freed_memory() -> None:
     """Let the C library keep up to 64 MiB of freed memory of this process for the next arrays.
 
-    glibc keeps twice the size of the largest mapped block that was freed, of at most 32 MiB. Until there has been one, a
-    solve would get new pages for its temporary arrays again and again, which takes up to a third of its time. Other C
-    libraries do not learn so.
+    glibc keeps twice the size of the largest mapped block that was freed, of at most 32 MiB. Before there is one, a
+    solve gets new pages for each temporary array, which takes up to a third of its time. Other C libraries do not adapt
+    in this way.
     """
-    block = np.empty(LEARNT, dtype=np.uint8)
+    block = np.empty(LARGEST_KEPT_BLOCK, dtype=np.uint8)
     del block
 
 
@@ -39,7 +38,9 @@ keep_freed_memory()
 
 def solve_bytes(grid: Grid, paddings: Paddings) -> int:
     """Return the largest memory that a solve on `grid` holds at once [bytes]."""
-    return 8 * (FIELDS * prod(grid.cells) + PAIR * prod(padded_cells(grid, paddings)))
+    return 8 * (
+        SOLVE_FIELDS * prod(grid.cells) + TRANSFORM_PAIR * prod(padded_cells(grid, paddings))
+    )
 
 
 def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
@@ -61,14 +62,14 @@ def refuse_solve(problem: Problem, precision: Precision) -> None:
     InvalidInput
         If the memory left is too small.
     """
-    fields = (FIELDS - GAP) * problem.undeformed_gap.size
-    padded = (PAIR - SPECTRUM) * problem.operator.work
+    fields = (SOLVE_FIELDS - GAP) * problem.undeformed_gap.size
+    padded = (TRANSFORM_PAIR - SPECTRUM) * problem.operator.work
     _refuse(problem.grid, precision.bytes * (fields + padded), " more")
 
 
 def _refuse(grid: Grid, needed: float, more: str) -> None:
     """Raise InvalidInput if this machine has no `needed` bytes left."""
-    if needed <= ALWAYS_THERE:
+    if needed <= FREE_ON_ANY_MACHINE:
         return
     available = available_bytes()
     if needed > available:
@@ -86,7 +87,7 @@ def refuse_on(device: Device, operator: Convolution, precision: Precision) -> No
     InvalidInput
         If the memory left there is too small.
     """
-    numbers = FIELDS * prod(operator.cells) + WITH_ROOM * prod(operator.padded)
+    numbers = SOLVE_FIELDS * prod(operator.cells) + PAIR_AND_WORK * prod(operator.padded)
     needed, available = numbers * precision.bytes, device.available_bytes
     if needed > available:
         raise InvalidInput(

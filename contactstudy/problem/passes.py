@@ -36,7 +36,7 @@ from contactstudy.problem.constraint import (
     load_multiplier,
 )
 
-# Heights beyond this need double precision: in single precision their squares and sums would overflow.
+# Heights beyond this need double precision: squares and sums of them overflow in single precision.
 SINGLE_LIMIT = 1e15
 
 
@@ -58,14 +58,14 @@ class TrialSums(NamedTuple):
     Attributes
     ----------
     cut
-        Whether a limit cuts the pressure.
+        Whether a limit cuts the pressure off.
     load
         Sum of the pressure.
     slope
-        Slope of the energy along the step, before a limit cuts the pressure.
+        Slope of the energy along the step, before a limit cuts the pressure off.
     loaded, largest
-        Number of cells with pressure, and the largest pressure; nan where the pass is not compiled, which leaves
-        tension in place.
+        Number of cells with pressure, and the largest pressure; nan from array operations, which leave tension in
+        place.
     """
 
     cut: bool
@@ -142,7 +142,7 @@ class ArrayPasses:
         violation = self.constraint.residual(pressure, height, load)
         return Gap(height, approach, violation, load, largest_size(displacement))
 
-    def contact(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
+    def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
         """Return the active set, the cells in contact at no limit (1, others 0), and its gap, in `real` numbers."""
         cells, active_gap = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
 
@@ -153,7 +153,7 @@ class ArrayPasses:
         in_blocks(select, cells, active_gap, pressure, height)
         return cells, active_gap
 
-    def enter(
+    def add_entering(
         self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
         active_gap: Array,
     ) -> bool:  # fmt: skip
@@ -175,7 +175,7 @@ class ArrayPasses:
 
         return any(in_blocks(add, contact, active_gap, pressure, height, extended))
 
-    def totals(self, cells: Array, residual: Array) -> tuple[float, ...]:
+    def direction_sums(self, cells: Array, residual: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the preconditioned `residual`."""
         return sums(lambda *blocks: tuple(map(_sum, blocks)), cells, residual)
 
@@ -252,15 +252,15 @@ class ArrayPasses:
         fields = trial, pressure, trial_displacement, displacement
         return sum(in_blocks(lambda p1, p0, u1, u0: dot(p1 - p0, u1 - u0), *fields))
 
-    def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
-        """Return whether a cell is beyond a limit after `factor` steps."""
+    def crosses_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
+        """Return whether `factor` times the step takes a cell beyond a limit."""
 
         def cuts(trial: Array, pressure: Array) -> bool:
             return self.constraint.exceeded_by(pressure + factor * (trial - pressure))
 
         return any(in_blocks(cuts, trial, pressure))
 
-    def shorten(
+    def take_fraction(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
         fraction: float,
     ) -> None:  # fmt: skip
@@ -303,23 +303,25 @@ class CompiledPasses(ArrayPasses):
         violation = largest_of(complementarity, sums[3].max())
         return Gap(height, approach, violation, load, float(sums[4].max()))
 
-    def contact(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
+    def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
         """Return the active set (1, others 0), and its gap, in `real` numbers."""
         cells, active_gap = (np.empty(pressure.shape, dtype=real) for _ in range(2))
-        _rows(self._loops.contact, pressure, height, self._limit, cells, active_gap)
+        _rows(self._loops.active_set, pressure, height, self._limit, cells, active_gap)
         return cells, active_gap
 
-    def enter(
+    def add_entering(
         self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
         active_gap: Array,
     ) -> bool:  # fmt: skip
-        """Add to an active set the cells that enter it after a step, as :meth:`ArrayPasses.enter` does."""
+        """Add to an active set the cells that enter it after a step, as :meth:`ArrayPasses.add_entering` does."""
         fields = pressure, height, extended, step_length, self._limit, contact, active_gap
-        return bool(_rows(self._loops.enter, *fields, results=1).any())
+        return bool(_rows(self._loops.add_entering, *fields, results=1).any())
 
-    def totals(self, cells: Array, residual: Array) -> tuple[float, ...]:
+    def direction_sums(self, cells: Array, residual: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the preconditioned `residual`."""
-        return tuple(_rows(self._loops.totals, cells, residual, results=2).sum(axis=1).tolist())
+        return tuple(
+            _rows(self._loops.direction_sums, cells, residual, results=2).sum(axis=1).tolist()
+        )
 
     def trial(
         self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
@@ -336,12 +338,13 @@ class CompiledPasses(ArrayPasses):
     ) -> float:  # fmt: skip
         """Cut a trial pressure off at the limits and shift its `cells`, in place.
 
-        Cells outside `cells` have no pressure where there is no upper limit.
+        Without an upper limit, other cells have no pressure.
         """
         if (
             self._limit < inf
             or not isinstance(resultant, PrescribedLoad)
-            or trial_sums.largest > resultant.total  # numbers of this size would drown the load
+            or trial_sums.largest
+            > resultant.total  # rounding of such pressures would exceed the load
         ):
             resultant.project_to_load(trial, cells, self.constraint)
             return self.slope(trial, pressure, height)
@@ -366,18 +369,18 @@ class CompiledPasses(ArrayPasses):
         fields = trial, pressure, trial_displacement, displacement
         return float(_rows(self._loops.curvature, *fields, results=1).sum())
 
-    def meets_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
-        """Return whether a cell is beyond a limit after `factor` steps."""
+    def crosses_a_limit(self, trial: Array, pressure: Array, factor: float) -> bool:
+        """Return whether `factor` times the step takes a cell beyond a limit."""
         fields = trial, pressure, factor, self._limit
         return bool(_rows(self._loops.outside_limits, *fields, results=1).any())
 
-    def shorten(
+    def take_fraction(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
         fraction: float,
     ) -> None:  # fmt: skip
-        """Take a `fraction` of a step, in place, as :meth:`ArrayPasses.shorten` does."""
+        """Take a `fraction` of a step, in place, as :meth:`ArrayPasses.take_fraction` does."""
         _rows(
-            self._loops.shorten,
+            self._loops.take_fraction,
             trial,
             pressure,
             trial_displacement,

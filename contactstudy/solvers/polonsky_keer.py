@@ -58,13 +58,13 @@ class PolonskyKeer:
             )
             direction = contact_gap + beta * direction * free
             previous_squared_norm = squared_norm
-            if inner(contact_gap, direction) <= 0:  # the contact has changed: conjugacy is lost
+            if inner(contact_gap, direction) <= 0:  # not a descent direction: restart
                 direction = contact_gap
             response = problem.operator(direction)
             if problem.resultant.approach is None:
                 response -= mean_over(free, response)
             curvature = inner(response, direction)
-            # the gap of a single cell deviates by nothing from its own mean: the other cells then close their own gaps
+            # a single cell in contact has no curvature: take the step of a Winkler foundation
             step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance
             before, pressure = pressure, constraint.clip(pressure - step * direction)
             at_limit = 1 - constraint.free(pressure)

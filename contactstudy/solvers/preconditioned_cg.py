@@ -20,16 +20,17 @@ class DescentConstants:
     Attributes
     ----------
     least_fraction
-        A trial step that meets a limit is taken in whole where the best point is beyond this fraction of it: the whole
+        A step that a limit cut off is taken in whole where the energy is least beyond this fraction of it: the whole
         step then lowers the energy too.
     longest, shortest
-        Limits of the step length. The preconditioner takes a contact to be stiffer than it is, not softer, so that steps
-        beyond 1 overshoot; below 0.1 rounding could make steps shorter and shorter.
+        Limits of the step length. The preconditioner is stiffer than the contact, not softer, so that steps beyond 1
+        overshoot; the lower limit keeps rounding from shortening all further steps.
     coarse_reduction
-        Fraction of its first residual at which a coarse grid ends. On rough surfaces its interpolation has about a third
-        of that residual, so that more is lost; 0.1 costs an iteration on rough contacts of 96 x 96 and 512 x 512 cells.
-    few_cells
-        Number of cells up to which an iteration costs nearly as much as on coarser grids: these are not used. 1024 gives
+        Fraction of its first residual at which a coarse grid ends. Interpolation to a rough surface has about a third of
+        that residual, so that a smaller fraction gains nothing; 0.1 costs an iteration on rough contacts of 96 x 96 and
+        512 x 512 cells.
+    max_direct_cells
+        Number of cells up to which no coarser grids are used: iterations there cost nearly as much. 1024 gives
         a line of 4096 cells 20 convolutions for 33, and no contact along both axes fewer.
     """
 
@@ -37,7 +38,7 @@ class DescentConstants:
     longest: float = 1.0
     shortest: float = 0.1
     coarse_reduction: float = 0.02
-    few_cells: int = 4096
+    max_direct_cells: int = 4096
 
 
 CONSTANTS = DescentConstants()
@@ -85,12 +86,12 @@ class ContactState:
         return self.problem.residual(self.pressure, self.gap)
 
     @property
-    def touches(self) -> bool:
-        """True if any cell bears pressure, as it always does under a given load."""
+    def has_contact(self) -> bool:
+        """True if any cell has pressure, which under a given load is always so."""
         return self.problem.resultant.approach is None or bool(arrays().any(self.pressure > 0))
 
-    def released_step(self) -> PressureStep | None:
-        """Return the last step and forget it, so that its fields do not stand through the next convolution."""
+    def take_last_step(self) -> PressureStep | None:
+        """Return the last step and forget it, so that its fields are free for the next convolution."""
         last, self._last = self._last, None
         return last
 
@@ -107,7 +108,7 @@ class ContactState:
         best = -trial.slope / curvature if curvature > 0 else 0.0
         fraction = self._fraction(trial, best)
         if fraction != 1:
-            passes.shorten(*ends, fraction)
+            passes.take_fraction(*ends, fraction)
         self._last = PressureStep(
             self.pressure,
             trial.pressure,
@@ -123,48 +124,48 @@ class ContactState:
     def _fraction(self, trial: Trial, best: float) -> float:
         """Return the fraction of a step to take: `best`, that of least energy, unless limits are in the way."""
         if trial.cut:
-            # zeros are left where tension was; beyond the whole they would turn to tension
+            # cut cells have zero pressure; beyond the whole step they would have tension
             return 1.0 if best > CONSTANTS.least_fraction else best
-        # nor beyond it to just where a cell meets a limit: rounding would say which of many did
+        # not up to the first limit beyond it: rounding would decide which of many cells reaches it
         passes = self.problem.passes
-        meets = best > 1 and passes.meets_a_limit(trial.pressure, self.pressure, best)
-        return 1.0 if meets else best
+        crosses = best > 1 and passes.crosses_a_limit(trial.pressure, self.pressure, best)
+        return 1.0 if crosses else best
 
 
 class ContactPreconditioner:
-    """Preconditioner on the predicted active set: it keeps its extension as long as the set stays."""
+    """Preconditioner on the predicted active set; its extension is kept until the set changes."""
 
     def __init__(self, problem: BareProblem) -> None:
         self._problem = problem
         precision = problem.passes.preconditioner_precision(problem.undeformed_gap)
         self._inverse = problem.operator.approximate_inverse(precision)
         self._extension: Extension | None = None
-        self._punch = 0.0, 0.0
+        self._uniform = 0.0, 0.0
         self._convolutions = 0.0
 
     @property
     def convolutions(self) -> float:
-        """Number of convolutions that its work so far is worth."""
+        """Number of convolutions with the cost of its work so far."""
         return self._inverse.work / self._problem.operator.work + self._convolutions
 
-    def rigid(self, active: Array, height: Array) -> float:
-        """Return the uniform pressure on `active` cells that moves the mean of their `height` to zero, as a flat punch.
+    def rigid_pressure(self, active: Array, height: Array) -> float:
+        """Return the uniform pressure on `active` cells that closes the mean of their gap, of this `height`.
 
-        The compliance of the punch is found again where the number of cells has changed by a tenth.
+        The compliance under a uniform pressure is found again where the number of cells has changed by a tenth.
         """
-        count, compliance = self._punch
+        count, compliance = self._uniform
         cells = total(active)
         if abs(cells - count) > count / 10:
             compliance = inner(active, self._problem.operator(active.astype(height.dtype))) / cells
-            self._punch, self._convolutions = (cells, compliance), self._convolutions + 1
+            self._uniform, self._convolutions = (cells, compliance), self._convolutions + 1
         return inner(active, height) / cells / compliance
 
     def __call__(self, pressure: Array, gap: Gap, step_length: float) -> tuple[Array, Array, bool]:
         """Return the preconditioned residual on the predicted active set.
 
-        The set is the cells that bear pressure, and those that would penetrate after a step that closes the gap of these
-        and moves the cells beside them along. Judged by its gap before the step, a contact slightly too high over a wide
-        region would gather every cell there whose gap is small.
+        The set is the cells with pressure, and those that would penetrate after a step that closes the gap of these and
+        displaces the cells beside them. By its gap before the step, a contact slightly too high over a wide region would
+        take in every cell there whose gap is small.
 
         Returns
         -------
@@ -176,12 +177,14 @@ class ContactPreconditioner:
             Whether any cell entered the active set.
         """
         passes = self._problem.passes
-        contact, active_gap = passes.contact(pressure, gap.height, self._inverse.real)
+        contact, active_gap = passes.active_set(pressure, gap.height, self._inverse.real)
         extension = self._extended_from(contact)
         active = extension.contact
         del contact
         extended = extension(active_gap)
-        entered = passes.enter(pressure, gap.height, extended, step_length, active, active_gap)
+        entered = passes.add_entering(
+            pressure, gap.height, extended, step_length, active, active_gap
+        )
         if entered:
             # free the extension of the smaller set before that of the larger one is made
             self._extension = None
@@ -211,8 +214,8 @@ def trial_step(
     problem, pressure, height = state.problem, state.pressure, state.gap.height
     passes, resultant = problem.passes, problem.resultant
     residual, active, entered = precondition(pressure, state.gap, step_length)
-    rigid = None if resultant.approach is None else precondition.rigid(active, height)
-    last = state.released_step()
+    rigid = None if resultant.approach is None else precondition.rigid_pressure(active, height)
+    last = state.take_last_step()
     trial = arrays().empty_like(pressure) if last is None else last.before
     usable = None if last is None or last.cut or entered or last.curvature <= 0 else last
     shift, conjugate = _conjugate(problem, height, residual, active, usable, rigid)
@@ -241,7 +244,7 @@ def _conjugate(
     if last is None:
         if rigid is not None:
             return -rigid, 0.0
-        count, summed = passes.totals(active, residual)
+        count, summed = passes.direction_sums(active, residual)
         return summed / count, 0.0
     fields = last.before, last.after, last.displacement_before, last.displacement_after
     sums = passes.conjugacy_sums(height, residual, active, *fields)
@@ -271,7 +274,7 @@ class PreconditionedCG:
 
     An iteration takes one convolution and one preconditioning:
 
-    1. the preconditioned residual on the predicted active set, the cells that bear pressure and those expected to
+    1. the preconditioned residual on the predicted active set, the cells with pressure and those expected to
        penetrate once the gap of these is closed;
     2. a direction against it, conjugate to the last step where the active set is the same;
     3. a trial pressure along it, projected to the load; a projected gradient step where that is not a descent direction
@@ -284,7 +287,7 @@ class PreconditionedCG:
     Parameters
     ----------
     coarse_tolerance
-        Residual at which coarser grids, which give the start, end. They also end at a 50th of their first residual.
+        Residual at which coarser grids, which give the start, end; they also end at a 50th of their first residual.
     patience
         Iterations without a halving of the residual after which Polonsky & Keer's scheme goes on from there, and the
         solution's note says so.
@@ -324,17 +327,17 @@ class PreconditionedCG:
             f"{last.iterations} iterations; Polonsky & Keer's scheme went on from there.",
         )
 
-    def _begin(
+    def _first_pressure(
         self, problem: BareProblem, start: Array | None, tolerance: float
     ) -> tuple[Array, float]:
-        """Return a new array with the admissible pressure to begin with, and the convolutions it took."""
+        """Return the admissible pressure to start from, in a new array, and the convolutions that it took."""
         if start is not None:
             admissible = problem.make_admissible(arrays().asarray(start, copy=True))
             if problem.resultant.approach is None or arrays().any(admissible > 0):
                 return admissible, 0.0
             return problem.winkler_start(), 1.0
         shape = problem.undeformed_gap.shape
-        coarse = problem.coarsened() if prod(shape) > CONSTANTS.few_cells else None
+        coarse = problem.coarsened() if prod(shape) > CONSTANTS.max_direct_cells else None
         if coarse is None:
             return problem.winkler_start(), 1.0
         enough = max(tolerance, self.coarse_tolerance)
@@ -357,7 +360,7 @@ class PreconditionedCG:
         It also ends at a residual of this `reduction` times the first one.
         """
         precondition = ContactPreconditioner(problem)
-        state = ContactState(problem, *self._begin(problem, start, tolerance))
+        state = ContactState(problem, *self._first_pressure(problem, start, tolerance))
         stall, iteration, step_length = Stall(self.patience), 0, 1.0
         residual = state.residual
         tolerance = max(tolerance, reduction * residual)
@@ -367,9 +370,9 @@ class PreconditionedCG:
             or stall.stalled(residual)
         ):
             iteration += 1
-            if state.touches:
+            if state.has_contact:
                 trial = trial_step(state, precondition, step_length)
-            else:  # no contact to precondition: the cells that penetrate begin it
+            else:  # no contact to precondition: it begins in the cells that penetrate
                 trial = projected_gradient_step(state, arrays().empty_like(state.pressure))
             if trial.slope >= 0:  # not a descent direction after projection
                 step_length = max(step_length / 4, CONSTANTS.shortest)

@@ -13,7 +13,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number, readable
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, in_double
+from contactstudy.problem.constraint import Compressive, Gap, HardnessLimited, scaled_in_double
 from contactstudy.problem.memory import refuse_on, refuse_solve
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.iterate import Iterate
@@ -125,7 +125,7 @@ def solve_contact(
     else:
         _refuse_other_device(checked(on, "solve.on"), problem, options.precision)
     if start is not None:
-        start = _admitted(start, problem, options.precision)
+        start = _admissible_start(start, problem, options.precision)
     with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         bare = problem.bare(options.precision)
         last = options.solver.iterate(
@@ -137,7 +137,7 @@ def solve_contact(
     pressure, displacement = on.take(last.pressure), on.take(last.displacement)
     last = replace(last, pressure=pressure, displacement=displacement)
     status, scales = _status(bare, last, options, problem), problem.scales
-    displacement = in_double(displacement, scales.gap)
+    displacement = scaled_in_double(displacement, scales.gap)
     approach = last.approach * scales.gap + problem.datum
     gap = problem.undeformed_gap + displacement
     gap -= approach
@@ -184,7 +184,7 @@ def _finite_pressure(start: Array, problem: Problem) -> Array:
     return pressure
 
 
-def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
+def _admissible_start(pressure: Array, problem: Problem, precision: Precision) -> Array:
     """Return a `pressure` [Pa] made admissible, dimensionless."""
     with np.errstate(over="ignore", under="ignore"):
         bare = np.asarray(pressure / problem.scales.pressure)
@@ -196,8 +196,10 @@ def _admitted(pressure: Array, problem: Problem, precision: Precision) -> Array:
         )
     # scaled to the load in double precision: single precision may have no number for the factor
     unit = 1 / problem.scales.pressure
-    admitted = problem.resultant.scaled(unit).make_admissible(bare, problem.constraint.scaled(unit))
-    return admitted.astype(precision.real, copy=False)
+    admissible = problem.resultant.scaled(unit).make_admissible(
+        bare, problem.constraint.scaled(unit)
+    )
+    return admissible.astype(precision.real, copy=False)
 
 
 def _without_pressure(problem: Problem) -> Solution:

@@ -15,7 +15,7 @@ BYTES = 8 * (14 * 64 * 16 + 2 * 128 * 16)
 
 
 def left(monkeypatch: pytest.MonkeyPatch, amount: float) -> None:
-    monkeypatch.setattr(memory, "ALWAYS_THERE", 0)
+    monkeypatch.setattr(memory, "FREE_ON_ANY_MACHINE", 0)
     monkeypatch.setattr(memory, "available_bytes", lambda: amount)
 
 

@@ -333,7 +333,7 @@ class HardnessLimited:
         return project_capped_simplex(trial, total, self.hardness)
 
     def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shift the `cells` of a `trial` pressure to the sum `total`, in place; scale all cells if these cannot reach it."""
+        """Shift the `cells` of a `trial` pressure to the sum `total`, or scale all cells if these cannot, in place."""
         xp = arrays()
         self.clip(trial)
         chosen = cells > 0

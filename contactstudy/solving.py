@@ -360,7 +360,7 @@ class _Request:
             return evolution_of(trajectory, requested)
 
         answer = solve_on(first)
-        refines = self.error is not None and self.grid is None
+        refines = requested is not None and self.grid is None
         return self._refined(answer, solve_on) if refines else answer
 
     def adhesive_history(self) -> "Evolution":

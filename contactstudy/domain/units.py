@@ -59,8 +59,8 @@ READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
 def usual_unit(largest: float, unit: str) -> tuple[float, str]:
     """Return size and name of the unit in which numbers up to `largest`, in the SI unit `unit`, are read best."""
     scales = READ_AS.get(unit, ((1.0, unit),))
-    # successive units of areas and volumes differ by 1e6 and more
-    least = 1e-3 if unit[:2] in ("m2", "m3") else 1.0
+    # successive units of areas and volumes differ by 1e6, 1e9 and more
+    least = {"m2": 1e-3, "m3": 1e-4}.get(unit[:2], 1.0)
     return next((scale for scale in scales if abs(largest) >= least * scale[0]), scales[-1])
 
 

@@ -88,9 +88,12 @@ class SceneCase(Case):
     ----------
     time_steps
         Instants and steps of a scene that changes in time; None for others.
+    error
+        Relative error of which the steps of such a scene take their part; None takes one step from instant to instant.
     """
 
     time_steps: cs.TimeSteps | None = None
+    error: float | None = None
 
     def prepare(self) -> None:  # type: ignore[override]
         """Do nothing: a scene sets up its problems while it is solved."""
@@ -99,8 +102,9 @@ class SceneCase(Case):
         """Return the answer with its wall time, beside other cases with which it shares coefficients."""
         start = perf_counter()
         answer = cs.solve(
-            self.scene, self.grid, self.padding, times=self.time_steps, options=self.options
-        )
+            self.scene, self.grid, self.padding,
+            times=self.time_steps, error=self.error, options=self.options,
+        )  # fmt: skip
         return Solved(answer, perf_counter() - start)
 
     def record(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]

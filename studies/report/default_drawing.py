@@ -23,14 +23,24 @@ from studies.report.style import COLORS, captioned, panels
 
 # Measures of a contact that are drawn if they are stored; of other studies the first six measures are.
 DRAWN = (
-    "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_fraction", "peak_pressure",
-    "mean_pressure", "approach", "stiffness", "mean_gap", "largest_von_mises", "rolling_resistance", "worn_volume",
-    "dent_depth",
+    "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_load_fraction", "pull_off",
+    "traction_coefficient", "stick_fraction", "frictional_power", "energy_per_cycle", "largest_slip",
+    "rolling_resistance", "worn_volume", "largest_worn_depth", "dent_depth", "final_peak_pressure", "contact_fraction",
+    "peak_pressure", "largest_von_mises", "mean_pressure", "approach", "stiffness", "mean_gap",
 )  # fmt: skip
+# Relative difference of values that are constant.
+CONSTANT = 1e-6
 # Formulas that are drawn beside a measure over one axis.
 FORMULAS = {
     "central_film": ("moes_film", "Moes", ":"),
     "minimum_film": ("dowson_higginson_film", "Dowson & Higginson", "--"),
+}
+UNBOUNDED: Any = {
+    "marker": "o",
+    "mfc": "white",
+    "mec": "0.3",
+    "ls": "none",
+    "label": "no bound of the error",
 }
 # Axes that number samples.
 SAMPLES = ("seed", "window")
@@ -149,11 +159,16 @@ def _measures(dataset: xr.Dataset) -> list[str]:
         name for name in _numbers(dataset) if "_bound" not in name and "_estimate" not in name
     ]
     preferred = [name for name in DRAWN if name in present]
-    if {"stiffness", "largest_von_mises"} <= set(preferred):
-        preferred.remove("mean_gap")
+    preferred = [name for name in preferred if _changes(dataset[name])] or preferred
     times = [name for name in present if "_time" in name]
     measures = [name for name in present if name not in (*times, "convolutions", "residual")]
     return (preferred or measures or times)[:MOST_PANELS]
+
+
+def _changes(values: xr.DataArray) -> bool:
+    """Return whether a measure is not the same at all points, within the residual of a solver."""
+    largest, least = float(values.max()), float(values.min())
+    return largest - least > CONSTANT * max(abs(largest), abs(least))
 
 
 def _curve(
@@ -161,7 +176,7 @@ def _curve(
 ) -> None:
     """Draw a measure over the first axis, with a line for each value of the second, and its bounds as bars.
 
-    Names are points side by side, which no line joins.
+    Names and samples are points side by side, which no line joins. Values whose bound is infinite are hollow.
     """
     y, label = _scaled(values)
     bars = None if bound is None else bound.where(np.isfinite(bound)) / _scale(values)[0]
@@ -170,20 +185,23 @@ def _curve(
         ax.set(ylabel=label, xticks=[])
         return
     first, *families = shown
-    numbers = values[first]
+    numbers, joins = values[first], _is_numeric(values[first]) and not _is_sample(first)
     x, x_label = (
         _scaled(numbers) if _is_numeric(numbers) else (np.arange(numbers.size), _label(numbers))
     )
+    joined = "-" if joins else "none"
     if families:
-        joined = "-" if _is_numeric(numbers) else "none"
         _family(ax, x, y.transpose(families[0], first), families[0], joined)
-    elif not _is_numeric(numbers):
-        ax.plot(x, y, marker="o", ls="none", color=COLORS[0])
     else:
-        ax.plot(x, y, marker="o", color=COLORS[0])
+        ax.plot(x, y, marker="o", ls=joined, color=COLORS[0])
     if bars is not None and not families:
         ax.errorbar(x, y, yerr=bars, fmt="none", ecolor="0.6", capsize=2, zorder=1)
-    if _is_numeric(numbers) and (_spans(numbers) or _is_geometric(numbers)):
+    if bound is not None and not any(map(_is_sample, families)):
+        unbounded = y.where(np.isinf(bound))
+        for line in unbounded.transpose(*families, first).values.reshape(-1, numbers.size):
+            if np.isfinite(line).any():
+                ax.plot(x, line, **UNBOUNDED)
+    if joins and (_spans(numbers) or _is_geometric(numbers)):
         ax.set_xscale("log")
     if _spans(values):
         ax.set_yscale("log")

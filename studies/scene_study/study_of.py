@@ -16,7 +16,7 @@ from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import GridRequirements, halvable, requirements_of
 from contactstudy.planning.grid_search import affordable
-from contactstudy.planning.plan import MEMORY_FRACTION
+from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.advice.reference_error import ReferencedCase
 from studies.model.axis import Value, check_count
@@ -334,6 +334,12 @@ def _rank(varied: Variation) -> int:
 
 
 def _computation(case: Case, file: SceneFile) -> ReferencedCase:
-    """Return the computation of a scene, with the instants of its file where it changes in time."""
+    """Return the computation of a scene; where it changes in time with the instants of its file, and steps as its solve.
+
+    Where the file gives its grid, and no error, each step goes from one instant to the next.
+    """
     steps = file.time_steps if case.scene.changing and case.scene.rolling is None else None
-    return ReferencedCase(case.scene, case.grid, case.padding, case.options, steps)
+    error = file.plan_settings.error or (DEFAULT_ERROR if file.grid is None else None)
+    return ReferencedCase(
+        case.scene, case.grid, case.padding, case.options, steps, error if steps else None
+    )

@@ -134,7 +134,13 @@ def _with_shared_unit(field: str, text: str, values: list[object]) -> list[objec
 
 SURFACES, WINDOWS = "surfaces", "windows"
 # Long names of axes by path; other axes have the words of their path.
-LONG_NAMES = {"load.per_length": "load per length"}
+LONG_NAMES = {
+    "load.per_length": "load per length",
+    "friction.tangential": "tangential force per length",
+    "friction.longitudinal": "longitudinal creepage",
+    "friction.lateral": "lateral creepage",
+    "friction.coefficient": "coefficient of friction",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -335,7 +341,9 @@ def _long_name(document: Document, field: SceneField) -> str:
     # an entry of a list of numbers
     if len(path) > 2 and path[-1].isdigit() and path[-2] != "shapes":
         return f"{path[-2].replace('_', ' ')} {path[-1]} of {path[-3]}"
-    name = path[-1].replace("_", " ")
+    name = path[-1].replace("_", " ").replace("youngs", "Young's").replace("poisson", "Poisson's")
+    if path[0] == "solids" and len(path) == 3:
+        return f"{name} of solids[{path[1]}]"
     if field.path[0] == "shapes" and len(field.path) > 2:
         return f"{name} of {type(document.shapes[int(field.path[1])]).__name__}"
     return f"{name} of {field.path[-2]}" if len(field.path) > 1 else name

@@ -69,6 +69,16 @@ def test_a_film_is_drawn_beside_its_formula() -> None:
     assert same(labelled(ax)["Moes"], [0.1, 1.0, 10.0], dataset["moes_film"])
 
 
+def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_left_out() -> None:
+    dataset = numbered({"angle": [0.0, 1.0, 2.0]}, "peak_pressure", "approach")
+    dataset["case_status"] = "angle", np.full(3, CaseStatus.OK)
+    dataset["peak_pressure_bound"] = "angle", [0.1, np.inf, np.inf]
+    dataset["approach"] = "angle", 2.0 + 1e-9 * np.arange(3)
+    [ax] = curves(dataset)[0].figure.axes
+    _, hollow = labelled(ax)["no bound of the error"]
+    np.testing.assert_array_equal(hollow, [np.nan, *dataset["peak_pressure"].values[1:]])
+
+
 def test_maps_show_a_measure_over_two_axes() -> None:
     dataset = swept({"rms": RMS, "load_per_length": LOADS})
     [drawn] = maps(dataset)

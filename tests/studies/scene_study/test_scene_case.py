@@ -22,6 +22,17 @@ def solved(path: Path, out: Path, loads: str = LOADS) -> xr.Dataset:
     return run(studies.study_of(path, {"load.per_length": loads}), out, workers=0, log=quiet)
 
 
+def test_a_scene_in_time_is_swept_with_the_steps_of_its_solve(smooth: Path, tmp_path: Path) -> None:
+    text = smooth.read_text(encoding="utf-8").replace("error = 1e-2", "error = 5e-2")
+    wears = '[wear]\ncoefficient = 1e-16\nspeed = "20 mm/s"\n[evolve]\nend = 1000\ninstants = 2\n'
+    (tmp_path / "wear.toml").write_text(text + wears, encoding="utf-8")
+    swept = solved(tmp_path / "wear.toml", tmp_path, "100 N/mm")
+    single = cs.read_scene(tmp_path / "wear.toml").solve().quantities["final_peak_pressure"]
+    bound = float(swept["final_peak_pressure_bound"][0])
+    assert bound < 5e-2 * single.value
+    assert abs(float(swept["final_peak_pressure"][0]) - single.value) < bound + single.bound
+
+
 def test_approach_and_stiffness_are_those_of_hertz(smooth: Path) -> None:
     study = studies.study_of(smooth, {"load.per_length": "50:100:3 N/mm", "plan.error": [1e-4]})
     for case in study.cases():

@@ -161,9 +161,9 @@ def solve(
         request.refuse_unless("a contact that rolls")
         return request.rolled() if scene.rolling.passes is None else request.rolled_again()
     if scene.changing is not None:
-        if scene.adhesion is not None:
-            request.refuse_unless("a history with adhesion", "times")
-            return request.adhesive_history()
+        if scene.is_quasi_static:
+            request.refuse_unless("a load history with adhesion or tractive rolling", "times")
+            return request.quasi_static()
         request.refuse_unless("a scene that changes in time", "times", "folder")
         return request.time_dependent()
     request.refuse_unless("a static contact", "start", "on")
@@ -363,13 +363,13 @@ class _Request:
         refines = requested is not None and self.grid is None
         return self._refined(answer, solve_on) if refines else answer
 
-    def adhesive_history(self) -> "Evolution":
-        """Follow an adhesive contact through a history of loads."""
+    def quasi_static(self) -> "Evolution":
+        """Follow a contact that is in equilibrium at each instant through a history of loads."""
         from contactstudy.answers.evolution import evolution_of
-        from contactstudy.evolution.adhesive_history import follow_adhesion
+        from contactstudy.evolution.quasi_static import follow_load
 
         grid, padding = self.planned(self.requested)
-        trajectory = follow_adhesion(
+        trajectory = follow_load(
             self.scene,
             grid,
             padding,

@@ -129,7 +129,7 @@ class Evolution(Answer):
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
-            from contactstudy.evolution.adhesive_history import jump_in, separation, work_lost
+            from contactstudy.evolution.quasi_static import jump_in, separation, work_lost
 
             frames = self.trajectory.frames
             errors = [frame.quantities["approach"].bound for frame in self.frames]

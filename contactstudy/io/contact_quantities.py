@@ -177,11 +177,14 @@ def _of_traction(
 ) -> dict[str, Quantity]:
     """Return the tangential force over the load, and the part of the contact that sticks."""
     pressure = solution.pressure
-    load, touching = float(pressure.sum()), int(np.count_nonzero(pressure))
+    pressed, touching = float(pressure.sum()), int(np.count_nonzero(pressure))
+    attracted = 0.0 if solution.adhesion is None else float(solution.adhesion.traction.sum())
+    load = pressed - attracted
     force = float(np.hypot(*traction.shear.sum(axis=(1, 2))))
     coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
     if isinstance(traction, RollingTraction) and isfinite(traction.errors.force):
-        coefficient = replace(coefficient, bound=traction.errors.force, reason="")
+        bound = traction.errors.force * pressed / abs(load) if load else 0.0
+        coefficient = replace(coefficient, bound=bound, reason="")
     stick = Quantity(
         float(np.count_nonzero(traction.stick) / touching) if touching else 0.0,
         "1",

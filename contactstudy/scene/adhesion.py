@@ -1,7 +1,7 @@
 """Adhesion between the bodies of a scene: work, range and law, and the history that a state follows from."""
 
 from dataclasses import dataclass
-from math import inf, pi, sqrt
+from math import pi, sqrt
 from typing import Any, Protocol
 
 import numpy as np
@@ -39,6 +39,11 @@ class AdhesionContact(BodyContext, Protocol):
     """Properties of a scene that adhesion reads."""
 
     @property
+    def friction(self) -> object:
+        """Friction of the scene, or None."""
+        ...
+
+    @property
     def load(self) -> object:
         """Load of the scene."""
         ...
@@ -64,8 +69,9 @@ class AdhesionContact(BodyContext, Protocol):
 class Adhesion:
     """Adhesion: an attraction between the surfaces that falls with their gap.
 
-    The contact is pressed by its load and by the attraction, which also acts across the gap beside it. Several states
-    may be in equilibrium under one load; the branch says which of them is meant.
+    The contact is pressed by its load and by the attraction, which also acts across the gap beside it: friction is the
+    coefficient times that pressure (Derjaguin 1934), and a hardness limits what is left of it beside the attraction.
+    Several states may be in equilibrium under one load; the branch says which of them is meant.
 
     Parameters
     ----------
@@ -85,9 +91,9 @@ class Adhesion:
     Raises
     ------
     InvalidInput
-        If a value is outside these limits; in a scene with hardness, a body that creeps or yields, wear, rolling,
-        friction or a lubricant; with a first load that is not above zero on bodies from afar; on a grid with less than
-        two cells in the cohesive zone.
+        If a value is outside these limits; in a scene with a body that creeps or yields, wear, rolling or a lubricant,
+        or with friction without a range; with a first load that is not above zero on bodies from afar; on a grid with
+        less than two cells in the cohesive zone.
     """
 
     work: JoulesPerSquareMetre
@@ -109,17 +115,13 @@ class Adhesion:
 
     def check(self, scene: AdhesionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if adhesion is not defined in this scene."""
-        if scene.hardness != inf:
-            raise InvalidInput(
-                f"Scene.hardness is {scene.hardness!r} together with Adhesion: the adhesion of a cell that yields is "
-                "not supported, leave one of both out."
-            )
-        for name in ("wear", "rolling", "friction", "lubrication"):
+        for name in ("wear", "rolling", "lubrication"):
             if getattr(scene, name) is not None:
                 raise InvalidInput(
                     f"Scene.{name} is {getattr(scene, name)!r} together with Adhesion: both are not supported "
                     "in one scene, leave one of both out."
                 )
+        self._check_friction(scene.friction)
         for number, solid in enumerate(scene.solids):
             for property_name, verb in (("creeps", "creeps"), ("yields", "yields")):
                 if getattr(solid, property_name, False):
@@ -136,6 +138,18 @@ class Adhesion:
                     "not touch without a load, give a first load above 0 N/m, an Approach, or Adhesion.branch = "
                     "'from full contact'."
                 )
+
+    def _check_friction(self, friction: object) -> None:
+        """Raise InvalidInput for friction that the attraction leaves without a limit, or that follows a path."""
+        if friction is not None and self.range is None:
+            raise InvalidInput(
+                "Adhesion.range is None together with Scene.friction: in the limit of short ranges the attraction, and "
+                "with it the friction, grows without limit as the cells get smaller, give a range."
+            )
+        if getattr(friction, "times", None) is not None:
+            raise InvalidInput(
+                "Fretting.times are given together with Adhesion, whose contact jumps: give forces without times."
+            )
 
     def reference_load(self, scene: AdhesionContact) -> float:
         """Return the load [N/m] of a smooth contact as wide as one that adheres without load; 0 without curvature.

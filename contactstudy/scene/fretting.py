@@ -18,6 +18,7 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds, readable
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction import (
+    SAMPLES,
     FrictionContact,
     check_alike,
     check_sheared,
@@ -27,9 +28,6 @@ from contactstudy.scene.friction import (
 )
 from contactstudy.scene.load import ChangingLoad, PiecewiseLinear, checked_times
 from contactstudy.solvers.friction.fretting import FrettingShear
-
-# Instants at which a force is compared with what friction bears.
-SAMPLES = 201
 
 
 @dataclass(frozen=True)
@@ -187,9 +185,9 @@ class Fretting:
     ) -> FrettingShear:
         """Return the law for this scene on a grid."""
         assert self.forces is not None
-        ratios = np.array(self.forces) / (self.coefficient * scene.load.largest)
-        response = self.response(scene, grid, paddings, datum)
-        return FrettingShear(self.coefficient, tuple(ratios.tolist()), response)
+        return FrettingShear(
+            self.coefficient, self.forces, self.response(scene, grid, paddings, datum)
+        )
 
     @staticmethod
     def response(

@@ -30,7 +30,13 @@ from contactstudy.scene.shapes.shape import Shape
 from contactstudy.solvers.friction.laws import CiavarellaJaeger, CoulombDisks, FullSliding
 
 if TYPE_CHECKING:
+    from contactstudy.analytic import HertzLine
+    from contactstudy.scene.adhesion import Adhesion
     from contactstudy.scene.motion import Wear
+
+
+# Instants at which a force is compared with what friction bears under a load that changes.
+SAMPLES = 201
 
 
 class Load(Protocol):
@@ -66,8 +72,18 @@ class FrictionContact(BodyContext, Protocol):
         ...
 
     @property
+    def hertz(self) -> "HertzLine | None":
+        """Smooth line contact of the scene, or None."""
+        ...
+
+    @property
     def wear(self) -> "Wear | None":
         """Wear of the scene."""
+        ...
+
+    @property
+    def adhesion(self) -> "Adhesion | None":
+        """Adhesion of the scene."""
         ...
 
 
@@ -208,11 +224,11 @@ class PartialSlip:
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> CiavarellaJaeger | CoulombDisks:
         """Return superposition where it is exact for this gap, else the problem of two components."""
-        ratio = self.tangential / (self.coefficient * scene.load.largest)
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
-            return CiavarellaJaeger(self.coefficient, ratio)
+            limit = self.coefficient * scene.load.largest
+            return CiavarellaJaeger(self.coefficient, self.tangential / limit)
         response = shear_response(sheared(scene.solids), grid, paddings, datum)
-        return CoulombDisks(self.coefficient, ratio, response)
+        return CoulombDisks(self.coefficient, self.tangential, response)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
@@ -226,6 +242,8 @@ class PartialSlip:
             + (
                 "a hardness limits the pressure;"
                 if scene.hardness != inf
+                else "adhesion adds to the pressure;"
+                if scene.adhesion is not None
                 else "a coating is not as soft along its surface as across it;"
                 if any(map(is_layered, scene.solids))
                 else "something varies along the length and Poisson's ratio is not 0;"
@@ -241,8 +259,12 @@ class PartialSlip:
             for solid in scene.solids
             if isinstance(solid, HalfSpace) and not isinf(solid.youngs_modulus)
         ]
-        if scene.hardness != inf or any(map(is_layered, scene.solids)):
-            return False  # a capped pressure is no difference of two contacts
+        if (
+            scene.hardness != inf
+            or scene.adhesion is not None
+            or any(map(is_layered, scene.solids))
+        ):
+            return False  # a pressure that is capped or attracted is no difference of two contacts
         if all(solid.poisson_ratio == 0 for solid in elastic):
             return True
         return not varies and paddings[1].window is None

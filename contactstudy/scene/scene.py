@@ -415,7 +415,7 @@ class Scene:
             grid=grid,
             undeformed_gap=gap,
             operator=superposed(response(self.solids, self.datum(scales, grid)), grid, paddings),
-            constraint=self._constraint(),
+            constraint=self._constraint(adhesive),
             resultant=self._resultant(grid),
             scales=scales,
             paddings=paddings,
@@ -470,10 +470,16 @@ class Scene:
         return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
 
     @property
+    def is_quasi_static(self) -> bool:
+        """True if each instant is in equilibrium by itself, as with adhesion and in steady rolling with traction."""
+        return self.adhesion is not None or getattr(self.friction, "is_steady", False)
+
+    @property
     def keeps_frames(self) -> bool:
-        """True if a folder can keep the frames, as of a dry scene that changes in time without adhesion."""
-        effects = self.lubrication, self.rolling, self.adhesion
-        return self.changing is not None and all(effect is None for effect in effects)
+        """True if a folder can keep the frames, as of a dry scene that changes in time with state variables."""
+        if self.lubrication is not None or self.rolling is not None or self.is_quasi_static:
+            return False
+        return self.changing is not None
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows of a free length if the surface varies along it and no roller ends there; else empty."""
@@ -498,8 +504,12 @@ class Scene:
             scene.shapes, ended, lambda new_grid: scene._posed(new_grid, padding, adhesive)
         )
 
-    def _constraint(self) -> Constraint:
-        return Compressive() if self.hardness == inf else HardnessLimited(self.hardness)
+    def _constraint(self, adhesive: "AdhesiveSolver | None") -> Constraint:
+        """Return the limits of the pressure; the hardness limits what is left of it beside the attraction."""
+        if self.hardness == inf:
+            return Compressive()
+        attraction = 0.0 if adhesive is None else adhesive.law.strength
+        return HardnessLimited(self.hardness + attraction)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,11 @@
 
 from dataclasses import dataclass
 from functools import partial
-from math import isinf
+from itertools import pairwise
+from math import inf, isinf
+from typing import ClassVar
+
+import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -15,7 +19,9 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
 from contactstudy.elasticity.tangential import Sheared, ShearResponse, shear_response
 from contactstudy.scene.friction import (
+    SAMPLES,
     FrictionContact,
+    Load,
     are_alike,
     check_sheared,
     check_still,
@@ -23,12 +29,17 @@ from contactstudy.scene.friction import (
     shear_coupling,
     sheared,
 )
+from contactstudy.scene.load import ChangingLoad, PiecewiseLinear
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import Coupling, TractiveShear
 
 STATIONARY_HEIGHTS = (
     "The heights stand still in the contact: shear under moving roughness is not computed."
 )
+
+
+# Fewest widths of the contact by which it rolls while the load changes: shear is steady after one or two.
+MIN_WIDTHS = 10.0
 
 
 @suggest_fields
@@ -63,6 +74,8 @@ class TractiveRolling:
         For other values; in a scene with creeping or yielding bodies, a change in time, or heights that a body carries.
     """
 
+    is_steady: ClassVar[bool] = True
+
     coefficient: Number
     longitudinal: Number | None = None
     tangential: NewtonsPerMetre | None = None
@@ -95,19 +108,37 @@ class TractiveRolling:
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        check_still(scene, "TractiveRolling", "and steady rolling has none: leave one of both out")
         check_sheared(scene, "TractiveRolling")
+        if isinstance(scene.load, ChangingLoad) and scene.wear is None and scene.rolling is None:
+            self._check_slow(scene, scene.load)
+        else:
+            check_still(
+                scene, "TractiveRolling", "and steady rolling has none: leave one of both out"
+            )
         for number, shape in enumerate(scene.shapes):
             if hasattr(shape, "gap_after"):
                 raise InvalidInput(
                     f"Scene.shapes[{number}] moves with a body together with TractiveRolling: heights that travel "
                     "through the contact make no steady state, give heights that stand still in it."
                 )
-        limit = self.coefficient * scene.load.largest
+        limit = self.coefficient * _least(scene.load)
         if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(
                 f"TractiveRolling.tangential is {self.tangential!r}: friction bears less than "
                 f"{readable(limit, 'N m-1')}, give less, or a longitudinal creepage."
+            )
+
+    def _check_slow(self, scene: FrictionContact, load: ChangingLoad) -> None:
+        """Raise InvalidInput for a load that changes too fast for rolling to be steady at each instant."""
+        if scene.hertz is None:
+            return
+        duration = _shortest_change(load)
+        widths = abs(self.speed) * duration / (2 * scene.hertz.half_width)
+        if widths < MIN_WIDTHS:
+            raise InvalidInput(
+                f"Scene.load changes within {duration:g} s together with TractiveRolling, while the contact rolls by "
+                f"{widths:.2g} of its widths: rolling is steady under a load that changes over {MIN_WIDTHS:g} or more, "
+                "give slower changes, or a higher speed."
             )
 
     def law(
@@ -126,13 +157,10 @@ class TractiveRolling:
                 "again, give ZeroPadding across."
             )
         coupling = shear_coupling(scene.solids, "xy", grid, paddings, datum)
-        ratio = None
-        if self.tangential is not None:
-            ratio = self.tangential / (self.coefficient * scene.load.largest)
         return TractiveShear(
             self.coefficient,
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
-            ratio,
+            self.tangential,
             self.speed,
             partial(_response, sheared(scene.solids), paddings, datum),
             Coupling(*coupling) if coupling else None,
@@ -160,3 +188,19 @@ def _response(
 ) -> ShearResponse:
     """Return the response of `bodies` to shear on `grid`, the argument that is given last."""
     return shear_response(bodies, grid, paddings, datum)
+
+
+def _shortest_change(load: ChangingLoad) -> float:
+    """Return the shortest time [s] in which a load changes between two instants, or by a quarter of its period."""
+    if isinstance(load, PiecewiseLinear):
+        steps = zip(pairwise(load.times), pairwise(load.values), strict=True)
+        return min((end - start for (start, end), (a, b) in steps if a != b), default=inf)
+    return getattr(load, "period", inf) / 4
+
+
+def _least(load: Load | ChangingLoad) -> float:
+    """Return the least load [N/m]."""
+    if not isinstance(load, ChangingLoad):
+        return load.largest
+    times = np.linspace(load.start, load.end, SAMPLES).tolist()
+    return min(load.at(time) for time in (*times, *load.breaks(load.end)))

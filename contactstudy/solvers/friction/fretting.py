@@ -28,14 +28,14 @@ class FrettingShear:
     ----------
     coefficient
         Coefficient of friction mu.
-    fractions
-        Tangential forces along x over mu P, each between -1 and 1, from 0 on.
+    forces
+        Tangential forces along x [N/m], each less than friction bears, from 0 on.
     response
         Displacement under shear, A.
     """
 
     coefficient: float
-    fractions: tuple[float, ...]
+    forces: tuple[float, ...]
     response: ShearResponse
 
     def solve(
@@ -50,9 +50,9 @@ class FrettingShear:
         displacements = [0.0]
         shears = []
         # forces cannot act where nothing presses
-        fractions = self.fractions if limit.any() else ()
-        for fraction in fractions:
-            total = np.array([fraction * limit.sum(), 0.0])
+        forces = self.forces if limit.any() else ()
+        for force in forces:
+            total = np.array([force * problem.grid.period / problem.grid.cell_area, 0.0])
             step = slip_step(
                 self.response, limit, shear, options.tolerance, options.max_iterations, total=total
             )
@@ -67,14 +67,14 @@ class FrettingShear:
                     step.residual, step.applications, options.tolerance, options.max_iterations
                 )
             )
-        first = _cycle(self.fractions)
+        first = _cycle(self.forces)
         slid = sum(sliding[first:], start=np.zeros_like(limit))
         traction = FrettingTraction(
             shear=shear,
             stick=stick,
             method="fretting, Newton",
             iterations=applications,
-            forces=np.array([0.0, *fractions]) * limit.sum() * problem.grid.cell_area,
+            forces=np.array([0.0, *forces]) * problem.grid.period,
             rigid_displacement=np.array(displacements),
             shears=np.array(shears),
             slip_distance=slid,
@@ -86,9 +86,7 @@ class FrettingShear:
         )
 
 
-def _cycle(fractions: tuple[float, ...]) -> int:
+def _cycle(forces: tuple[float, ...]) -> int:
     """Return the step after the last time that the last force acted before: the first of the last cycle, else 0."""
-    earlier = [
-        number for number, fraction in enumerate(fractions[:-1]) if fraction == fractions[-1]
-    ]
+    earlier = [number for number, force in enumerate(forces[:-1]) if force == forces[-1]]
     return earlier[-1] + 1 if earlier else 0

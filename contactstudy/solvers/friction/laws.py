@@ -101,12 +101,12 @@ class CoulombDisks:
     """Shear of two components: of least complementary energy among ``|q| <= mu p`` with a given resultant along x.
 
     It minimises ``1/2 q A q``: A is symmetric and positive and the set convex, so that there is one answer. Cells within
-    their disk stick, those on its rim slip against the shear. Loading is monotonic. `coefficient` is mu, `fraction` is
-    Q / (mu P), and `response` is A. Source: Kalker (1990), ch. 4.
+    their disk stick, those on its rim slip against the shear. Loading is monotonic. `coefficient` is mu, `force`
+    the resultant [N/m], and `response` is A. Source: Kalker (1990), ch. 4.
     """
 
     coefficient: float
-    fraction: float
+    force: float
     response: ShearResponse
 
     def solve(
@@ -121,7 +121,7 @@ class CoulombDisks:
             np.zeros((2, *limit.shape)),
             options.tolerance,
             options.max_iterations,
-            total=np.array([self.fraction * limit.sum(), 0.0]),
+            total=np.array([self.force * problem.grid.period / problem.grid.cell_area, 0.0]),
         )
         status = shear_status(
             step.residual, step.applications, options.tolerance, options.max_iterations

@@ -84,9 +84,9 @@ class TractiveShear:
     coefficient
         Coefficient of friction mu.
     creepage
-        Creepage and spin; the longitudinal creepage is found if `fraction` is given.
-    fraction
-        Tangential force along x over mu P, between -1 and 1, or None.
+        Creepage and spin; the longitudinal creepage is found if `force` is given.
+    force
+        Tangential force along x [N/m], less than friction bears, or None.
     speed
         Speed of rolling [m/s], negative to smaller x.
     shear_response
@@ -99,7 +99,7 @@ class TractiveShear:
 
     coefficient: float
     creepage: Creepage
-    fraction: float | None
+    force: float | None
     speed: float
     shear_response: Callable[[Grid], ShearResponse]
     coupling: Coupling | None
@@ -161,7 +161,7 @@ class TractiveShear:
             power=power,
             power_outside_contact=float(power[pressure == 0].sum()) / total if total else 0.0,
             errors=state.errors,
-            creepage_given=self.fraction is None,
+            creepage_given=self.force is None,
         )
 
     def _power(self, grid: Grid, state: "SteadyShear") -> Array:
@@ -191,8 +191,8 @@ class TractiveShear:
             displacement = on_grid(by_pressure, level)
             free_slip = (displacement - ahead(displacement, step)) / abs(step) - creepage.on(level)
             total = None
-            if self.fraction is not None:
-                total = np.array([self.fraction * limit.sum(), np.nan])
+            if self.force is not None:
+                total = np.array([self.force * level.period / level.cell_area, np.nan])
             newton = CoulombNewton(slip, limit, total)
             steady = _steady(
                 newton,
@@ -229,18 +229,13 @@ class TractiveShear:
         )
         *force, found_creepage, found_power = np.abs(levels[-1])
         size = float(np.hypot(*force))
-        sliding = _carter_creepage(min(size / self.coefficient, 1.0))
-        edge = 2 * EDGE / chord
-        moved = edge / max(sliding, LEAST_SLIDING)
-        if self.fraction is None:
-            moved = (
-                4
-                * sliding
-                * max(1 - sliding, edge)
-                * edge
-                / max(size / self.coefficient, LEAST_SLIDING)
-            )
-        free = size if self.fraction is None else force[1]
+        part, edge = size / self.coefficient, 2 * EDGE / chord
+        sliding = 1 - sqrt(1 - min(part, 1.0))  # creepage over that at which all slides
+        if self.force is None:
+            free = size
+            moved = 4 * sliding * max(1 - sliding, edge) * edge / max(part, LEAST_SLIDING)
+        else:
+            free, moved = force[1], edge / max(sliding, LEAST_SLIDING)
         return RollingErrors(
             force=max(float(np.hypot(across, along)), moved * free),
             creepage=max(float(creepage), moved * found_creepage),
@@ -282,11 +277,6 @@ def _steady(
     creepage = replace(creepage, longitudinal=creepage.longitudinal + float(rigid_slip[0]))
     stick = newton.sticks(values, newton.gathered(slip))
     return SteadyShear(newton.field(values), slip, stick, creepage, residual, newton.applications)
-
-
-def _carter_creepage(fraction: float) -> float:
-    """Return the creepage over that at which all slides, in Carter's closed form, for a force over mu P."""
-    return 1 - sqrt(1 - fraction)
 
 
 def coarser_grids(grid: Grid) -> list[Grid]:

@@ -35,8 +35,7 @@ def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> No
 @pytest.mark.parametrize(
     ("effect", "message"),
     [
-        ({"hardness": 1e6}, r"^Scene\.hardness is 1000000\.0 together with Adhesion"),
-        ({"friction": cs.Sliding(0.1)}, r"^Scene\.friction is Sliding"),
+        ({"friction": cs.Sliding(0.1)}, r"^Adhesion\.range is None together with Scene\.friction"),
         ({"wear": cs.Wear(1e-17, 1.0)}, r"^Scene\.wear is Wear"),
         ({"rolling": cs.Rolling(1.0)}, r"^Scene\.rolling is Rolling"),
         (
@@ -163,3 +162,59 @@ def test_an_approach_is_for_elastic_bodies_at_rest(effect: Any, name: str) -> No
         cs.InvalidInput, match=f"^Scene.load is an Approach together with Scene.{name}"
     ):
         replace(SCENE, adhesion=None, load=cs.Approach(1e-6), **effect)
+
+
+WITH_RANGE = replace(SCENE, adhesion=cs.Adhesion(work=0.05, range=2e-6))
+# incompressible on rigid: alike in shear
+FRICTIONS = [
+    cs.Sliding(0.3),
+    cs.PartialSlip(0.3, 0.4),
+    cs.Fretting.cycle(0.3, 0.4),
+    cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=1e-3),
+]
+
+
+@pytest.mark.parametrize("friction", FRICTIONS)
+def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(
+    friction: Any,
+) -> None:
+    alone = cs.solve(WITH_RANGE, GRID, LINE, tolerance=1e-7)
+    found = cs.solve(replace(WITH_RANGE, friction=friction), GRID, LINE, tolerance=1e-7)
+    assert found.status is cs.Status.CONVERGED
+    np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
+    assert (np.hypot(*found.shear) <= 0.3 * found.pressure * (1 + 1e-9)).all()
+    force = found.shear[0].sum() * GRID.cell[0]
+    if isinstance(friction, cs.PartialSlip | cs.Fretting):
+        assert force == pytest.approx(0.4)
+    coefficient = found.quantities["traction_coefficient"].value
+    assert coefficient == pytest.approx(np.hypot(*found.shear.sum(axis=(1, 2))) * GRID.cell[0] / 2)
+
+
+@pytest.mark.parametrize("friction", FRICTIONS[1:])
+def test_shear_of_bodies_that_hardly_adhere_is_that_without_adhesion(friction: Any) -> None:
+    faint = replace(WITH_RANGE, adhesion=cs.Adhesion(work=1e-9, range=2e-6), friction=friction)
+    one, other = (
+        cs.solve(each, GRID, LINE, tolerance=1e-9).shear
+        for each in (faint, replace(faint, adhesion=None))
+    )
+    np.testing.assert_allclose(one, other, atol=2e-3 * other.max())
+
+
+@pytest.mark.parametrize("fraction", [0.3, 0.8, 3.0])
+def test_a_hardness_limits_the_pressure_that_is_left_beside_the_attraction(fraction: float) -> None:
+    alone = cs.solve(WITH_RANGE, GRID, LINE)
+    net = alone.pressure - alone.adhesion.traction
+    limit = fraction * net.max()
+    found = cs.solve(replace(WITH_RANGE, hardness=limit), GRID, LINE)
+    assert found.status is cs.Status.CONVERGED
+    assert (found.pressure - found.adhesion.traction).max() == pytest.approx(
+        min(limit, net.max()), rel=1e-6
+    )
+    assert found.load_per_length == pytest.approx(2.0)
+    if fraction > 1:
+        np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
+
+
+def test_shear_that_follows_a_path_is_refused_beside_adhesion() -> None:
+    with pytest.raises(cs.InvalidInput, match="give forces without times"):
+        replace(WITH_RANGE, friction=cs.Fretting(0.3, (0.0, 0.1), times=(0.0, 1.0)))

@@ -35,7 +35,8 @@ HEAD = """# Which effects work together
 
 A scene names its effects, and each pair of them is tried on a small scene: `+` is computed, a number is a pair that is
 refused, with the sentence below. Bodies that yield roll in passes (`Rolling(passes=...)`), bodies that creep roll at a
-speed; partial slip is `Fretting` with times. This page is written by the test that tries the pairs.
+speed; partial slip is `Fretting` with times, beside adhesion without. This page is written by the test that
+tries the pairs.
 
 """
 
@@ -53,6 +54,10 @@ def scene_with(first: str, second: str) -> dict[str, Any]:
         fields["solids"] = one["solids"][0], other["solids"][0]
     if "shapes" in one and "shapes" in other:
         fields["shapes"] = (*one["shapes"], *other["shapes"][1:])
+    if "adhesion" in (first, second) and "friction" in fields:
+        fields["adhesion"] = cs.Adhesion(work=5.0, range=2e-7)
+        if "partial slip" in (first, second):
+            fields["friction"] = cs.Fretting.cycle(0.3, 1e4)
     if {first, second} == {"partial slip", "wear"}:
         fields["wear"] = cs.Wear(1e-15, 0.0)
     if {first, second} == {"yielding", "rolling"}:

@@ -70,7 +70,7 @@ def test_creepage_in_any_direction_takes_at_most_75_applications(
 ) -> None:
     """Shear turns in the cells that slip, so that both of its components are coupled there."""
     friction = rolling(longitudinal=across * SATURATION, lateral=along * SATURATION)
-    assert solved(friction, (1024, 1)).traction.passes <= 75
+    assert solved(friction, (1024, 1)).traction.iterations <= 75
 
 
 @pytest.mark.parametrize(
@@ -342,7 +342,14 @@ def test_values_that_cannot_be_say_so(given: dict[str, object], said: str) -> No
 @pytest.mark.parametrize(
     ("other", "said"),
     [
-        ({"load": cs.SineLoad(1e5, 1e4, 1.0)}, "Scene.load changes"),
+        ({"load": cs.SineLoad(1e5, 1e4, 1e4)}, "rolls by .* of its widths"),
+        (
+            {
+                "load": cs.SineLoad(1e5, 5e4, 1.0),
+                "friction": cs.TractiveRolling(MU, tangential=0.6 * MU * 1e5),
+            },
+            "tangential",
+        ),
         ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear changes"),
         ({"rolling": cs.Rolling(1.0)}, "Scene.rolling"),
         ({"solids": (cs.ElasticPlasticHalfSpace(2e11, 0.3, inf), STEEL)}, "response to shear"),
@@ -436,3 +443,25 @@ def test_what_sticks_does_not_slip_and_what_slips_is_sheared_against_its_slip(
     np.testing.assert_allclose(
         lost[slips], (limit * np.hypot(*slip))[slips], atol=1e-4 * limit.max() * largest
     )
+
+
+@pytest.mark.parametrize("tangential", [None, 1e4])
+def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant(
+    tangential: float | None,
+) -> None:
+    friction = cs.TractiveRolling(MU, 5e-4 if tangential is None else None, tangential)
+    scene = replace(
+        SMOOTH, friction=friction, load=cs.LoadHistory((0.0, 1.0, 3.0), (1e5, 5e4, 0.8e5))
+    )
+    grid = cs.Grid((96, 1), (2.4 * A, 1e-3))
+    found = cs.solve(scene, grid, cs.ExactPeriodicity(), times=[0, 1, 2, 3], tolerance=1e-8)
+    assert found.status is cs.Status.CONVERGED
+    for frame, load in zip(found.frames, (1e5, 5e4, 6.5e4, 8e4), strict=True):
+        alone = cs.solve(
+            replace(scene, load=cs.LineLoad(load)), grid, cs.ExactPeriodicity(), tolerance=1e-8
+        )
+        np.testing.assert_allclose(frame.shear, alone.shear, atol=1e-6 * MU * P0)
+        for name in ("traction_coefficient", "creepage", "frictional_power"):
+            assert frame.quantities[name].value == pytest.approx(
+                alone.quantities[name].value, rel=1e-5
+            )

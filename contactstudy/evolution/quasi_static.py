@@ -1,7 +1,8 @@
-"""Approach and separation of adhesive bodies under a load that changes: each state begins with the one before.
+"""Contacts in equilibrium under a load that changes: adhesive bodies, and steady rolling with traction.
 
-Between two turning points of the load the states follow one from the other however many lie between: the traction that
-a pass makes grows with the one that it begins with. Recorded instants therefore add no error to each other.
+An adhesive contact begins with the state before it. Between two turning points of the load the state does not depend on
+the number of recorded instants, because the fixed-point map is monotone: a larger initial traction gives a larger final
+one. Rolling is steady at each instant. Recorded instants therefore add no error to each other.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,6 +16,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.evolution import Frame, Trajectory
 from contactstudy.evolution.steps import schedule
+from contactstudy.evolution.time_stepper import unloaded
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.load import ChangingLoad, LineLoad
@@ -24,7 +26,7 @@ from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
-def follow_adhesion(
+def follow_load(
     scene: Scene,
     grid: Grid,
     padding: Padding | Paddings,
@@ -38,7 +40,7 @@ def follow_adhesion(
     Parameters
     ----------
     scene
-        The scene, with adhesion.
+        The scene, with adhesion or tractive rolling.
     grid, padding
         Cells and boundary conditions.
     times
@@ -51,7 +53,7 @@ def follow_adhesion(
     Returns
     -------
     Trajectory
-        The recorded frames, each with its attraction.
+        The recorded frames, each with its solution.
 
     Raises
     ------
@@ -59,20 +61,22 @@ def follow_adhesion(
         If times decrease, or begin before the load.
     """
     load = scene.load
-    if not isinstance(load, ChangingLoad) or scene.adhesion is None:
-        raise InvalidInput("Scene.load does not change together with Adhesion: give a LoadHistory.")
+    if not isinstance(load, ChangingLoad):
+        raise InvalidInput("Scene.load does not change: give a LoadHistory.")
     breakpoints = schedule(load, times)
     first = load.at(breakpoints[0].time)
-    problem = _under(scene, first).problem(grid, padding)
-    law = problem.adhesion
-    assert isinstance(law, AdhesiveSolver)
+    law = None if scene.adhesion is None else _under(scene, first).problem(grid, padding).adhesion
+    assert law is None or isinstance(law, AdhesiveSolver)
     largest = replace(scene, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
     last: Solution | None = None
     for point in breakpoints:
         loads = (point.before, point.after) if point.jumps and last is not None else (point.after,)
         for number, value in enumerate(loads):
-            last = _solved(_posed(largest, scene, value, law), last, options)
+            if value == 0 and law is None:
+                last = unloaded(largest)
+            else:
+                last = _solved(_posed(largest, scene, value, law), last, options)
             records = times is None or point.records > len(loads) - 1 - number
             if records:
                 frames.append(_frame(point.time, value, last))
@@ -84,12 +88,12 @@ def follow_adhesion(
 def _under(scene: Scene, load: float) -> Scene:
     """Return `scene` under a constant `load` [N/m]; under a pull it is that of bodies which were in contact."""
     adhesion = scene.adhesion
-    assert adhesion is not None
-    branch = adhesion.branch if load > 0 else "from full contact"
-    return replace(scene, load=LineLoad(load), adhesion=replace(adhesion, branch=branch))
+    if adhesion is not None and load <= 0:
+        adhesion = replace(adhesion, branch="from full contact")
+    return replace(scene, load=LineLoad(load), adhesion=adhesion)
 
 
-def _posed(problem: Problem, scene: Scene, load: float, law: AdhesiveSolver) -> Problem:
+def _posed(problem: Problem, scene: Scene, load: float, law: AdhesiveSolver | None) -> Problem:
     """Return `problem` under a `load` [N/m], with the heights, the operator and the law that all instants share."""
     posed = problem.description
     assert isinstance(posed, PosedScene)
@@ -105,31 +109,31 @@ def _posed(problem: Problem, scene: Scene, load: float, law: AdhesiveSolver) -> 
 
 def _solved(problem: Problem, last: Solution | None, options: SolveOptions) -> Solution:
     """Return the solution that follows from the `last` one, or the first."""
-    law, start = problem.adhesion, None
-    assert isinstance(law, AdhesiveSolver)
-    if last is not None:
-        law = law.after(last)
-        start = last.pressure if last.pressure.any() else None
-    return solve_contact(replace(problem, adhesion=law), options, start)
+    start = last.pressure if last is not None and last.pressure.any() else None
+    if isinstance(problem.adhesion, AdhesiveSolver) and last is not None:
+        problem = replace(problem, adhesion=problem.adhesion.after(last))
+    return solve_contact(problem, options, start)
 
 
 def _frame(time: float, load: float, solution: Solution) -> Frame:
     """Return a solution as a recorded instant."""
-    adhesion = solution.adhesion
-    assert adhesion is not None
-    name = "attraction between the bodies"
+    fields = {}
+    steps, adhesion = 1, solution.adhesion
+    if adhesion is not None:
+        name, steps = "attraction between the bodies", adhesion.outer_iterations
+        fields = {"attraction": Field(("x", "y"), adhesion.traction, "Pa", name)}
     return Frame(
         time=time,
         load=load,
         pressure=solution.pressure,
         gap=solution.gap,
         approach=solution.approach,
-        fields={"attraction": Field(("x", "y"), adhesion.traction, "Pa", name)},
+        fields=fields,
         status=solution.status,
         residual=solution.residual,
         step_error=0.0,
         grid_error=inf,
-        steps=adhesion.outer_iterations,
+        steps=steps,
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         solution=solution,

@@ -5,14 +5,14 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.estimate import GAP_ERROR
-from contactstudy.accuracy.sought_load import MARGIN
+from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
+from contactstudy.accuracy.sought_load import FIRST_ORDER_MARGIN
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.solution import Solution
 
 # Error of the largest stress over the L1 error of the pressure.
-STRESS = 0.5
+STRESS_ERROR = 0.5
 NO_DATUM = (
     "No bound for the approach: it counts from a place that depends on the images that the padding leaves out, give "
     "ExactPeriodicity."
@@ -44,10 +44,10 @@ def approach_error(
         return ErrorParts(inf if images else 0.0, inf, 0.0, reason=NO_DATUM if images else "")
     change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
     if solution.adhesion is not None:
-        change *= MARGIN
+        change *= FIRST_ORDER_MARGIN
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
-    shift = max(change, GAP_ERROR * cells * varies)
+    shift = max(change, ESTIMATE.gap_error * cells * varies)
     reason = next(iter(estimate.warnings), "") if shift == inf else ""
     return ErrorParts(0.0, shift / size, residual * varies / size, reason=reason)
 
@@ -88,13 +88,13 @@ def stress_errors(
         return no_bound, no_bound
     change = abs(_largest_at(coarse, float(depths[level])) / peak - 1)
     between = (
-        _excess(von_mises[level, :, y], int(x))
-        + _excess(von_mises[level, x], int(y))
-        + _excess(largest, int(level))
+        _parabola_excess(von_mises[level, :, y], int(x))
+        + _parabola_excess(von_mises[level, x], int(y))
+        + _parabola_excess(largest, int(level))
     )
     decay = np.pi * depths / min(_cells(solution))
     local = _finite(estimate.peak_pressure) * (1 + decay) * np.exp(-decay)
-    usual = max(change, STRESS * (estimate.l1.discretisation or 0.0)) + between / peak
+    usual = max(change, STRESS_ERROR * (estimate.l1.discretisation or 0.0)) + between / peak
     highest = largest * (1 + usual + local)
     cells = float(highest.max() / peak - 1)
     reason = next(iter(estimate.warnings), NO_COARSER) if cells == inf else ""
@@ -122,7 +122,7 @@ def _finite(parts: ErrorParts | None) -> float:
     return error if error < inf else 1.0
 
 
-def _excess(values: Array, index: int) -> float:
+def _parabola_excess(values: Array, index: int) -> float:
     """Return by how much the parabola through a largest value and those beside rises above it."""
     if not 0 < index < len(values) - 1:
         return 0.0

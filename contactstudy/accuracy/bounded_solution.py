@@ -17,22 +17,54 @@ from contactstudy.domain.grid import Grid, axis_first
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution
 
-# Orders of convergence: the least, of smooth edges, and where a corner or a roller's end is in contact.
-MIN_ORDER, SMOOTH_ORDER, STEP_ORDER = 0.5, 1.5, 1.0
-# Fraction of a coarser grid's error that remains, up to which its change is used to estimate the error.
-MAX_REMAINING_ERROR = 0.65
-# Fraction of the peak pressure that a corner adds at each halving of the cells, from which convergence is of first
-# order.
-CORNER_RISE = 0.01
-# Bound over the errors that the cells show, where all edges are smooth and where they are not, over the error that the
-# changes give, and over the fraction of the load whose cells hide heights: set on 260 random scenes, where true errors
-# were half of the bound in the median, and judged on 220 others with slightly smaller ones, where none was larger than
-# the bound.
-CELL_ERRORS_MARGIN, CELL_ERRORS_MARGIN_AT_STEPS, CHANGE_MARGIN, HIDDEN_MARGIN = 0.8, 1.05, 1.6, 0.35
-# Relative L1 error over the length by which the cells make either end of a roller too long or too short.
-END_ERROR = 4.0
-# Error in the end row of a roller over its rise above the next row, where the cell is as long as the half-width.
-END_RISE_ERROR = 0.4
+
+@dataclass(frozen=True)
+class BoundConstants:
+    """Constants of the bound from several grids.
+
+    Attributes
+    ----------
+    min_order
+        Least order of convergence.
+    smooth_order
+        Order where all edges of the contact are smooth.
+    step_order
+        Order where a corner or a roller's end is in contact.
+    max_remaining_error
+        Fraction of a coarser grid's error that remains, up to which its change is used to estimate the error.
+    corner_rise
+        Fraction of the peak pressure that a corner adds at each halving of the cells, from which convergence is of
+        first order.
+    cell_errors_margin
+        Bound over the errors that the cells show where all edges are smooth. Like the three next, it was set on 260
+        random scenes, where true errors were half of the bound in the median, and judged on 220 others with slightly
+        smaller margins, where no error was larger than the bound.
+    cell_errors_margin_at_steps
+        The same where not all edges are smooth.
+    change_margin
+        Bound over the error that follows from the changes between grids.
+    hidden_margin
+        Bound over the fraction of the load whose cells hide heights.
+    end_error
+        Relative L1 error over the relative length by which the cells make either end of a roller too long or too short.
+    end_rise_error
+        Error in the end row of a roller over its rise above the next row, where the cell is as long as the half-width.
+    """
+
+    min_order: float = 0.5
+    smooth_order: float = 1.5
+    step_order: float = 1.0
+    max_remaining_error: float = 0.65
+    corner_rise: float = 0.01
+    cell_errors_margin: float = 0.8
+    cell_errors_margin_at_steps: float = 1.05
+    change_margin: float = 1.6
+    hidden_margin: float = 0.35
+    end_error: float = 4.0
+    end_rise_error: float = 0.4
+
+
+CONSTANTS = BoundConstants()
 
 
 @dataclass(frozen=True)
@@ -46,7 +78,7 @@ class BoundedSolution:
     estimate
         Bounds by cause.
     cell_errors
-        Errors (across, along) that the cells show, see :func:`cell_errors`.
+        Errors (across, along) by the pressure of the cells, see :func:`cell_errors`.
     is_sharp
         Whether a corner or a roller's end is in contact, so that convergence is of first order.
     """
@@ -84,9 +116,9 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     """Return `solution` with bounds by its own cells and by its change from `coarser` grids.
 
     The discretisation error in L1 is at most the estimate from one solution. In two dimensions many edges share in it,
-    so that what changes from grid to grid, with its order of convergence, and the errors that the cells show give a
-    sharper bound together. In one dimension a change may be small by the place of two edges in their cells, and is not
-    used.
+    so that the changes from grid to grid, with their order of convergence, and the errors by the cells' pressure give a
+    sharper bound together. In one dimension a change may be small by chance, as two edges lie alike in their cells; it
+    is not used.
 
     Parameters
     ----------
@@ -101,18 +133,20 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     coarse = coarser[-1] if is_halved else None
     estimate = error_estimate(solution, coarse=coarse, heights=heights)
     inside = heights.effect_under(problem, solution.pressure) if heights else None
-    is_sharp = (inside is not None and inside.corner > CORNER_RISE) or bool(_loaded_ends(solution))
+    is_sharp = (inside is not None and inside.corner_rise > CONSTANTS.corner_rise) or bool(
+        _loaded_ends(solution)
+    )
     result = BoundedSolution(solution, estimate, cell_errors(solution), is_sharp)
     present = result.discretisation_error
     if inside is None or not coarser or solution.pressure.shape[1] == 1 or present == inf:
         return result
     # the end of a roller within the grid hides a step as high as the roller is long
-    hidden = 0.0 if _row_lengths(problem) is not None else inside.uncertain
-    by_cells = (CELL_ERRORS_MARGIN_AT_STEPS if is_sharp else CELL_ERRORS_MARGIN) * sum(
-        result.cell_errors
-    )
-    by_change = min(present, CHANGE_MARGIN * error_by_change(result, coarser))
-    bound = max(by_cells, by_change, HIDDEN_MARGIN * hidden)
+    hidden = 0.0 if _row_lengths(problem) is not None else inside.hidden_load
+    by_cells = (
+        CONSTANTS.cell_errors_margin_at_steps if is_sharp else CONSTANTS.cell_errors_margin
+    ) * sum(result.cell_errors)
+    by_change = min(present, CONSTANTS.change_margin * error_by_change(result, coarser))
+    bound = max(by_cells, by_change, CONSTANTS.hidden_margin * hidden)
     if not _loaded_ends(solution):  # of a sharp end the estimate from one solution shows little
         bound = min(present, bound)
     return replace(
@@ -139,7 +173,7 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
         if remaining < 1:
             last_change = change(fine.solution, coarser[number]).l1
             errors.append((remaining, last_change * remaining / sqrt(1 - remaining**2)))
-        if remaining <= MAX_REMAINING_ERROR:
+        if remaining <= CONSTANTS.max_remaining_error:
             return errors[-1][1]
     return min(errors, default=(inf, inf))[1]
 
@@ -149,21 +183,21 @@ def _convergence_order(fine: BoundedSolution, coarser: Sequence[Solution]) -> fl
     changes = [change(fine.solution, solution).l1 for solution in coarser]
     by_cell_errors = [sum(cell_errors(coarser[-1])), sum(fine.cell_errors)]
     areas = [solution.problem.grid.cell_area for solution in coarser]
-    orders = [MIN_ORDER]
+    orders = [CONSTANTS.min_order]
     for errors, area in (
         (changes, areas[0] / areas[-1]),
         (by_cell_errors, areas[-1] / fine.grid.cell_area),
     ):
         if len(errors) == 2 and min(errors) > 0 and area > 1:
             orders.append(2 * log(errors[0] / errors[1]) / log(area))
-    return min(max(orders), STEP_ORDER if fine.is_sharp else SMOOTH_ORDER)
+    return min(max(orders), CONSTANTS.step_order if fine.is_sharp else CONSTANTS.smooth_order)
 
 
 def cell_errors(solution: Solution) -> tuple[float, float]:
-    """Return the relative L1 error of the pressure that each axis (across, along) shows in the cells of `solution`.
+    """Return the relative L1 error of the pressure along each axis (across, along), by the pressure of the cells alone.
 
-    These are the ends of rows of touching cells, by the law of the edge, and a 12th of the second differences within.
-    Cells that bear the hardness count as exact, as do those beside them. At the loaded end of a roller, see
+    It is that of the edges, by their law, and a 12th of the second differences within the contact. Cells at the hardness
+    count as exact, as do their neighbours. At the loaded end of a roller, see
     :func:`_end_error`.
     """
     problem, lengths = solution.problem, _row_lengths(solution.problem)
@@ -183,7 +217,7 @@ def cell_errors(solution: Solution) -> tuple[float, float]:
 
 
 def _axis_error(along: Array, limited: Array, *, wraps: bool) -> float:
-    """Return the sum of the pressure errors that `along` (n, lines) shows along its first axis."""
+    """Return the sum of the pressure errors of `along` (n, lines) along its first axis."""
     padded = with_ends(along, 1, wraps=wraps)
     exact = with_ends(limited, 1, wraps=wraps) > 0
     touching = padded > 0
@@ -199,10 +233,10 @@ def _axis_error(along: Array, limited: Array, *, wraps: bool) -> float:
 
 
 def _end_error(solution: Solution) -> float:
-    """Return the relative L1 error at the loaded ends of a roller, beyond that of second differences.
+    """Return the relative L1 error at the loaded ends of a roller, in addition to that of second differences.
 
     Towards a sharp end the pressure rises like the inverse root of the distance from it, within about a half-width a.
-    The end row misses ``END_RISE_ERROR (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make
+    The end row misses ``0.4 (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make
     the roller too long or too short.
     """
     ends, grid, pressure = _loaded_ends(solution), solution.problem.grid, solution.pressure
@@ -212,12 +246,12 @@ def _end_error(solution: Solution) -> float:
     for row, inner in ends:
         half_width = np.count_nonzero(pressure[:, row]) * grid.cell[0] / 2
         rise = float(np.abs(pressure[:, row] - pressure[:, inner]).sum()) / total
-        error += (END_RISE_ERROR * sqrt(grid.cell[1] / half_width) - 1 / 12) * rise
+        error += (CONSTANTS.end_rise_error * sqrt(grid.cell[1] / half_width) - 1 / 12) * rise
     lengths = _row_lengths(solution.problem)
     if lengths is None:
         return error
     length = float(lengths.sum())
-    return error + END_ERROR * abs(np.count_nonzero(lengths) - length) / 2 / length
+    return error + CONSTANTS.end_error * abs(np.count_nonzero(lengths) - length) / 2 / length
 
 
 def _loaded_ends(solution: Solution) -> list[tuple[int, int]]:

@@ -13,7 +13,7 @@ from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Tolerance of the coarse solution, whose difference needs two digits.
-TOLERANCE = 1e-4
+COARSE_TOLERANCE = 1e-4
 # That of one with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
 
@@ -63,7 +63,7 @@ def coarser_problem(problem: Problem) -> Problem | None:
         coarse = source.problem(halved(problem.grid))
     except InvalidInput:
         return None
-    added = _unknown_to(source, problem)
+    added = _added_heights(source, problem)
     if added is None:
         return coarse
     gap = coarse.undeformed_gap + on_cells(added, coarse.grid.cells)
@@ -100,12 +100,12 @@ def coarse_solution(
     if coarse.adhesion is not None and attraction is not None:
         law = coarse.adhesion.continued(on_cells(attraction, coarse.grid.cells))
         coarse = replace(coarse, adhesion=law)
-    tolerance = TOLERANCE if coarse.adhesion is None else ADHESIVE_TOLERANCE
+    tolerance = COARSE_TOLERANCE if coarse.adhesion is None else ADHESIVE_TOLERANCE
     solution = solve_contact(coarse, SolveOptions(tolerance), start)
     return None if solution.status.is_failure else solution
 
 
-def _unknown_to(source: Source, problem: Problem) -> Array | None:
+def _added_heights(source: Source, problem: Problem) -> Array | None:
     """Return the heights (x, y) [m] in `problem` that its source does not contain; None where there are none."""
     heights = source.gap(problem.grid)
     if problem.undeformed_gap is heights:

@@ -24,9 +24,9 @@ from contactstudy.elasticity.kernels.displacement import gauss
 MODES = 4
 # where the edge can lie, in cells outward of the last touching centre: further in that cell would lose
 # contact, further out the next would gain it
-EDGE_RANGE, EDGE_STEPS, EDGE_CELLS, LEAP = (-0.175, 0.83), 200, 200, 0.06
+EDGE_RANGE, EDGE_STEPS, EDGE_CELLS, JUMP_RANGE = (-0.175, 0.83), 200, 200, 0.06
 # e(z) has coefficients that fall like j^-4
-TERMS, SAMPLES = 400, 4096
+SERIES_TERMS, SYMBOL_SAMPLES = 400, 4096
 
 
 @cache
@@ -34,13 +34,13 @@ def modes(count: int) -> Array:
     """Return the pressure of each mode in the first `count` cells inward from the edge, shape (count, MODES)."""
     from scipy import fft  # imported late, since it is slow
 
-    angle = np.pi * (np.arange(SAMPLES) + 0.5) / SAMPLES
+    angle = np.pi * (np.arange(SYMBOL_SAMPLES) + 0.5) / SYMBOL_SAMPLES
     # ln e(z) is half of the cepstrum; the other half belongs to 1 / z
-    log = -fft.dct(_log_symbol(angle))[:TERMS] / (2 * SAMPLES)
-    order = np.arange(TERMS)
-    smooth = np.zeros(TERMS)
+    log = -fft.dct(_log_symbol(angle))[:SERIES_TERMS] / (2 * SYMBOL_SAMPLES)
+    order = np.arange(SERIES_TERMS)
+    smooth = np.zeros(SERIES_TERMS)
     smooth[0] = np.exp(log[0] / 2)
-    for j in range(1, TERMS):
+    for j in range(1, SERIES_TERMS):
         smooth[j] = (order[1 : j + 1] * log[1 : j + 1]) @ smooth[j - 1 :: -1] / j
     steps = np.arange(1, count)
     root = np.cumprod(np.append(1.0, (steps - 1.5) / steps))
@@ -88,9 +88,9 @@ def edge_error(last: Array, inner: Array) -> Array:
     """Return the L1 pressure error at an edge, ``sum |p - true|``, from the two cells beside it.
 
     The true pressure is taken at the centres or as its mean in the cells, whichever error is larger. The ratio of the
-    two cells tells where in its cell the edge of a smooth contact lies. The error jumps where the edge passes the centre
-    of a cell, so the largest error within ``LEAP`` of a cell to either side counts. Where a single cell touches, or
-    `last` is the higher, the law no longer holds, and the edge is taken to lie as far out as it can.
+    two cells tells where in its cell the edge of a smooth contact lies. The error jumps where the edge passes the
+    centre of a cell, so the largest error within ``JUMP_RANGE`` of a cell to either side counts. Where a single cell
+    touches, or `last` is the higher, the law no longer holds, and the edge is taken to lie as far out as it can.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _edge_errors() -> tuple[Array, Array]:
     """Return the ratio of the last two cells, and the L1 error over the inner one, for edges from inside outwards."""
     edge, at_centres, of_means, last, inner = _edge_discretisations()
     error = np.maximum(at_centres, of_means)
-    near = np.abs(edge[:, None] - edge) <= LEAP
+    near = np.abs(edge[:, None] - edge) <= JUMP_RANGE
     return last / inner, np.where(near, error / inner, 0).max(axis=1)
 
 
@@ -196,9 +196,9 @@ def _reciprocal(series: Array) -> Array:
     return result
 
 
-# Cells that the law is fitted to. An edge is resolved where RESOLVED cells touch without a break, the neighbouring
-# rows end in the same cell, and the fit misses no pressure by more than the fraction MISFIT of the largest.
-FITTED, RESOLVED, MISFIT = 6, 12, 1e-3
+# Cells that the law is fitted to. An edge is resolved where MIN_TOUCHING cells touch without a break, the neighbouring
+# rows end in the same cell, and the fit misses no pressure by more than the fraction MAX_MISFIT of the largest.
+FITTED_CELLS, MIN_TOUCHING, MAX_MISFIT = 6, 12, 1e-3
 # From either edge, the law corrects one in this many of the touching cells: half of the half.
 CORRECTED_PART = 4
 
@@ -291,11 +291,11 @@ def _resolved(pressure: Array) -> _Edges:
     within = np.arange(count)[:, None] <= last
     touching = (touching * within).sum(axis=0)
     straight = (last == np.roll(last, 1)) & (last == np.roll(last, -1)) & (last < count - 1)
-    rows = np.flatnonzero(straight & (touching >= RESOLVED))
-    beside = pressure[last[rows] - np.arange(FITTED)[:, None], rows]
-    strength = np.linalg.lstsq(modes(FITTED), beside, rcond=None)[0]
-    misfit = np.abs(modes(FITTED) @ strength - beside).max(axis=0, initial=0)
-    fits = misfit <= MISFIT * beside.max(axis=0, initial=0)
+    rows = np.flatnonzero(straight & (touching >= MIN_TOUCHING))
+    beside = pressure[last[rows] - np.arange(FITTED_CELLS)[:, None], rows]
+    strength = np.linalg.lstsq(modes(FITTED_CELLS), beside, rcond=None)[0]
+    misfit = np.abs(modes(FITTED_CELLS) @ strength - beside).max(axis=0, initial=0)
+    fits = misfit <= MAX_MISFIT * beside.max(axis=0, initial=0)
     rows, strength = rows[fits], strength[:, fits]
     outward, shape = _continuous(strength)
     return _Edges(rows, last[rows], touching[rows], outward, shape, strength)

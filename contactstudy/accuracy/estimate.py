@@ -1,6 +1,6 @@
 """Estimated errors of a solution, by cause: truncation of images, discretisation, and the solver's residual."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -13,7 +13,7 @@ from contactstudy.accuracy.discretisation import (
 )
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.sought_load import compare_grids, pull_off_error
-from contactstudy.accuracy.subcell import CONFIDENCE, Subcell, SubgridHeights
+from contactstudy.accuracy.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
 from contactstudy.accuracy.truncation import truncation
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
@@ -28,28 +28,6 @@ from contactstudy.scene.bodies import is_layered
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Solution, Status
 
-# Largest factor by which the approximate inverse is wrong, where the padding is a short window.
-INVERSE_MARGIN = 2.0
-# Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed.
-SMOOTH_RATIO = 0.25
-# Largest error in L1 over the hidden fraction of the load, and of the area over the fraction that may open. Two
-# pressures of one load differ by MAX_L1 at most.
-HIDDEN_ERROR, MAX_L1 = 0.8, 2.0
-# Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
-SHARP_RISE = 1e-3
-# Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement, whichever is
-# larger; and over the L1 error by images left out.
-GAP_ERROR, GAP_ERROR_BY_IMAGES = 0.12, 8.0
-# The least cells across the contact at the peak for its edges to follow their law.
-MIN_CELLS_ACROSS = 5
-# Pressure at a roller's end over the peak pressure, from which that end may have the peak.
-END_OVER_PEAK = 0.5
-# Under a coating more than STIFF_COATING times as stiff as its substrate, the pressure rises at the edges over part of
-# the thickness t, up to SPIKE times that of a plate bent over the radius R, ``E t / R``, over the cube root of that
-# ratio. With CELLS_IN_COATING cells in the thickness, the cells show it.
-STIFF_COATING, CELLS_IN_COATING, SPIKE = 2.0, 2, 2 / 3
-# Relative change of the attraction in the last pass, over the residual of a contact with adhesion at most.
-CHANGE_OF_ATTRACTION = 1e3
 SHARP_EDGE = "a sharp edge or corner"
 UNKNOWN_HEIGHTS = (
     "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
@@ -61,6 +39,62 @@ PROTRUDING = (
 )
 
 
+@dataclass(frozen=True)
+class EstimateConstants:
+    """Constants of the error estimate.
+
+    Attributes
+    ----------
+    inverse_margin
+        Largest error of the approximate inverse, as a factor; it occurs where the padding is a short window.
+    smooth_ratio
+        Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed.
+    hidden_error
+        Largest error in L1 over the hidden fraction of the load, and of the area over the fraction that may open.
+    max_l1
+        Largest L1 difference of two pressures of one load.
+    sharp_rise
+        Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
+    gap_error
+        Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement,
+        whichever is larger.
+    gap_error_by_images
+        Error of the mean gap over the L1 error by images left out.
+    min_cells_across
+        Least cells across the contact at the peak for its edges to follow their law.
+    end_over_peak
+        Pressure at a roller's end over the peak pressure, from which that end may have the peak.
+    stiff_coating
+        Stiffness of a coating over that of its substrate, above which the pressure rises at the edges over part of the
+        thickness t.
+    cells_in_coating
+        Cells in the thickness of such a coating with which the grid resolves the rise.
+    edge_rise
+        Largest rise there over the pressure of a plate bent over the radius R, ``E t / R``, over the cube root of the
+        ratio of stiffness.
+    change_of_attraction
+        Largest relative change of the attraction in the last outer iteration over the residual of a contact with
+        adhesion.
+    """
+
+    inverse_margin: float = 2.0
+    smooth_ratio: float = 0.25
+    hidden_error: float = 0.8
+    max_l1: float = 2.0
+    sharp_rise: float = 1e-3
+    gap_error: float = 0.12
+    gap_error_by_images: float = 8.0
+    min_cells_across: int = 5
+    end_over_peak: float = 0.5
+    stiff_coating: float = 2.0
+    cells_in_coating: int = 2
+    edge_rise: float = 2 / 3
+    change_of_attraction: float = 1e3
+
+
+CONSTANTS = EstimateConstants()
+
+
 def error_estimate(
     solution: Solution,
     *,
@@ -70,11 +104,11 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Estimate the errors of `solution`.
 
-    Where heights and edges are smooth, the solution itself shows them. Otherwise the same contact is solved once more
-    on cells of twice the size, its heights sampled again, and the heights are examined inside the cells. That costs
-    up to two solves of a hundred cells a side, and half of one of some hundred. An error is infinite, with the
-    reason in ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge,
-    heights finer than the cells.
+    Where heights and edges are smooth, the solution alone determines them. Otherwise the same contact is solved once
+    more on cells of twice the size, with its heights sampled again, and the heights are examined inside the cells. The
+    cost is up to that of two solves with a hundred cells along each axis, and half a solve with some hundred. An error
+    is infinite, with the reason in ``warnings``, where no bound can be given: no solution, a contact cut off, the
+    pressure at a sharp edge, heights finer than the cells.
 
     Parameters
     ----------
@@ -129,26 +163,26 @@ def error_estimate(
     if (
         solution.adhesion is not None
     ):  # the change of the attraction that counts as much as this residual
-        l1_residual += CHANGE_OF_ATTRACTION * solution.residual
+        l1_residual += CONSTANTS.change_of_attraction * solution.residual
     # the heights on several grids have the same waves
     with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
         cells = _cells(solution, coarse, heights, confidence)
-    spike, width, reason = _spikes(problem)
+    rise_at_edge, width, reason = _edge_rise(problem)
     if reason:
-        rise = max(spike / float(solution.pressure.max()) - 1, 0.0)
+        rise = max(rise_at_edge / float(solution.pressure.max()) - 1, 0.0)
         # one at either edge, in the mean over the length
         mean = float(solution.pressure.mean()) * problem.grid.extent[0]
         cells = replace(
             cells,
             peak_pressure=max(cells.peak_pressure, rise),
-            l1=cells.l1 + 2 * spike * width / mean,
+            l1=cells.l1 + 2 * rise_at_edge * width / mean,
             warnings=(*cells.warnings, reason),
         )
     return ErrorEstimate(
         ErrorParts(l1_images, cells.l1, l1_residual),
         ErrorParts(peak_images, cells.peak_pressure, peak_residual),
         ErrorParts(l1_images, cells.contact_area, l1_residual),
-        ErrorParts(GAP_ERROR_BY_IMAGES * l1_images, cells.mean_gap, l1_residual),
+        ErrorParts(CONSTANTS.gap_error_by_images * l1_images, cells.mean_gap, l1_residual),
         load=ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None,
         pull_off=_at_pull_off(solution, cells.load),
         warnings=(
@@ -171,7 +205,7 @@ def _at_pull_off(solution: Solution, load: float | None) -> ErrorParts | None:
     return pull_off_error(solution, load)
 
 
-def _spikes(problem: Problem) -> tuple[float, float, str]:
+def _edge_rise(problem: Problem) -> tuple[float, float, str]:
     """Return the pressure [Pa] at the edges of a contact through a coating of few cells, its width [m], and a sentence.
 
     They are 0, and the sentence empty, where no coating is stiffer than its substrate, or the cells show it.
@@ -183,14 +217,14 @@ def _spikes(problem: Problem) -> tuple[float, float, str]:
     for coating in filter(is_layered, scene.solids):
         stiffer = coating.substrate.compliance / coating.compliance
         cells = coating.thickness / problem.grid.cell[0]
-        if stiffer > STIFF_COATING and cells < CELLS_IN_COATING:
+        if stiffer > CONSTANTS.stiff_coating and cells < CONSTANTS.cells_in_coating:
             curvature = 1 / scene.hertz.radius if scene.hertz is not None else 0.0
             bending = coating.thickness * curvature / coating.compliance
-            pressure = max(pressure, SPIKE * bending / stiffer ** (1 / 3))
+            pressure = max(pressure, CONSTANTS.edge_rise * bending / stiffer ** (1 / 3))
             width = max(width, coating.thickness)
             reason = (
                 f"The grid has {cells:.2g} cells in a coating {stiffer:.3g} times as stiff as its substrate, which do "
-                "not show how the pressure rises at the edges: the peak there is at most about "
+                "not resolve how the pressure rises at the edges: the peak there is at most about "
                 f"{readable(pressure, 'Pa', 3)}."
             )
     return pressure, width, reason
@@ -222,9 +256,13 @@ def _cells(
     ends = problem.source is not None and problem.source.ends_along
     regular = (
         not (at_hardness or (ends and pressure[:, [0, -1]].any()))
-        and _contact_width(pressure, wraps) >= MIN_CELLS_ACROSS
+        and _contact_width(pressure, wraps) >= CONSTANTS.min_cells_across
     )
-    if regular and inside.uncertain <= SMOOTH_RATIO * l1 and inside.corner <= SHARP_RISE:
+    if (
+        regular
+        and inside.hidden_load <= CONSTANTS.smooth_ratio * l1
+        and inside.corner_rise <= CONSTANTS.sharp_rise
+    ):
         changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
     else:
         coarse = coarse or coarse_solution(problem, solution.pressure)
@@ -233,20 +271,25 @@ def _cells(
             return DiscretisationErrors.unbounded(reason)
         changes = change(solution, coarse)
     isolated = _has_isolated_cells(pressure)
-    l1 = MAX_L1 if isolated else min(MAX_L1, max(l1, changes.l1, HIDDEN_ERROR * inside.uncertain))
+    hidden_error = CONSTANTS.hidden_error * inside.hidden_load
+    l1 = CONSTANTS.max_l1 if isolated else min(CONSTANTS.max_l1, max(l1, changes.l1, hidden_error))
     reason = ""
     if at_hardness:  # the peak pressure is the hardness
         peak = 0.0
     elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
         peak = inf
     else:
-        peak = max(peak, changes.peak_pressure, inside.rise) + inside.kink
+        peak = max(peak, changes.peak_pressure, inside.peak_rise) + inside.kink_rise
     return _with_reasons(
         DiscretisationErrors(
             l1,
             peak,
-            max(area, changes.contact_area, _relative_loss(HIDDEN_ERROR * inside.area_loss)),
-            _gap_error(solution, l1, changes.mean_gap, inside.mean),
+            max(
+                area,
+                changes.contact_area,
+                _relative_loss(CONSTANTS.hidden_error * inside.area_loss),
+            ),
+            _gap_error(solution, l1, changes.mean_gap, inside.mean_height),
             warnings=(reason,) if reason else (),
         )
     )
@@ -279,7 +322,7 @@ def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> f
     residual = float(np.abs(solution.gap[touching]).sum()) / touching.size
     if not gap > 2 * residual:
         return inf
-    shift = GAP_ERROR * l1 * max(float(solution.displacement.std()), gap)
+    shift = CONSTANTS.gap_error * l1 * max(float(solution.displacement.std()), gap)
     return max(change, shift / gap) + hidden / gap
 
 
@@ -299,7 +342,7 @@ def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
 
 
 def _has_isolated_cells(pressure: np.ndarray) -> bool:
-    """Return whether along an axis no two touching cells are neighbours, so that their edges are unknown."""
+    """Return whether along an axis no two cells in contact are neighbours, so that their edges are unknown."""
     touching = pressure > 0
     return any(
         len(along) > 1 and not (along[1:] & along[:-1]).any() for along in (touching, touching.T)
@@ -312,7 +355,7 @@ def _relative_loss(fraction: float) -> float:
 
 
 def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
-    """Return the number of cells that touch in a row through the peak pressure, along the axis with the fewest."""
+    """Return the number of adjacent cells in contact through the peak pressure, along the axis with the fewest."""
     peak = np.unravel_index(np.argmax(pressure), pressure.shape)
     fewest = pressure.size
     for axis, is_periodic in enumerate(wraps):
@@ -328,7 +371,7 @@ def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
     return fewest
 
 
-def _no_peak(inside: Subcell, *, isolated: bool, sharp_end: bool) -> str:
+def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
     """Return why the peak pressure has no bound; an empty string where it has one.
 
     Parameters
@@ -341,7 +384,7 @@ def _no_peak(inside: Subcell, *, isolated: bool, sharp_end: bool) -> str:
         Whether the roller bears pressure up to its end.
     """
     reason = ""
-    if inside.corner > SHARP_RISE:
+    if inside.corner_rise > CONSTANTS.sharp_rise:
         reason = (
             f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, close the seam of a measured surface, or "
             "ask for another quantity"
@@ -354,14 +397,14 @@ def _no_peak(inside: Subcell, *, isolated: bool, sharp_end: bool) -> str:
 
 
 def _unresolved_length(problem: Problem) -> str:
-    """Return why the cells are too large for a length that a shape names; an empty string where they are not."""
+    """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
     finest = problem.source.finest if problem.source is not None else (inf, inf)
     for axis, (cell, length) in enumerate(zip(problem.grid.cell, finest, strict=True)):
         if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
             count = int(np.ceil(2 * problem.grid.extent[axis] / length))
             return (
                 f"No bound for the discretisation error: Grid.cells[{axis}] is {problem.grid.cells[axis]}, "
-                f"whose cells of {readable(cell)} do not show lengths of {readable(length)}, give {count} or more."
+                f"whose cells of {readable(cell)} do not resolve lengths of {readable(length)}, give {count} or more."
             )
     return ""
 
@@ -380,7 +423,9 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
     """
     if problem.source is None or not problem.source.ends_along:
         return False
-    return bool(max(pressure[:, 0].max(), pressure[:, -1].max()) > END_OVER_PEAK * pressure.max())
+    return bool(
+        max(pressure[:, 0].max(), pressure[:, -1].max()) > CONSTANTS.end_over_peak * pressure.max()
+    )
 
 
 def _residual(solution: Solution) -> tuple[float, float]:
@@ -389,7 +434,7 @@ def _residual(solution: Solution) -> tuple[float, float]:
     scale = scales.pressure / scales.gap
     operator = solution.problem.operator.scaled(scale, Precision.DOUBLE)
     compliance = operator.self_compliance
-    # half as many digits take half the time
+    # single precision takes half the time
     inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= LARGE else None)
     cells = solution.problem.constraint.free(pressure).astype(inverse.real, copy=False)
     correction, level = np.empty_like(cells), 0.0
@@ -409,11 +454,11 @@ def _residual(solution: Solution) -> tuple[float, float]:
         # cells at a limit that should not be there, and the pressure that closes the others
         pressure_error = violation(pressure, gap, cells) / (scales.gap * compliance)
         pressure_error += np.abs((correction - level) * cells)
-        pressure_error *= INVERSE_MARGIN * scales.pressure
+        pressure_error *= CONSTANTS.inverse_margin * scales.pressure
         return float(pressure_error.sum()), float((pressure + pressure_error).max())
 
     sums, peaks = zip(*in_blocks(errors_in_block, pressure, gap, cells, correction), strict=True)
     l1 = float(sum(sums) / pressure.sum())
-    # another cell may have the peak; and the inverse, which ignores the ends of a length that does not wrap, is more
-    # accurate for the sum than for a single cell
+    # the peak may be in another cell; the inverse, which takes a free length for a periodic one, is more accurate for
+    # the sum than for a single cell
     return max(float(max(peaks) / pressure.max()) - 1, l1), l1

@@ -5,8 +5,8 @@ from math import inf, pi, sqrt
 from contactstudy.accuracy.contact_edge import worst_edge_error
 
 # Factor of (dx / a)^2: what remains after the edges are corrected.
-CORRECTED = 0.1
-COARSEST = 1e100  # half-widths: the square of a larger cell overflows
+SECOND_ORDER = 0.1
+MAX_CELL = 1e100  # half-widths: the square of a larger cell overflows
 
 
 def smooth_l1(cell: float) -> float:
@@ -14,9 +14,9 @@ def smooth_l1(cell: float) -> float:
 
     It includes the part that remains after the edges are corrected.
     """
-    if cell > COARSEST:
+    if cell > MAX_CELL:
         return inf
-    return float(l1_factor() * cell**1.5 + CORRECTED * cell**2)
+    return float(l1_factor() * cell**1.5 + SECOND_ORDER * cell**2)
 
 
 def l1_factor() -> float:

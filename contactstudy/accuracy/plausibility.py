@@ -12,9 +12,9 @@ from contactstudy.solvers.solution import Solution
 
 # Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over
 # the radius, and width of the grid over that of the contact.
-PRESSURE, SLOPE, APPROACH, WIDE = 0.1, 1.0, 1.0, 1e3
+MAX_PRESSURE, MAX_SLOPE, MAX_APPROACH, MAX_WIDTH = 0.1, 1.0, 1.0, 1e3
 # A modulus below this [Pa] is softer than any gel: that of a metal or a polymer was given in GPa or MPa.
-SOFT = 1e3
+MIN_MODULUS = 1e3
 
 
 def implausible(solution: Solution) -> str:
@@ -32,19 +32,19 @@ def implausible(solution: Solution) -> str:
         "extent": "is a length of the grid or the load given in another unit, such as mm or N/mm?",
         "load": "is the load or a radius given in another unit, such as N/mm or mm?",
     }
-    facts, hint = [], "modulus" if modulus < SOFT else ""
-    if slope > SLOPE:
+    facts, hint = [], "modulus" if modulus < MIN_MODULUS else ""
+    if slope > MAX_SLOPE:
         facts.append(f"the heights have slopes of {slope:.2g}")
         hint = hint or "heights"
-    if peak > PRESSURE * modulus:
+    if peak > MAX_PRESSURE * modulus:
         facts.append(f"the peak pressure is {peak / modulus:.2g} times the contact modulus E*")
         hint = hint or "load"
-    if hertz is not None and abs(solution.approach) > APPROACH * hertz.radius:
+    if hertz is not None and abs(solution.approach) > MAX_APPROACH * hertz.radius:
         facts.append(
             f"the approach is {abs(solution.approach) / hertz.radius:.2g} times the radius"
         )
         hint = hint or "load"
-    if 0 < width < grid.extent[0] / WIDE:
+    if 0 < width < grid.extent[0] / MAX_WIDTH:
         facts.append(f"the grid is {grid.extent[0] / width:.2g} times as wide as the contact")
         hint = hint or "extent"
     return f"The input is implausible: {', '.join(facts)}; {hints[hint]}" if facts else ""
@@ -92,14 +92,14 @@ def _surfaces(scene: Scene) -> list[object]:
 def _slope(solution: Solution) -> float:
     """Return the slope of the heights: its median over the grid, or its rms where neighbouring cells touch.
 
-    It is 0 if no slope is above `SLOPE`.
+    It is 0 if no slope is above `MAX_SLOPE`.
     """
     gap, touching = solution.problem.undeformed_gap, solution.pressure > 0
     largest = 0.0
     for axis, step in enumerate(solution.problem.grid.cell):
         if gap.shape[axis] < 3:
             continue
-        if _steepest(gap, axis) <= SLOPE * step:  # as are median and rms
+        if _steepest(gap, axis) <= MAX_SLOPE * step:  # as are median and rms
             continue
         slopes = np.abs(np.diff(gap, axis=axis)) / step
         both = np.take(touching, range(1, gap.shape[axis]), axis) & np.take(

@@ -18,7 +18,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Pull-off load of a cylinder over its JKR limit (large Tabor parameter), by that parameter, for the exponential law;
 # found on grids of 1024 to 4096 cells.
-PULL_OFF = (
+PULL_OFF_OVER_JKR = (
     (0.0536, 0.3304),
     (0.1073, 0.4615),
     (0.268, 0.6900),
@@ -28,7 +28,7 @@ PULL_OFF = (
     (4.290, 0.9991),
 )
 # Errors fall in proportion to the cell, so that the change from cells of twice the size is the error of these.
-MARGIN = 1.5
+FIRST_ORDER_MARGIN = 1.5
 # The part of a pull-off load that coarse cells may add by trapping the edge of the contact, by the cells in the zone.
 TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
@@ -44,11 +44,11 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
     changes = change(solution, coarse)
     assert changes.load is not None
     return DiscretisationErrors(
-        MARGIN * changes.l1,
-        MARGIN * changes.peak_pressure,
-        MARGIN * changes.contact_area,
-        MARGIN * changes.mean_gap,
-        MARGIN * changes.load,
+        FIRST_ORDER_MARGIN * changes.l1,
+        FIRST_ORDER_MARGIN * changes.peak_pressure,
+        FIRST_ORDER_MARGIN * changes.contact_area,
+        FIRST_ORDER_MARGIN * changes.mean_gap,
+        FIRST_ORDER_MARGIN * changes.load,
         range_warning(solution),
     )
 
@@ -103,9 +103,9 @@ def _range_error(solution: Solution, adhesion: CohesiveTraction, load: float) ->
 
 def reduction_below_jkr(tabor: float) -> float:
     """Return by how much the pull-off load of a cylinder is below its JKR limit, relative to it."""
-    parameters = [parameter for parameter, _ in PULL_OFF]
+    parameters = [parameter for parameter, _ in PULL_OFF_OVER_JKR]
     index = min(max(bisect_left(parameters, tabor), 1), len(parameters) - 1)
-    (low, below), (high, above) = PULL_OFF[index - 1 : index + 1]
+    (low, below), (high, above) = PULL_OFF_OVER_JKR[index - 1 : index + 1]
     # 1 - ratio between two values is a power of the parameter
     first, last = 1 - below, 1 - above
     power = log(last / first) / log(high / low)

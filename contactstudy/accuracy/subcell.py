@@ -1,4 +1,4 @@
-"""Heights inside the cells, which a pressure on the grid cannot show."""
+"""Heights inside the cells, which a pressure on the grid does not resolve, and their effect on the contact."""
 
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -13,73 +13,105 @@ from contactstudy.domain.grid import Grid, axis_first, on_cells
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem, Source
 
-# Points in a cell, along one axis at a time: where the shapes name their scales, at what may be a corner of theirs, and
-# where a shape names none.
-POINTS, POINTS_AT_CORNERS, POINTS_WITHOUT_SCALES = 4, 32, 48
-# Number of lines up to which all are examined; of more, one in SPARSE.
-LINES, SPARSE = 64, 4
 # Default probability with which a feature is found.
 CONFIDENCE = 0.95
-# Fraction of a cell's area above which a feature is found with the requested confidence.
-FEATURE_AREA = 0.03
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
 STEPS = 0.7548776662466927, 0.5698402909980532
-# Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``: it is pi / 2 and pi for waves of two
-# cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
-PRESSURE_RISE = 2.5
-# Largest fraction of the second difference of the centres that cubics miss of a feature which the centres show.
-RESOLVED_FRACTION = 0.5
-# Fraction of the slope change between two neighbouring points that those beside do not have, from which it is a corner.
-CORNER_FRACTION = 0.7
 # The cubic through the last four points of a row, at the second and the first place beyond them.
 BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
-# Powers n - 1 of a height |x|^n: the one from which a bend counts as smooth, and the least one that is no corner.
-SMOOTH_POWER, MIN_POWER = 0.95, 0.1
 
 
 @dataclass(frozen=True)
-class Subcell:
+class SubgridConstants:
+    """Constants of the examination of heights inside the cells.
+
+    Attributes
+    ----------
+    points
+        Points in a cell along a line, where all shapes name their length scales.
+    points_at_corners
+        The same on lines that may have a corner.
+    points_without_scales
+        The same where a shape names no length scales.
+    lines
+        Number of lines up to which all are examined.
+    sparse
+        Of more lines, one in this many is examined.
+    feature_area
+        Fraction of a cell's area above which a feature is found with the requested confidence.
+    pressure_rise
+        Rise of the pressure where a hidden height h is pressed flat, over ``E* h / dx``: pi / 2 and pi for waves of two
+        cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
+    resolved_fraction
+        Largest interpolation error of a feature that the centres resolve, over their second difference.
+    corner_fraction
+        Fraction of the slope change between two neighbouring points that the points beside do not have, from which it
+        is a corner.
+    smooth_power
+        Power n - 1 of a height ``|x|^n`` from which a bend counts as smooth.
+    min_power
+        Least such power that is not a corner.
+    """
+
+    points: int = 4
+    points_at_corners: int = 32
+    points_without_scales: int = 48
+    lines: int = 64
+    sparse: int = 4
+    feature_area: float = 0.03
+    pressure_rise: float = 2.5
+    resolved_fraction: float = 0.5
+    corner_fraction: float = 0.7
+    smooth_power: float = 0.95
+    min_power: float = 0.1
+
+
+CONSTANTS = SubgridConstants()
+
+
+@dataclass(frozen=True)
+class SubgridEffect:
     """Effect of the heights inside the cells on a contact.
 
-    A cell hides what a cubic through the centres misses, by the pressure that would flatten it, at most
-    the peak pressure there. A corner that points out of the body by a slope S raises the pressure by
+    A cell hides the heights beyond a cubic through the centres, as the pressure that would flatten them, at most the
+    pressure there. A corner that points out of the body by a slope S raises the pressure by
     ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit.
 
     Attributes
     ----------
-    uncertain
+    hidden_load
         Fraction of the load whose cells hide heights.
-    corner
+    corner_rise
         Largest rise at a corner in the contact when the cells are halved, over the peak pressure.
     protrudes
-        Whether the surface protrudes from a cell so far that it would carry more than the peak pressure there.
-    rise
+        Whether the surface protrudes from a cell so far that it would carry more than the peak pressure.
+    peak_rise
         Fraction of the peak pressure by which hidden heights may raise it.
     area_loss
         Fraction of the contact that may open: the hidden pressure over that of each cell, at most 1, in the mean.
-    mean
+    mean_height
         Mean of the heights inside the cells below that at their centres [m].
-    kink
+    kink_rise
         Fraction by which the peak pressure may still rise on finer cells under a height ``|x|^n`` with n below 2.
     """
 
-    uncertain: float
-    corner: float
+    hidden_load: float
+    corner_rise: float
     protrudes: bool
-    rise: float = 0.0
-    kink: float = 0.0
+    peak_rise: float = 0.0
+    kink_rise: float = 0.0
     area_loss: float = 0.0
-    mean: float = 0.0
+    mean_height: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
-class _HiddenAlong:
+class _HiddenHeights:
     """Heights hidden inside the cells along one `axis`, examined on some lines (across, along).
 
-    What cubics through the centres miss, `missed`, and what protrudes, `protrusion`, are heights [m]; `corner` and
-    `kink` are slopes; `mean` is the mean height of the points below that of the centres [m]. The `kink` is None for
-    shapes that name their scales.
+    `missed` is the interpolation error of cubics through the centres and `protrusion` the height above all centres about
+    a cell, both [m]; `corner` and `kink` are slopes; `mean` is the mean height of the points below that of the centres
+    [m]. The `kink` is None for shapes that name their length scales.
     """
 
     axis: int
@@ -112,13 +144,13 @@ class SubgridHeights:
     Attributes
     ----------
     along
-        What they hide along each axis.
-    off_lines
-        What :func:`_off_lines` finds, if a shape names no scales.
+        Heights on lines along each axis.
+    between_lines
+        Heights off these lines, see :func:`_between_lines`, if a shape names no length scales.
     """
 
-    along: tuple[_HiddenAlong, ...]
-    off_lines: tuple[Array, Array, Array, Array] | None
+    along: tuple[_HiddenHeights, ...]
+    between_lines: tuple[Array, Array, Array, Array] | None
 
     @classmethod
     def from_problem(
@@ -140,17 +172,17 @@ class SubgridHeights:
         if source is None or problem.paddings is None:
             return None
         try:
-            points = POINTS if source.names_scales else POINTS_WITHOUT_SCALES
+            points = CONSTANTS.points if source.names_scales else CONSTANTS.points_without_scales
             parts = (
-                _hidden_along(problem, axis, points) for axis in (0, 1) if grid.cells[axis] >= 4
+                _hidden_heights(problem, axis, points) for axis in (0, 1) if grid.cells[axis] >= 4
             )
             along = tuple(part for part in parts if part is not None)
             examined = not source.names_scales and min(grid.cells) >= 4
-            return cls(along, _off_lines(problem, confidence) if examined else None)
+            return cls(along, _between_lines(problem, confidence) if examined else None)
         except InvalidInput:
             return None
 
-    def effect_under(self, problem: Problem, pressure: Array) -> Subcell:
+    def effect_under(self, problem: Problem, pressure: Array) -> SubgridEffect:
         """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the cells beside."""
         rows = around_contact(pressure)
         loaded = pressure[rows]
@@ -167,25 +199,27 @@ class SubgridHeights:
                 kink = max(kink, part.largest(part.kink, beside, rows, pressure.shape) * halving)
             mean += abs(part.mean)
         peak = float(loaded.max())
-        risen = loaded + PRESSURE_RISE * hidden
-        if self.off_lines is not None:
-            missed, protrusion_off_lines, narrow, unseen = (field[rows] for field in self.off_lines)
+        risen = loaded + CONSTANTS.pressure_rise * hidden
+        if self.between_lines is not None:
+            missed, protrusion_there, narrow, unseen = (field[rows] for field in self.between_lines)
             stiffness = max(_modulus(problem, axis) / problem.grid.cell[axis] for axis in (0, 1))
             hidden = np.maximum(hidden, missed * stiffness)
-            protrusion = np.maximum(protrusion, protrusion_off_lines * stiffness)
-            risen = np.maximum(risen, loaded + PRESSURE_RISE * unseen * stiffness / narrow)
+            protrusion = np.maximum(protrusion, protrusion_there * stiffness)
+            risen = np.maximum(
+                risen, loaded + CONSTANTS.pressure_rise * unseen * stiffness / narrow
+            )
         rise = float(risen[beside > 0].max(initial=peak)) / peak - 1
         protrudes = bool((protrusion[beside > 0] > peak).any())
         touching = loaded > 0
         area_loss = float((np.minimum(hidden, loaded)[touching] / loaded[touching]).mean())
         hides = float(np.minimum(hidden, beside, out=hidden).sum() / loaded.sum())
-        return Subcell(hides, corner / peak, protrudes, rise, kink / peak, area_loss, mean)
+        return SubgridEffect(hides, corner / peak, protrudes, rise, kink / peak, area_loss, mean)
 
 
-def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong | None:
+def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHeights | None:
     """Return the heights hidden inside the cells along an `axis`, or None where they do not vary along it.
 
-    What bends like a corner between few points is examined at more of them.
+    Lines with bends like those of a corner are examined again at more points.
     """
     source, grid, paddings = problem.source, problem.grid, problem.paddings
     assert source is not None
@@ -205,7 +239,7 @@ def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong
     for begin in range(0, points.shape[1], together):
         beside = slice(begin, begin + together)
         parts = centres[:, beside], points[:, beside]
-        heights = HeightsAlong.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
+        heights = SampledHeights.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
         of_any = heights.missed, heights.corner(), heights.protrusion
         of_unknown = () if source.names_scales else (heights.kink(),)
         examined.append((*of_any, *of_unknown))
@@ -217,9 +251,9 @@ def _hidden_along(problem: Problem, axis: int, points_each: int) -> _HiddenAlong
         mean_height(source, Grid(cells, grid.extent), axis_first(heights, axis))
         for cells, heights in ((inside, points), (lines, centres))
     )
-    hidden = _HiddenAlong(axis, inside_mean - mean, *on_lines)
-    if points_each < POINTS_AT_CORNERS and hidden.corner.any():
-        return _hidden_along(problem, axis, POINTS_AT_CORNERS)
+    hidden = _HiddenHeights(axis, inside_mean - mean, *on_lines)
+    if points_each < CONSTANTS.points_at_corners and hidden.corner.any():
+        return _hidden_heights(problem, axis, CONSTANTS.points_at_corners)
     return hidden
 
 
@@ -231,22 +265,23 @@ def mean_height(source: Source, grid: Grid, gap: Array) -> float:
 
 
 @dataclass(frozen=True)
-class _Beside(Grid):
-    """A grid whose points lie beside the centres of the cells, by the fractions `aside` (across, along) of a cell."""
+class _ShiftedGrid(Grid):
+    """A grid whose points are shifted from the cell centres by fractions of a cell (across, along)."""
 
-    aside: tuple[float, float]
+    shift: tuple[float, float]
 
     @property
     def x(self) -> Array:
-        return super().x + self.aside[0] * self.cell[0]
+        return super().x + self.shift[0] * self.cell[0]
 
     @property
     def y(self) -> Array:
-        return super().y + self.aside[1] * self.cell[1]
+        return super().y + self.shift[1] * self.cell[1]
 
 
-def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
-    """Return what cubics through the centres miss off their lines [m], what protrudes [m], and its width in cells.
+def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
+    """Return interpolation errors of cubics off their lines [m], the protrusion [m], its width in cells, and what is
+    hidden.
 
     The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell. With the probability
     ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q of it; points of low discrepancy
@@ -268,20 +303,20 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]
     beside = _extended(centres, wraps=wraps[0])
-    count = ceil(log(1 - confidence) / log(1 - FEATURE_AREA))
+    count = ceil(log(1 - confidence) / log(1 - CONSTANTS.feature_area))
     for number in range(count):
         across, along = ((0.5 + number * step) % 1 - 0.5 for step in STEPS)
         points = np.broadcast_to(
-            heights(_Beside(grid.cells, grid.extent, (across, along))), grid.cells
+            heights(_ShiftedGrid(grid.cells, grid.extent, (across, along))), grid.cells
         )
         smooth = _cubics(beside, (across,))[0]
         smooth = _cubics(_extended(smooth.T, wraps=wraps[1]), (along,))[0].T
         np.maximum(missed, np.abs(points - smooth), out=missed)
         squares += (points - smooth) ** 2
         np.minimum(lowest, points, out=lowest)
-    # above all centres about a cell: a step between two of them hides no height
+    # above all centres about a cell: a step between two centres hides no height
     mode = tuple("wrap" if is_periodic else "nearest" for is_periodic in wraps)
-    protrusion_off_lines = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
+    protrusion_there = np.maximum(ndimage.minimum_filter(centres, 3, mode=mode) - lowest, 0)
     largest = count * missed**2
     fraction = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
     shown = np.zeros(grid.cells)
@@ -290,9 +325,9 @@ def _off_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array
         np.maximum(shown, axis_first(np.abs(np.diff(padded, n=2, axis=0)), axis), out=shown)
     return (
         missed,
-        protrusion_off_lines,
+        protrusion_there,
         np.sqrt(2 * fraction / pi),
-        np.maximum(missed - RESOLVED_FRACTION * shown, 0),
+        np.maximum(missed - CONSTANTS.resolved_fraction * shown, 0),
     )
 
 
@@ -332,7 +367,9 @@ def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
     """Return the shape of a grid with `points` points a cell along `axis`, and fewer lines where there are many."""
     counts = list(cells)
     counts[axis] *= points
-    counts[1 - axis] = min(cells[1 - axis], max(LINES, cells[1 - axis] // SPARSE))
+    counts[1 - axis] = min(
+        cells[1 - axis], max(CONSTANTS.lines, cells[1 - axis] // CONSTANTS.sparse)
+    )
     return counts[0], counts[1]
 
 
@@ -360,7 +397,7 @@ def _modulus(problem: Problem, axis: int) -> float:
 
 
 @dataclass(frozen=True)
-class HeightsAlong:
+class SampledHeights:
     """Heights inside the cells along one axis, of shapes (n, ...) for n cells.
 
     Attributes
@@ -386,7 +423,7 @@ class HeightsAlong:
     @classmethod
     def from_heights(
         cls, centres: Array, inside: Array, step: float, *, wraps: bool
-    ) -> "HeightsAlong":
+    ) -> "SampledHeights":
         """Return what heights (n, ...) at the centres, and (n points, ...) inside cells of width `step`, show [m]."""
         count = len(centres)
         points = len(inside) // count
@@ -433,7 +470,7 @@ class HeightsAlong:
         all_pairs, pairs = self._in_cells
         slope_changes = np.abs(self.slope_changes)
         slope = all_pairs - np.roll(slope_changes, 1, axis=0) - np.roll(slope_changes, -2, axis=0)
-        slope[slope <= CORNER_FRACTION * all_pairs] = 0.0
+        slope[slope <= CONSTANTS.corner_fraction * all_pairs] = 0.0
         steepest = slope.reshape(pairs.shape).max(axis=1)
         usual = slope_changes.reshape(pairs.shape).mean(axis=1)
         return np.where(steepest > usual, steepest, 0.0)
@@ -458,11 +495,13 @@ class HeightsAlong:
             :, 0
         ]
         fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
-        power = np.maximum(np.log(np.maximum(fraction, 1 / points)) / log(2 / points), MIN_POWER)
+        power = np.maximum(
+            np.log(np.maximum(fraction, 1 / points)) / log(2 / points), CONSTANTS.min_power
+        )
         # an apex bends more than all about it; where a bend begins, half of the window is straight
         highest = ndimage.maximum_filter1d(all_pairs, points + 1, axis=0, mode="nearest")
         window_peak = np.take_along_axis(highest.reshape(pairs.shape), apex, axis=1)[:, 0]
-        is_apex = (strongest > 0) & (strongest >= window_peak) & (power < SMOOTH_POWER)
+        is_apex = (strongest > 0) & (strongest >= window_peak) & (power < CONSTANTS.smooth_power)
         if not self.wraps:
             is_apex[[0, -1]] = False
         return np.where(is_apex, about / (1 - 2**-power), 0.0)

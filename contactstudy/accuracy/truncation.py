@@ -8,9 +8,9 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 
 # L1 change of Hertz's ellipse over the small fraction by which it is made narrower.
 L1_OVER_NARROWING = 4 / np.pi
-# The line load of a window centred on the domain varies by END (a / L)^0.7 / (2 n + 1)^2 in the mean
+# The line load of a window centred on the domain varies by END_VARIATION (a / L)^0.7 / (2 n + 1)^2 in the mean
 # over the length: measured for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
-END, END_POWER = 0.5, 0.7
+END_VARIATION, END_VARIATION_POWER = 0.5, 0.7
 
 
 def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, float]:
@@ -94,7 +94,7 @@ def _end_errors(pressure: Array, along: Padding, ratio: float) -> tuple[float, f
     row_peaks = pressure.max(axis=0)
     # a maximum away from the ends is not raised by them
     peak_rise = float(row_peaks.max() / (row_peaks / kink).max()) - 1
-    return peak_rise, END * ratio**END_POWER / len(along.window) ** 2
+    return peak_rise, END_VARIATION * ratio**END_VARIATION_POWER / len(along.window) ** 2
 
 
 def _reaches_ends(pressure: Array) -> bool:

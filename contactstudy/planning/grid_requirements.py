@@ -6,7 +6,7 @@ from math import acosh, erf, inf, lcm, log2, sqrt
 
 import numpy as np
 
-from contactstudy.accuracy.estimate import CELLS_IN_COATING, STIFF_COATING
+from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
 from contactstudy.accuracy.expected_error import l1_factor, smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
@@ -314,11 +314,14 @@ class GridRequirements:
         messages = []
         for coating in self.coatings:
             stiffer = coating.substrate.compliance / coating.compliance
-            if stiffer > STIFF_COATING and grid.cell[0] > coating.thickness / CELLS_IN_COATING:
+            if (
+                stiffer > ESTIMATE.stiff_coating
+                and grid.cell[0] > coating.thickness / ESTIMATE.cells_in_coating
+            ):
                 messages.append(
                     f"Grid.cells[0] is {grid.cells[0]}: {coating.thickness / grid.cell[0]:.2g} cells in a coating "
                     f"{stiffer:.3g} times as stiff as its substrate, where little is known of the error, give "
-                    f"{int(np.ceil(CELLS_IN_COATING * grid.extent[0] / coating.thickness))} for a bound."
+                    f"{int(np.ceil(ESTIMATE.cells_in_coating * grid.extent[0] / coating.thickness))} for a bound."
                 )
         hertz = self.hertz
         if hertz.half_width > MAX_WIDTH_OVER_RADIUS * hertz.radius:

@@ -8,10 +8,8 @@ from time import process_time
 import numpy as np
 from scipy import fft
 
+from contactstudy.accuracy.bounded_solution import CONSTANTS as BOUND
 from contactstudy.accuracy.bounded_solution import (
-    MIN_ORDER,
-    SMOOTH_ORDER,
-    STEP_ORDER,
     BoundedSolution,
     bounded,
 )
@@ -384,7 +382,7 @@ class GridRefinement:
     def rate(self, levels: list[BoundedSolution], axis: int) -> float:
         """Return the expected order of convergence along an axis."""
         at_ends = self.requirements.roller > 0 and axis == 0  # the edges across a roller are smooth
-        usual = STEP_ORDER if levels[-1].is_sharp and not at_ends else SMOOTH_ORDER
+        usual = BOUND.step_order if levels[-1].is_sharp and not at_ends else BOUND.smooth_order
         if len(levels) < 2 or levels[-1].grid.cells[1] == 1:
             return usual
         (coarse, fine) = (
@@ -393,7 +391,7 @@ class GridRefinement:
         if fine[1] < 1.2 * coarse[1] or not 0 < fine[0] < coarse[0]:
             return usual
         observed = log(coarse[0] / fine[0]) / log(fine[1] / coarse[1])
-        return float(np.clip((observed + usual) / 2, MIN_ORDER, SMOOTH_ORDER))
+        return float(np.clip((observed + usual) / 2, BOUND.min_order, BOUND.smooth_order))
 
     def _overall(self, levels: list[BoundedSolution]) -> float:
         """Return the expected power of the number of cells with which the error falls."""

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import (
-    RESOLVED,
+    MIN_TOUCHING,
     corrected_pressure,
     half_widths,
 )
@@ -84,7 +84,7 @@ def test_edge_of_a_sphere_is_found_where_it_runs_along_the_cells() -> None:
     true = np.sqrt(np.clip(a**2 - grid.y**2, 0, None))
     # an edge of radius a is straight to one part in a / step
     assert np.abs(halves - true)[np.abs(grid.y) < step].max() < step**2 / a
-    inner = touching[RESOLVED:-RESOLVED]
+    inner = touching[MIN_TOUCHING:-MIN_TOUCHING]
     assert np.abs(halves - true)[inner].max() < 1.5 * step
 
 

@@ -52,7 +52,7 @@ def test_lands_narrower_than_a_cell_leave_no_bound(
     )
     estimate = estimate_of(scene, line_contact.grid((cells, 1), 1.0, width=3.0))
     assert estimate.l1.total == estimate.peak_pressure.total == inf
-    assert "do not show lengths" in estimate.warnings[0]
+    assert "do not resolve lengths" in estimate.warnings[0]
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.01, 0.33])
@@ -213,7 +213,7 @@ def test_a_roller_shorter_than_a_cell_leaves_no_bound(
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, roller))
     estimate = error_estimate(cs.solve(scene.problem(grid, cs.ZeroPadding())))
     assert estimate.l1.total == estimate.mean_gap.total == inf
-    assert "do not show lengths" in estimate.warnings[0]
+    assert "do not resolve lengths" in estimate.warnings[0]
 
 
 @dataclass(frozen=True)

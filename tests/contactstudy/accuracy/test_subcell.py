@@ -10,8 +10,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.subcell import (
-    HeightsAlong,
-    Subcell,
+    SampledHeights,
+    SubgridEffect,
     SubgridHeights,
     _modulus,
 )
@@ -34,14 +34,14 @@ def along(
     return found.missed[:, 0], found.protrusion[:, 0], found.corner()[:, 0]
 
 
-def subcell(problem: cs.Problem, pressure: np.ndarray, confidence: float) -> Subcell | None:
+def subcell(problem: cs.Problem, pressure: np.ndarray, confidence: float) -> SubgridEffect | None:
     heights = SubgridHeights.from_problem(problem, confidence)
     return None if heights is None else heights.effect_under(problem, pressure)
 
 
-def sampled(heights: Any, points: int, *, wraps: bool = False) -> HeightsAlong:
+def sampled(heights: Any, points: int, *, wraps: bool = False) -> SampledHeights:
     at_centres, inside = heights(CENTRES)[:, None], heights(places(points))[:, None]
-    return HeightsAlong.from_heights(at_centres, inside, STEP, wraps=wraps)
+    return SampledHeights.from_heights(at_centres, inside, STEP, wraps=wraps)
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.25, 0.4])
@@ -93,11 +93,11 @@ def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(
     kink: Any = SimpleNamespace(gap=lambda grid: 1e-3 * np.abs(grid.x)[:, None], names_scales=True)
     found = subcell(replace(problem, source=kink), pressure, 0.95)
     rise = _modulus(problem, 0) * 2e-3 / (2 * pi) * log(2)
-    assert found.corner == pytest.approx(rise / 1e9)
+    assert found.corner_rise == pytest.approx(rise / 1e9)
     # where nothing bears it does not count
     aside: Any = SimpleNamespace(
         gap=lambda grid: 1e-3 * np.abs(grid.x - 5 * problem.grid.cell[0])[:, None],
         names_scales=True,
     )
     elsewhere = subcell(replace(problem, source=aside), pressure, 0.95)
-    assert elsewhere.corner == 0
+    assert elsewhere.corner_rise == 0

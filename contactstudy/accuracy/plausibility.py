@@ -84,6 +84,23 @@ def beyond_strength(solution: Solution) -> str:
     return ""
 
 
+def strength_of_outputs(scene: Scene) -> float:
+    """Return the lowest yield strength [Pa] of the bodies whose stress is an output; infinite where none is known."""
+    solids = (scene.solids[out.solid] for out in scene.outputs if hasattr(out, "solid"))
+    return min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
+
+
+def stress_beyond_strength(scene: Scene, von_mises: float) -> str:
+    """Return a sentence if the von Mises stress [Pa] below the surface is beyond the yield strength, or ``""``."""
+    strength = strength_of_outputs(scene)
+    if von_mises <= strength:
+        return ""
+    return (
+        f"The von Mises stress of {von_mises / 1e6:.3g} MPa is {von_mises / strength:.3g} times the yield strength: "
+        "give an ElasticPlasticHalfSpace, or the yield_strength of your material."
+    )
+
+
 def _surfaces(scene: Scene) -> list[object]:
     """Return the material at the surface of each body: of a coated one, its coating."""
     return [getattr(body, "coating", body) for body in scene.solids]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from contactstudy.accuracy.plausibility import strength_of_outputs
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -303,8 +304,7 @@ def _of_stress(
     if "z" in position:
         depth = Quantity(position["z"], "m", f"depth of the largest von Mises stress{where}")
         numbers["largest_von_mises_depth"] = bounded(depth, estimate.largest_von_mises_depth, why)
-    solids = (scene.solids[out.solid] for out in scene.outputs if hasattr(out, "solid"))
-    strength = min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
+    strength = strength_of_outputs(scene)
     if strength < inf and largest:
         margin = Quantity(strength / largest, "1", f"yield strength over von Mises stress{where}")
         error = estimate.largest_von_mises

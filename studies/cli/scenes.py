@@ -66,9 +66,8 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
         if isinf(planned.error)
         else f"error {planned.error:.1g}"
     )
-    click.echo(
-        f"  estimated: {error}, {planned.seconds:.2g} s on {on}, {planned.bytes / 1e6:.3g} MB"
-    )
+    seconds = "a time not known" if isinf(planned.seconds) else f"{planned.seconds:.2g} s"
+    click.echo(f"  estimated: {error}, {seconds} on {on}, {planned.bytes / 1e6:.3g} MB")
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")
     for note in _rollers(described.scene, planned.grid):

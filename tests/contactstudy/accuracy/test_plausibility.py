@@ -91,3 +91,16 @@ def test_a_hardness_that_caps_the_pressure_needs_no_warning(line_contact: LineCo
     grid = cs.Grid((64, 1), (4 * line_contact.hertz.half_width * 10**0.5, 1.0))
     found = cs.solve(load.problem(grid, EXACT), tolerance=1e-5).error.warnings
     assert not [warning for warning in found if warning.startswith("The peak")]
+
+
+def test_a_stress_below_the_surface_beyond_the_strength_is_said(line_contact: LineContact) -> None:
+    """Friction raises the stress above that of the frictionless contact, whose pressure is no reason to warn."""
+    stress = cs.SubsurfaceStress((0.05 * line_contact.hertz.half_width,))
+    scene = replace(line_contact.scene, friction=cs.Sliding(0.5), outputs=(stress,))
+    grid = line_contact.grid((32, 1), 1.4)
+    largest = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities["largest_von_mises"].value
+    for ratio in (0.97, 1.03):
+        bodies = tuple(replace(body, yield_strength=ratio * largest) for body in scene.solids)
+        contact = cs.solve(replace(scene, solids=bodies), grid, cs.ExactPeriodicity())
+        said = [text for text in contact.error.warnings if "yield strength" in text]
+        assert len(said) == (ratio < 1)

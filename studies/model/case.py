@@ -1,7 +1,7 @@
 """Computations of a study, as values that define the contact and the accuracy."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import Any, Protocol
 
@@ -89,7 +89,7 @@ class SceneCase(Case):
     time_steps
         Instants and steps of a scene that changes in time; None for others.
     error
-        Relative error of which the steps of such a scene take their part; None takes one step from instant to instant.
+        Relative error that is asked for, of which steps in time take their part; None without a request.
     """
 
     time_steps: cs.TimeSteps | None = None
@@ -103,9 +103,9 @@ class SceneCase(Case):
         start = perf_counter()
         answer = cs.solve(
             self.scene, self.grid, self.padding,
-            times=self.time_steps, error=self.error, options=self.options,
+            times=self.time_steps, error=self.error if self.time_steps else None, options=self.options,
         )  # fmt: skip
-        return Solved(answer, perf_counter() - start)
+        return Solved(replace(answer, requested=self.error), perf_counter() - start)
 
     def record(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]
         """Return the numbers of the solver, and its status as CF flags."""

@@ -87,7 +87,7 @@ class Outcome:
 
 
 def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
-    """Yield sentences on how many cases failed, and how many solves did not converge, from a study's Dataset."""
+    """Yield sentences on how many cases failed, did not converge, miss their accuracy or lack a bound."""
     keys, statuses = dataset["case_key"].values.astype(str).ravel(), dataset["case_status"].values
     _, places = np.unique(keys, return_index=True)
     places = places[~np.isin(statuses.ravel()[places], (CaseStatus.NOT_RUN, CaseStatus.SKIPPED))]
@@ -98,9 +98,27 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     if "solver_status" in dataset and dataset["solver_status"].shape == statuses.shape:
         ended = dataset["solver_status"].values.ravel()[places]
         solves, meanings = np.isfinite(ended).sum(), dataset["solver_status"].attrs["flag_meanings"]
-        for number, name in enumerate(str(meanings).upper().split()):
+        for number, meaning in enumerate(str(meanings).upper().split()):
             if number and (count := np.count_nonzero(ended == number)):
-                yield f"{count} of {solves} solves ended with {name}; see 'solver_status'"
+                yield f"{count} of {solves} solves ended with {meaning}; see 'solver_status'"
+    if "accuracy_met" in dataset and dataset["accuracy_met"].shape == statuses.shape:
+        met = dataset["accuracy_met"].values.ravel()[places]
+        if missed := np.count_nonzero(met == 0):
+            yield f"{missed} of {places.size} cases miss the accuracy asked for; see 'accuracy_met' and their bounds"
+    unbounded = {}
+    for name, bound in dataset.data_vars.items():
+        value = dataset.get(str(name).removesuffix("_bound"))
+        if value is None or value.name == name or bound.shape != statuses.shape:
+            continue
+        has_value, has_bound = (
+            np.isfinite(variable.values.ravel()[places]) for variable in (value, bound)
+        )
+        # why no case has a bound of a quantity, an answer says
+        if 0 < (count := np.count_nonzero(has_value & ~has_bound)) < np.count_nonzero(has_value):
+            unbounded[str(value.name)] = count
+    if unbounded:
+        counts = ", ".join(f"{name} in {count}" for name, count in unbounded.items())
+        yield f"no bound of {counts} of {places.size} cases"
 
 
 @runtime_checkable

@@ -21,12 +21,16 @@ from studies.model.outcome import CaseStatus
 from studies.report import against_reference
 from studies.report.style import COLORS, captioned, panels
 
-# Measures of a contact that are drawn if they are stored; of other studies the first six measures are.
+# Measures that are drawn first where a study has more than there is room for.
 DRAWN = (
     "central_film", "minimum_film", "friction_coefficient", "lambda_ratio", "contact_load_fraction", "pull_off",
     "traction_coefficient", "stick_fraction", "frictional_power", "energy_per_cycle", "largest_slip",
     "rolling_resistance", "worn_volume", "largest_worn_depth", "dent_depth", "final_peak_pressure", "contact_fraction",
     "peak_pressure", "largest_von_mises", "mean_pressure", "approach", "stiffness", "mean_gap",
+)  # fmt: skip
+# What a case records of its solve, which is no measure.
+RECORDED = (
+    "accuracy_met", "solver_status", "iterations", "linear_iterations", "convolutions", "residual", "passes", "solves",
 )  # fmt: skip
 # Relative difference of values that are constant.
 CONSTANT = 1e-6
@@ -35,12 +39,12 @@ FORMULAS = {
     "central_film": ("moes_film", "Moes", ":"),
     "minimum_film": ("dowson_higginson_film", "Dowson & Higginson", "--"),
 }
-UNBOUNDED: Any = {
+DOUBTFUL: Any = {
     "marker": "o",
     "mfc": "white",
     "mec": "0.3",
     "ls": "none",
-    "label": "no bound of the error",
+    "label": "no bound of the error, or more than was asked for",
 }
 # Axes that number samples.
 SAMPLES = ("seed", "window")
@@ -89,12 +93,15 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
             f"{_name(dataset[axis])} {_short(value)}" for axis, value in at.items()
         )
         figure, panes = panels(len(names), columns=min(3, len(names)))
+        is_hollow = False
         for name, ax in zip(names, panes, strict=True):
             selected = good.sel(at)
+            doubtful = _doubtful(selected, name)
+            is_hollow |= bool(doubtful.notnull().any())
             if is_map:
-                _map(ax, selected[name], shown)
+                _map(ax, selected[name], shown, doubtful)
             else:
-                _curve(ax, selected[name], shown, selected.get(f"{name}_bound"))
+                _curve(ax, selected[name], shown, selected.get(f"{name}_bound"), doubtful)
             formula, author, dashes = FORMULAS.get(name, ("", "", ""))
             if formula in good and len(shown) == 1 and _varies(dataset[shown[0]]):
                 x, _ = _scaled(dataset[shown[0]])
@@ -105,6 +112,7 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
             str(dataset.attrs.get("title", "Study")),
             selection_text,
             _constants(dataset, axes),
+            f"hollow points: {DOUBTFUL['label']}" * is_hollow,
         ]
         caption = f"{'; '.join(part for part in parts if part)}."
         figures.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
@@ -129,11 +137,12 @@ def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:
 
 
 def _by_length(dataset: xr.Dataset) -> list[str]:
-    """Return the axes: a varied load first, then numbers before names, and of these the longest first."""
+    """Return the axes: a varied load first, then other numbers, samples and names, and of these the longest first."""
 
-    def rank(name: str) -> tuple[bool, bool, int]:
+    def rank(name: str) -> tuple[bool, bool, bool, int]:
         varies = _varies(dataset[name])
-        return not (name == "load_per_length" and varies), not varies, -dataset.sizes[name]
+        is_load = name == "load_per_length" and varies
+        return not is_load, not varies, _is_sample(name), -dataset.sizes[name]
 
     return sorted(map(str, dataset["case_status"].dims), key=rank)
 
@@ -154,15 +163,22 @@ def _chosen(dataset: xr.Dataset, plot: Sequence[str]) -> list[str]:
 
 
 def _measures(dataset: xr.Dataset) -> list[str]:
-    """Return the names of the variables to draw: numbers at every point, times only where there is nothing else."""
+    """Return the names of the variables to draw: numbers at every point, times only where there is nothing else.
+
+    Where there are more than there is room for, those of a contact come first.
+    """
     present = [
-        name for name in _numbers(dataset) if "_bound" not in name and "_estimate" not in name
+        name
+        for name in _numbers(dataset)
+        if "_bound" not in name and "_estimate" not in name and name not in RECORDED
     ]
-    preferred = [name for name in DRAWN if name in present]
-    preferred = [name for name in preferred if _changes(dataset[name])] or preferred
     times = [name for name in present if "_time" in name]
-    measures = [name for name in present if name not in (*times, "convolutions", "residual")]
-    return (preferred or measures or times)[:MOST_PANELS]
+    measures = [name for name in present if name not in times]
+    measures = [name for name in measures if _changes(dataset[name])] or measures
+    preferred = [name for name in DRAWN if name in measures]
+    if not preferred or len(measures) <= MOST_PANELS:
+        preferred = measures
+    return (preferred or times)[:MOST_PANELS]
 
 
 def _changes(values: xr.DataArray) -> bool:
@@ -171,17 +187,32 @@ def _changes(values: xr.DataArray) -> bool:
     return largest - least > CONSTANT * max(abs(largest), abs(least))
 
 
+def _doubtful(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Return the values of a measure that have no bound, or belong to an answer that misses its accuracy; else nan."""
+    values, bound = dataset[name], dataset.get(f"{name}_bound")
+    is_doubtful = xr.zeros_like(values, dtype=bool) if bound is None else np.isinf(bound)
+    if "accuracy_met" in dataset:
+        is_doubtful = is_doubtful | (dataset["accuracy_met"] == 0)
+    return values.where(is_doubtful)
+
+
 def _curve(
-    ax: Axes, values: xr.DataArray, shown: Sequence[str], bound: xr.DataArray | None
+    ax: Axes,
+    values: xr.DataArray,
+    shown: Sequence[str],
+    bound: xr.DataArray | None,
+    doubtful: xr.DataArray,
 ) -> None:
     """Draw a measure over the first axis, with a line for each value of the second, and its bounds as bars.
 
-    Names and samples are points side by side, which no line joins. Values whose bound is infinite are hollow.
+    Names and samples are points side by side, which no line joins. Values that are `doubtful` are hollow.
     """
     y, label = _scaled(values)
     bars = None if bound is None else bound.where(np.isfinite(bound)) / _scale(values)[0]
     if not shown:
         ax.plot([0], [float(y)], marker="o")
+        if doubtful.notnull():
+            ax.plot([0], [float(y)], **DOUBTFUL)
         ax.set(ylabel=label, xticks=[])
         return
     first, *families = shown
@@ -196,11 +227,17 @@ def _curve(
         ax.plot(x, y, marker="o", ls=joined, color=COLORS[0])
     if bars is not None and not families:
         ax.errorbar(x, y, yerr=bars, fmt="none", ecolor="0.6", capsize=2, zorder=1)
-    if bound is not None and not any(map(_is_sample, families)):
-        unbounded = y.where(np.isinf(bound))
-        for line in unbounded.transpose(*families, first).values.reshape(-1, numbers.size):
-            if np.isfinite(line).any():
-                ax.plot(x, line, **UNBOUNDED)
+    if any(map(_is_sample, families)):  # a mean is as good as the least of its samples
+        doubtful = (
+            values.mean(families[0])
+            .where(doubtful.notnull().any(families[0]))
+            .expand_dims(families)
+        )
+    for line in (
+        (doubtful / _scale(values)[0]).transpose(*families, first).values.reshape(-1, numbers.size)
+    ):
+        if np.isfinite(line).any():
+            ax.plot(x, line, **DOUBTFUL)
     if joins and (_spans(numbers) or _is_geometric(numbers)):
         ax.set_xscale("log")
     if _spans(values):
@@ -254,11 +291,14 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> No
         ax.plot(x, line, marker="o", ls=joined, color=tone, label=f"{name} {text} {unit}".rstrip())
 
 
-def _map(ax: Axes, values: xr.DataArray, shown: Sequence[str]) -> None:
-    """Draw a measure as a map over two axes."""
+def _map(ax: Axes, values: xr.DataArray, shown: Sequence[str], doubtful: xr.DataArray) -> None:
+    """Draw a measure as a map over two axes, with hollow points on values that are `doubtful`."""
     (x, x_label), (y, y_label) = (_scaled(values[axis]) for axis in shown)
     plane, title = _scaled(values.transpose(*reversed(shown)))
     mesh = ax.pcolormesh(x, y, plane, cmap="viridis", shading="nearest")
+    across, along = np.nonzero(doubtful.transpose(*shown).notnull().values)
+    if across.size:
+        ax.plot(x.values[across], y.values[along], **DOUBTFUL | {"mfc": "none", "mec": "white"})
     for axis, set_scale in zip(shown, (ax.set_xscale, ax.set_yscale), strict=True):
         set_scale("log" if _spans(values[axis]) else "linear")
     ax.set(xlabel=x_label, ylabel=y_label, title=title)

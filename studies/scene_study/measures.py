@@ -79,6 +79,8 @@ def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
         measured[f"{name}_bound"] = labelled(
             (), quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
         )
+    if answer.met is not None:
+        measured["accuracy_met"] = number(answer.met, "1 if the bound keeps the accuracy asked for")
     if isinstance(answer, cs.Contact):
         measured |= _of_contact(case, answer)
     description = "wall time of set-up and solve, beside other cases"

@@ -334,12 +334,10 @@ def _rank(varied: Variation) -> int:
 
 
 def _computation(case: Case, file: SceneFile) -> ReferencedCase:
-    """Return the computation of a scene; where it changes in time with the instants of its file, and steps as its solve.
+    """Return the computation of a scene, with the instants of its file where it changes in time.
 
-    Where the file gives its grid, and no error, each step goes from one instant to the next.
+    Where the file gives its grid, and no error, none is asked for, and each step goes from one instant to the next.
     """
     steps = file.time_steps if case.scene.changing and case.scene.rolling is None else None
     error = file.plan_settings.error or (DEFAULT_ERROR if file.grid is None else None)
-    return ReferencedCase(
-        case.scene, case.grid, case.padding, case.options, steps, error if steps else None
-    )
+    return ReferencedCase(case.scene, case.grid, case.padding, case.options, steps, error)

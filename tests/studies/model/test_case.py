@@ -1,7 +1,5 @@
 """What a case is solved with, and what is recorded of it."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -39,32 +37,43 @@ def test_every_cell_that_bears_is_in_contact_however_little() -> None:
     assert fraction.attrs["units"] == "1"
 
 
-@dataclass(frozen=True)
-class Solved:
-    """A stored case whose solve ended in a status."""
-
-    status: cs.Status
-    case_status: CaseStatus = CaseStatus.OK
-    error: str = ""
-
-    def variable(self, name: str) -> xr.Variable | None:
-        return (
-            solver_status(self.status, "how the solver ended") if name == "solver_status" else None
-        )
+def ended(*statuses: cs.Status, **measured: list[float]) -> xr.Dataset:
+    """Stored cases whose solves ended so."""
+    variables = [solver_status(status, "how the solver ended") for status in statuses]
+    return xr.Dataset(
+        {
+            "case_key": ("load", [f"{number}" for number in range(len(statuses))]),
+            "case_status": ("load", [CaseStatus.OK] * len(statuses)),
+            "solver_status": xr.concat(variables, "load"),
+            **{name: ("load", values) for name, values in measured.items()},
+        }
+    )
 
 
 def test_a_run_names_the_statuses_of_solves_that_did_not_converge() -> None:
-    ended = [
-        cs.Status.CONVERGED,
-        cs.Status.CONTACT_AT_EDGE,
-        cs.Status.STALLED,
-        cs.Status.CONTACT_AT_EDGE,
-    ]
-    assert list(summary_messages(map(Solved, ended))) == [
+    at_edge = cs.Status.CONTACT_AT_EDGE
+    dataset = ended(cs.Status.CONVERGED, at_edge, cs.Status.STALLED, at_edge)
+    assert list(summary_messages(dataset)) == [
         "2 of 4 solves ended with CONTACT_AT_EDGE; see 'solver_status'",
         "1 of 4 solves ended with STALLED; see 'solver_status'",
     ]
-    assert not list(summary_messages([Solved(cs.Status.CONVERGED)]))
+    assert not list(summary_messages(ended(cs.Status.CONVERGED)))
+
+
+def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() -> None:
+    inf, nan = np.inf, np.nan
+    dataset = ended(
+        *[cs.Status.CONVERGED] * 3,
+        accuracy_met=[1, 0, 1],
+        peak_pressure=[1.0, 2.0, nan],
+        peak_pressure_bound=[0.1, inf, inf],
+        approach=[1.0, 2.0, 3.0],
+        approach_bound=[inf, inf, inf],  # of which the bound is never known
+    )
+    assert list(summary_messages(dataset)) == [
+        "1 of 3 cases miss the accuracy asked for; see 'accuracy_met' and their bounds",
+        "no bound of peak_pressure in 1 of 3 cases",
+    ]
 
 
 def sample(wall: float, cpu: float | None = None, pace: float = 0.0) -> Sample:

@@ -8,7 +8,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus
-from studies.report.default_drawing import curves, maps
+from studies.report.default_drawing import DOUBTFUL, curves, maps
 from tests.studies.report.drawings.drawn import labelled, numbered, same
 
 LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]
@@ -75,8 +75,36 @@ def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_l
     dataset["peak_pressure_bound"] = "angle", [0.1, np.inf, np.inf]
     dataset["approach"] = "angle", 2.0 + 1e-9 * np.arange(3)
     [ax] = curves(dataset)[0].figure.axes
-    _, hollow = labelled(ax)["no bound of the error"]
+    _, hollow = labelled(ax)[DOUBTFUL["label"]]
     np.testing.assert_array_equal(hollow, [np.nan, *dataset["peak_pressure"].values[1:]])
+
+
+@pytest.mark.parametrize("kind", [curves, maps])
+def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(kind: Any) -> None:
+    dataset = swept({"rms": RMS, "load_per_length": LOADS})
+    assert "hollow" not in kind(dataset)[0].caption
+    dataset["accuracy_met"] = xr.ones_like(dataset["approach"])
+    dataset["accuracy_met"][1, 2] = 0
+    [drawn] = kind(dataset)
+    x, y = labelled(drawn.figure.axes[1])[DOUBTFUL["label"]]
+    at = np.flatnonzero(np.isfinite(y))
+    assert np.asarray(x)[at] == pytest.approx([LOADS[2] / 1e3])
+    assert "hollow" in drawn.caption
+
+
+def test_a_study_with_room_for_all_its_measures_draws_them_over_numbers_and_not_over_samples() -> (
+    None
+):
+    dataset = numbered({"seed": list(range(1, 30)), "radius": [1.0, 2.0]}, "peak_pressure", "own")
+    dataset["case_status"] = dataset["own"].dims, np.full((29, 2), CaseStatus.OK)
+    dataset["iterations"] = dataset["own"] + 1
+    [drawn] = curves(dataset)
+    assert [ax.get_ylabel() for ax in drawn.figure.axes] == ["peak_pressure", "own"]
+    assert same(
+        labelled(drawn.figure.axes[1])["mean of 29, ± its spread"],
+        [1.0, 2.0],
+        dataset["own"].mean("seed"),
+    )
 
 
 def test_maps_show_a_measure_over_two_axes() -> None:

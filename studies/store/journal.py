@@ -25,6 +25,7 @@ from studies.store.records import (
     encoded,
     encoded_variable,
     failure_of,
+    without_collection,
 )
 
 FORMAT = 6
@@ -290,6 +291,7 @@ class Journal:
                 f"Journal {str(self.path)!r} cannot be read ({reason(error)}): give another folder with --out."
             ) from None
 
+    @without_collection()
     def _read_lines(self, file: Iterable[bytes]) -> None:
         """Take in every line of the file without a torn last one."""
         is_journal, is_foreign = True, False

@@ -15,7 +15,7 @@ from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
 from studies.model.study import Point, Study
 from studies.store.loaded import LOADED, digest
-from studies.store.records import CaseIdentity, Context
+from studies.store.records import CaseIdentity, Context, without_collection
 from studies.store.state import States
 from studies.store.study_part import numerical_part
 
@@ -44,6 +44,7 @@ class Request:
     context: Context
 
     @classmethod
+    @without_collection()
     def of(cls, study: Study) -> "Request":
         """Return the request of a study; each distinct case is made once.
 

@@ -10,7 +10,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -32,7 +32,6 @@ BATCHES_AHEAD = 3  # batches for each thread of a worker, so that it does not wa
 CHECK_INTERVAL = 1.0  # seconds between two checks of the workers and of lost batches
 POLL_INTERVAL = 0.05  # seconds between two checks for outcomes
 STOP_TIMEOUT = 5.0  # seconds to collect finished batches when a run is stopped
-PATIENCE = 10.0  # seconds in which a lost scheduler may come back; it gets unfinished cases again
 LOOPBACK = "127.0.0.1:0"
 
 
@@ -117,21 +116,19 @@ def _quiet(name: str) -> Iterator[None]:
         logger.setLevel(level)
 
 
-def compute_on_dask(
-    cases: Mapping[str, Computation],
-    work: Work,
-    finished: Finished,
-    stop: Stop,
-    *,
-    workers: int = 2,
-    address: str | None = None,
-    patience: float = PATIENCE,
-    log: Callable[[str], object] = lambda text: None,
-) -> None:
-    """Compute cases in worker processes: small ones in batches, large ones singly.
+def end_workers(run: str) -> None:
+    """End the processes of a run here at once; its batches that dask still holds are not computed."""
+    for worker in WORKERS.pop(run, ()):
+        worker.end()
 
-    If a process dies, its case alone is lost; if a dask worker is lost, the scheduler gives its cases to another. An
-    error that `finished` raises ends the run and is raised here; outcomes that workers had by then are still reported.
+
+@dataclass(eq=False)
+class DaskRun:
+    """Computation of cases in worker processes: keeps every thread busy with a few batches.
+
+    A batch that takes too long comes back in part, and the next one is twice what came back. If a process dies, its
+    case alone is lost; if a dask worker is lost, the scheduler gives its cases to another. An error that `finished`
+    raises ends the run and is raised here; outcomes that workers had by then are still reported.
 
     Parameters
     ----------
@@ -148,57 +145,49 @@ def compute_on_dask(
     address
         Address of a dask scheduler; None starts one here.
     patience
-        Seconds in which a lost scheduler may come back.
+        Seconds in which a lost scheduler may come back; it gets unfinished cases again.
     log
         Takes messages.
     """
-    payload, name = packed(work), "" if address else secrets.token_hex(8)
-    WORKERS[name] = []
-    try:
-        with dask_at(address, patience) if address else dask_here(workers, log) as client:
-            about = name, payload, work.time_limit
-            _ClusterRun(client, about, cases, finished, stop, log, address, patience).run()
-    finally:
-        end_workers(name)
 
-
-def end_workers(run: str) -> None:
-    """End the processes of a run here at once; its batches that dask still holds are not computed."""
-    for worker in WORKERS.pop(run, ()):
-        worker.end()
-
-
-@dataclass(eq=False)
-class _ClusterRun:
-    """A run on a cluster: keeps every thread busy with a few batches.
-
-    A batch that takes too long comes back in part, and the next one is twice what came back.
-    """
-
-    client: "Client"
-    about: tuple[str, bytes, float | None]  # name of the run, pickled work, time limit
     cases: Mapping[str, Computation]
+    work: Work
     finished: Finished
     stop: Stop
-    log: Callable[[str], object]
-    address: str | None
-    patience: float
-    size: int = 1
-    threads: int = 1
-
-    def __post_init__(self) -> None:
-        from distributed import as_completed
-
-        self._waiting, self._open, self._alone = deque(self.cases), set(self.cases), set[str]()
-        self._running: dict[Any, list[str]] = {}
-        # an error of a batch is handled here and not raised, so that the others go on
-        self._completed = as_completed(
-            [], loop=self.client.loop, with_results=True, raise_errors=False
-        )
-        self._checked_at, self._idle_since = float("-inf"), monotonic()
+    workers: int = 2
+    address: str | None = None
+    patience: float = 10.0
+    log: Callable[[str], object] = lambda text: None
+    size: int = field(default=1, init=False)
+    threads: int = field(default=1, init=False)
 
     def run(self) -> None:
         """Compute all cases."""
+        name = "" if self.address else secrets.token_hex(8)
+        self._about = name, packed(self.work), self.work.time_limit
+        self._waiting, self._open, self._alone = deque(self.cases), set(self.cases), set[str]()
+        self._running: dict[Any, list[str]] = {}
+        self._checked_at, self._idle_since = float("-inf"), monotonic()
+        WORKERS[name] = []
+        try:
+            connection = (
+                dask_at(self.address, self.patience)
+                if self.address
+                else dask_here(self.workers, self.log)
+            )
+            with connection as self._client:
+                self._compute_all()
+        finally:
+            end_workers(name)
+
+    def _compute_all(self) -> None:
+        """Submit batches, and report what comes back, until no case is open."""
+        from distributed import as_completed
+
+        # an error of a batch is handled here and not raised, so that the others go on
+        self._completed = as_completed(
+            [], loop=self._client.loop, with_results=True, raise_errors=False
+        )
         try:
             while self._open:
                 self.stop.check()
@@ -216,7 +205,7 @@ class _ClusterRun:
             raise
         finally:
             with suppress(Exception):
-                self.client.cancel(list(self._running), force=True)
+                self._client.cancel(list(self._running), force=True)
 
     def _report(self, name: str, outcome: Outcome) -> None:
         """Report the outcome of a case at its first arrival."""
@@ -261,7 +250,7 @@ class _ClusterRun:
         from distributed import wait
 
         until = monotonic() + STOP_TIMEOUT
-        end_workers(self.about[0])
+        end_workers(self._about[0])
         if self.address is None:  # its batches have ended with them
             with suppress(Exception):
                 wait(list(self._running), timeout=STOP_TIMEOUT)
@@ -276,16 +265,16 @@ class _ClusterRun:
         if monotonic() < self._checked_at + CHECK_INTERVAL:
             return
         self._checked_at = monotonic()
-        if self.client.status not in ("running", "connecting"):
+        if self._client.status not in ("running", "connecting"):
             raise InvalidInput(
                 f"Scheduler {self.address!r} is lost: start it again and run the same "
                 "command, which goes on from what is stored."
             )
         for future in [key for key in self._running if key.status in ("cancelled", "lost")]:
             self._send_again(self._running.pop(future))
-        if self.client.status == "running":
+        if self._client.status == "running":
             with suppress(OSError, RuntimeError, TimeoutError):
-                threads = sum(self.client.nthreads().values())
+                threads = sum(self._client.nthreads().values())
                 self.threads = max(1, threads)
                 if threads:
                     self._idle_since = monotonic()
@@ -298,7 +287,7 @@ class _ClusterRun:
     def _submit_batches(self) -> None:
         """Submit batches until each thread has a few in its queue."""
         while (
-            self.client.status == "running"
+            self._client.status == "running"
             and self._waiting
             and len(self._running) < BATCHES_AHEAD * self.threads
         ):
@@ -316,7 +305,7 @@ class _ClusterRun:
             self._send_again(names, alone=True)
             return
         # impure: a case that is requested again is recomputed
-        future = self.client.submit(compute_batch, *self.about, batch, names, pure=False)
+        future = self._client.submit(compute_batch, *self._about, batch, names, pure=False)
         self._track(future, names)
 
     def _handle_failure(self, future: Any, names: list[str]) -> None:

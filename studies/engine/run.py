@@ -1,9 +1,8 @@
 """Run the missing cases of a study, each distinct one once, then time them one at a time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from time import monotonic
 
@@ -17,7 +16,7 @@ from studies.engine.progress import progress_of
 from studies.engine.results import Log, Results, save_fields
 from studies.engine.timing import take_times
 from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, Outcome, Work, summary_messages
+from studies.model.outcome import CaseStatus, Finished, Outcome, Work, summary_messages
 from studies.model.study import Study
 from studies.store.loaded import shown
 from studies.store.netcdf import check_kind, open_folder, read
@@ -231,27 +230,29 @@ class _Run:
                 self.results.write()
 
         with progress_of(self.study.name, "solving", len(missing), "case", self.log) as progress:
-            cases = {name: self.request.cases[name] for name in missing}
-            self._executor(missing)(cases, self.work, finished, self.stop)
+            self._compute(missing, finished)
             self.journal.sync()
             progress.update(unsynced)
 
-    def _executor(self, missing: Sequence[str]) -> Callable[..., None]:
-        """Return the function that computes the missing cases as the options ask for."""
+    def _compute(self, missing: Sequence[str], finished: Finished) -> None:
+        """Compute the missing cases as the options ask for."""
         workers, scheduler = min(self.options.workers, len(missing)), self.options.scheduler
         if not workers and not scheduler and self.journal.begun in missing:
             self.log(
                 "the last run ended during a case: cases are computed in a process of their own"
             )
             workers = 1
+        cases = {name: self.request.cases[name] for name in missing}
+        given = cases, self.work, finished, self.stop
         # what computes is imported where it is needed
         if workers or scheduler:
-            from studies.engine.cluster import compute_on_dask
+            from studies.engine.cluster import DaskRun
 
-            return partial(compute_on_dask, workers=workers, address=scheduler, log=self.log)
-        from studies.engine.executors import compute_here
+            DaskRun(*given, workers=workers, address=scheduler, log=self.log).run()
+        else:
+            from studies.engine.executors import compute_here
 
-        return partial(compute_here, begins=self.journal.begin)
+            compute_here(*given, self.journal.begin)
 
     def _check_program(self, outcome: Outcome) -> None:
         """Refuse an outcome of another program on another machine; report that a file here has been edited meanwhile."""

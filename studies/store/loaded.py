@@ -128,19 +128,26 @@ def resolved(name: str) -> ModuleSpec | None:
     return _spec_of(sys.modules.get(name))
 
 
+def variables_of(module: object) -> Mapping[str, Any]:
+    """Return the variables of a module, without importing a lazy one; none of another object."""
+    try:
+        return object.__getattribute__(module, "__dict__")  # type: ignore[no-any-return]
+    except AttributeError:
+        return {}
+
+
 def _spec_of(module: object) -> ModuleSpec | None:
-    """Return the specification of a module, without importing a lazy one."""
-    with suppress(AttributeError):
-        spec = object.__getattribute__(module, "__dict__").get("__spec__")
-        return spec if isinstance(spec, ModuleSpec) else None
-    return None
+    """Return the specification of a module."""
+    spec = variables_of(module).get("__spec__")
+    return spec if isinstance(spec, ModuleSpec) else None
 
 
 class Loaded:
     """Record of all that this process has loaded, kept while it lives.
 
     It stands first among the finders of ``sys.meta_path``, finds nothing, and notes the source of each module before it
-    is loaded. A source that is another one afterwards, or that may have been, matches nothing.
+    is loaded. A source that is another one afterwards, or that may have been, matches nothing. The process `started` at
+    an instant [s since the epoch].
     """
 
     def __init__(self) -> None:
@@ -149,7 +156,7 @@ class Loaded:
         self._noted: dict[str, tuple[str, str] | None] = {}
         self._seen: tuple[list[str], list[object]] = [], []
         # the interpreter itself takes longer than the margin before it loads anything of this program
-        self._started = self._scanned = _process_start() + CLOCK_MARGIN
+        self.started = self._scanned = _process_start() + CLOCK_MARGIN
         self._busy = False
 
     def find_spec(self, name: str, path: Any, target: Any = None) -> None:
@@ -180,7 +187,8 @@ class Loaded:
         entries = dict(self.record)
         for name, module in changed:
             modules[name] = module
-            if name in ("__main__", "__mp_main__") or _is_study_file(module):
+            # a study file is identified by its syntax tree
+            if name in ("__main__", "__mp_main__") or "__source__" in variables_of(module):
                 noted.pop(name, None)
                 continue
             self._add(name, _spec_of(module) or resolved(name), entries)
@@ -201,19 +209,12 @@ class Loaded:
         if entry is None or spec is None:
             return
         key, value = entry
-        certain = entry == before if is_noted else self._is_older(spec)
+        path = getattr(spec.loader, "archive", spec.origin)
+        is_older_file = not spec.has_location or is_older(path, self._scanned)
+        certain = entry == before if is_noted else is_older_file
         if not certain and key.startswith("module"):
             value = f"{value} or another {secrets.token_hex(4)}"
         _enter(key, value, entries)
-
-    def _is_older(self, spec: ModuleSpec) -> bool:
-        """Return whether the file of a module was not changed since the last scan."""
-        path = getattr(spec.loader, "archive", spec.origin)
-        return not spec.has_location or is_older(path, self._scanned)
-
-    def is_since_start(self, path: Path) -> bool:
-        """Return whether a file is as it was when this process started."""
-        return is_older(path, self._started)
 
 
 def is_older(path: Any, instant: float) -> bool:
@@ -229,13 +230,6 @@ def _enter(key: str, value: str, entries: dict[str, str]) -> None:
     """Add an entry; one that differs from an earlier entry matches no source, since both may be in use."""
     before = entries.get(key, value)
     entries[key] = value if value == before else f"{value} after {before}"
-
-
-def _is_study_file(module: object) -> bool:
-    """Return whether a module is a study file, which is identified by its syntax tree."""
-    with suppress(AttributeError):
-        return "__source__" in object.__getattribute__(module, "__dict__")
-    return False
 
 
 def _process_start() -> float:

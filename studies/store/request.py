@@ -14,7 +14,7 @@ from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
 from studies.model.study import Point, Study
-from studies.store.loaded import LOADED, digest
+from studies.store.loaded import LOADED, digest, is_older
 from studies.store.records import CaseIdentity, Context, without_collection
 from studies.store.state import States
 from studies.store.study_part import numerical_part
@@ -142,7 +142,7 @@ def _script(file: str | None) -> str:
     """Return a digest of the script that runs; at a prompt, or where it has been edited since, one of this process."""
     try:
         path = Path(file or "")
-        return digest(path.read_bytes()) if LOADED.is_since_start(path) else SESSION
+        return digest(path.read_bytes()) if is_older(path, LOADED.started) else SESSION
     except OSError:
         return SESSION
 

@@ -12,7 +12,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine import cluster
-from studies.engine.cluster import _ClusterRun, dask_at
+from studies.engine.cluster import DaskRun, dask_at
 from studies.model.outcome import CaseStatus, Outcome
 from tests.studies.engine.trouble import Trouble
 
@@ -26,7 +26,7 @@ class Future:
         return self.error
 
 
-class FakeRun(_ClusterRun):
+class FakeRun(DaskRun):
     """Of ``count`` cases, with a client that computes nothing."""
 
     def __init__(self, count: int, threads: int = 1, patience: float = 10.0) -> None:
@@ -39,7 +39,7 @@ class FakeRun(_ClusterRun):
         # some that are sent already, and those that wait
         self.address, self.patience, self.log = "tcp://here:1", patience, self.said.append
         self.cases = {str(n): Trouble(float(n)) for n in range(max(count, 100))}
-        self.client, self.about = client, ("", b"", None)
+        self._client, self._about = client, ("", b"", None)
         self.finished = self.found.__setitem__
         self.size, self.threads = 1, threads
         self._waiting = deque(map(str, range(count)))
@@ -71,7 +71,7 @@ def test_a_scheduler_without_workers_is_said_once_after_a_while(
     assert flow.said == [
         "waiting for workers of tcp://here:1: start some, or stop the run and go on later"
     ]
-    flow.client.status = "closed"
+    flow._client.status = "closed"
     now[0] = 90.0
     with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://here:1' is lost: start it again"):
         flow._check_workers()

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.engine.cluster import BATCHES_AHEAD, compute_on_dask
+from studies.engine.cluster import BATCHES_AHEAD, DaskRun
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.outcome import CaseStatus, Outcome, Work
@@ -107,7 +107,7 @@ def address(request: pytest.FixtureRequest) -> str | None:
 def compute(cases: list[Trouble], **options: Any) -> list[Outcome]:
     outcomes: dict[str, Outcome] = {}
     named = {str(place): case for place, case in enumerate(cases)}
-    compute_on_dask(named, Work(trouble.measures), outcomes.__setitem__, Stop(), **options)
+    DaskRun(named, Work(trouble.measures), outcomes.__setitem__, Stop(), **options).run()
     return [outcomes[name] for name in named]
 
 
@@ -148,7 +148,7 @@ def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_p
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        compute_on_dask(cases, Work(trouble.measures), finished, Stop())
+        DaskRun(cases, Work(trouble.measures), finished, Stop()).run()
     assert {outcome.case_status for outcome in outcomes.values()} == {CaseStatus.OK}
     assert sorted(outcomes) == [str(n) for n in range(BATCHES_AHEAD * 2 - 2)]
 
@@ -161,12 +161,12 @@ def listening() -> set[str]:
 
 def test_dask_here_listens_to_this_machine_alone_and_only_while_cases_are_computed() -> None:
     heard = []
-    compute_on_dask(
+    DaskRun(
         {"one": Trouble(1.0)},
         Work(trouble.measures),
         lambda name, outcome: heard.append(listening()),
         Stop(),
-    )
+    ).run()
     assert listening() == set()
     assert heard == [{"127.0.0.1"}]
 

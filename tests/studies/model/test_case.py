@@ -39,7 +39,7 @@ def test_every_cell_that_bears_is_in_contact_however_little() -> None:
 
 def ended(*statuses: cs.Status, **measured: list[float]) -> xr.Dataset:
     """Stored cases whose solves ended so."""
-    variables = [solver_status(status, "how the solver ended") for status in statuses]
+    variables = [xr.DataArray(solver_status(status, "how it ended")) for status in statuses]
     return xr.Dataset(
         {
             "case_key": ("load", [f"{number}" for number in range(len(statuses))]),

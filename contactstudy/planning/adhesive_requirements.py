@@ -1,4 +1,4 @@
-"""Grid requirements of a scene with adhesion: six cells in the cohesive zone, and room for the attraction beside it."""
+"""Grid requirements of a scene with adhesion: six cells in the cohesive zone, and a width that holds the attraction."""
 
 from dataclasses import dataclass, replace
 from math import pi, sqrt
@@ -6,7 +6,7 @@ from math import pi, sqrt
 from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import CostModel
 from contactstudy.planning.grid_requirements import GridRequirements, halvable
-from contactstudy.planning.grid_search import ESTIMATE_COST
+from contactstudy.planning.grid_search import CONSTANTS as FORECAST
 from contactstudy.scene.adhesion import CHOSEN_CELLS
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import Scene
@@ -16,14 +16,14 @@ from contactstudy.scene.sought_load import PullOff
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the root of twice its radius and range.
-REACH = 3.7
+ATTRACTION_REACH = 3.7
 # Transform pairs of a solve over the square of Tabor's parameter, and at least; solves of a search for the pull-off.
 PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10
 
 
 @dataclass(frozen=True)
 class AdhesiveRequirements:
-    """Grid of a contact with adhesion, the seconds of all its solves, their number, and what to say of them."""
+    """Grid of a contact with adhesion, the seconds of all its solves, their number, and sentences on them."""
 
     grid: Grid
     seconds: float
@@ -58,25 +58,33 @@ def adhesive_requirements(
     assert adhesion is not None
     assert radius is not None
     scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
-    reach_of = adhesion.range or scale / (TABOR_VARYING if requirements.varies else TABOR_SMOOTH)
-    strength = adhesion.work / reach_of
+    range_of_law = adhesion.range or scale / (
+        TABOR_VARYING if requirements.varies else TABOR_SMOOTH
+    )
+    strength = adhesion.work / range_of_law
     zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
     if grid is None:
         grid = _grid(
-            requirements, error, period, zone / CHOSEN_CELLS, REACH * sqrt(2 * radius * reach_of)
+            requirements,
+            error,
+            period,
+            zone / CHOSEN_CELLS,
+            ATTRACTION_REACH * sqrt(2 * radius * range_of_law),
         )
     cell = max(grid.cell) if requirements.varies else grid.cell[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
         tabor, cells = scale / law.range, CHOSEN_CELLS
     else:
-        tabor, cells = scale / reach_of, zone / cell
+        tabor, cells = scale / range_of_law, zone / cell
     load = scene.load
     solves = SEARCH_SOLVES if isinstance(load, PullOff) else 1
     if isinstance(load, ChangingLoad):
         solves = 41
     pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
-    seconds = ESTIMATE_COST * solves * CostModel().seconds(grid, requirements.padding(), pairs)
+    seconds = (
+        FORECAST.estimate_cost * solves * CostModel().seconds(grid, requirements.padding(), pairs)
+    )
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."

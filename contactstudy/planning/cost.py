@@ -31,14 +31,14 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 # Transform pairs of the full grid in a solve of a smooth contact to DIGITS, coarser grids included.
 SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
 # Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
-SAMPLE, SAMPLE_IMAGES = 128, (1, 6)
+SAMPLE_CELLS, SAMPLE_IMAGES = 128, (1, 6)
 # Largest number of cells along an axis of the convolution that is timed on a device.
 LARGE_SAMPLE = 512
 # Seconds for which a quick solve or convolution is repeated: the first one fills caches, and a busy machine interrupts;
 # the seconds of a set-up or a solve at least.
-LONG_ENOUGH, MIN_SECONDS = 0.02, 1e-6
+MIN_TOTAL_SECONDS, MIN_SECONDS = 0.02, 1e-6
 # Overhead of a transform of any size, in units of N log N: the time of a transform of 80 x 80 cells.
-CALLS = 5e4
+TRANSFORM_OVERHEAD = 5e4
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def timed(
     """
     setup, solve, count = 0.0, 0.0, 0
     # some clocks tick every 4 to 16 ms: one run tells little, the sum of many does
-    while setup + solve < 2 * LONG_ENOUGH:
+    while setup + solve < 2 * MIN_TOTAL_SECONDS:
         start = process_time()
         problem = problem_on(grid)
         ready = process_time()
@@ -146,7 +146,7 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     A padding that counts images is timed with few and with many of them, any other once.
     """
     across, along = across_and_along(padding)
-    sample = Grid((SAMPLE, 1 if grid.cells[1] == 1 else SAMPLE), (2.4, 2.4))
+    sample = Grid((SAMPLE_CELLS, 1 if grid.cells[1] == 1 else SAMPLE_CELLS), (2.4, 2.4))
     # half-width and modulus are 1
     steel = HalfSpace(1.0, 0.0)
     scene = Scene(LineLoad(pi / 800), (steel, HalfSpace(inf, 0.0)), (Cylinder(100.0),))
@@ -172,7 +172,7 @@ def _sizes(
     return (prod(grid.cells), images), (padded_points(grid, padding), convolutions)
 
 
-def times_faster(grid: Grid, padding: Padding | Paddings, on: Device) -> float:
+def speedup(grid: Grid, padding: Padding | Paddings, on: Device) -> float:
     """Measure how many times faster a convolution runs `on` a device than on one thread; 1 for one thread.
 
     It is measured on this grid, or on one of ``LARGE_SAMPLE`` cells along either axis.
@@ -192,7 +192,7 @@ def _seconds(grid: Grid, points: tuple[int, int], on: Device) -> float:
     with using(on):
         operator = Convolution(on.put(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points)
         pressure = on.put(np.ones(grid.cells))
-        while len(durations) < 5 or sum(durations) < LONG_ENOUGH:
+        while len(durations) < 5 or sum(durations) < MIN_TOTAL_SECONDS:
             start = perf_counter()
             float(operator(pressure)[0, 0])  # reading a number waits for a graphics processor
             durations.append(perf_counter() - start)
@@ -274,7 +274,7 @@ class PowerLaw:
 
 def log_work(points: float, repetitions: float = 1.0) -> float:
     """Return the logarithm of the work ``n N log N`` of N `points`, with a fixed overhead, n `repetitions` times."""
-    return log(points * log(points) + CALLS) + log(repetitions)
+    return log(points * log(points) + TRANSFORM_OVERHEAD) + log(repetitions)
 
 
 def _terms(centred: Array) -> Array:

@@ -29,12 +29,12 @@ from contactstudy.scene.shapes.shape import LengthScales
 ROUGH_ERROR, AREA_POWER, ROUGH_ORDER = 0.35, -0.65, 1.5
 # Width of the grid over that of the contact.
 WIDTH_FACTOR = 1.2
-# Longest wavelengths that a period should hold, so that one surface represents others.
+# Number of longest wavelengths in a period with which one surface is representative.
 WAVES_PER_PERIOD = 4
-COARSEST = 32
-# Cells along a roller from which small solutions find how many it needs.
+MIN_CELLS_PER_AXIS = 32
+# Least cells along a roller of the first grid.
 CELLS_ALONG_ROLLER = 64
-# Fraction of the requested error that the cells may take where time steps take the remainder.
+# Fraction of the requested error for the cells; the remainder is for the time steps.
 CELL_FRACTION = 0.5
 # A half-width above this fraction of the radius is not that of half-spaces.
 MAX_WIDTH_OVER_RADIUS = 0.1
@@ -122,7 +122,7 @@ class GridRequirements:
 
     @property
     def widest(self) -> float:
-        """The width over which all shapes are known [m]."""
+        """Largest width at which all shapes are known [m]."""
         return min((scales.widest for scales in self.length_scales), default=inf)
 
     @property
@@ -147,7 +147,7 @@ class GridRequirements:
         bearing = hertz.load_per_length / (2 * self.hardness)
         return max(hertz.half_width * reach * crowned, bearing)
 
-    def coefficient(self) -> float:
+    def rough_error_factor(self) -> float:
         """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
         slope = sqrt(sum(scales.slope**2 for scales in self.length_scales))
         if slope == 0:
@@ -160,7 +160,7 @@ class GridRequirements:
         """Return the relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
         smooth = smooth_l1(cell[0] / self.hertz.half_width)
         steps = (size / wave for size, wave in zip(cell, self.finest, strict=True))
-        return float(smooth + self.coefficient() * max(steps) ** ROUGH_ORDER)
+        return float(smooth + self.rough_error_factor() * max(steps) ** ROUGH_ORDER)
 
     def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
         """Return the contributions (across, along) to :meth:`error`."""
@@ -182,18 +182,18 @@ class GridRequirements:
         """
         width = min(2 * WIDTH_FACTOR * self.half_width, self.widest)
         length = self.length(period, width)
-        # the cells for each source of error alone, then both are reduced to the requested error
+        # cells for each source of error alone; both are then reduced to the requested error
         step = self.hertz.half_width / l1_factor() ** (1 / ROUGH_ORDER)
-        ratio = self.coefficient() ** (-1 / ROUGH_ORDER)
+        ratio = self.rough_error_factor() ** (-1 / ROUGH_ORDER)
         across = min(step, self.finest[0] * ratio)
         along = self.finest[1] * ratio
         reduction = 1.0
         for _ in range(4):  # the smooth part's second term falls faster than the rate
             expected = self.error((across * reduction, along * reduction))
-            if not 0 < expected < inf:  # no grid is fine enough: the caller reports it
+            if not 0 < expected < inf:  # no grid is fine enough, as the caller reports
                 break
             reduction *= (error / expected) ** (1 / ROUGH_ORDER)
-        least = CELLS_ALONG_ROLLER if self.roller else COARSEST
+        least = CELLS_ALONG_ROLLER if self.roller else MIN_CELLS_PER_AXIS
         cells = halvable(length / (along * reduction), least) if self.varies else 1
         return Grid((halvable(width / (across * reduction)), cells), (width, length))
 
@@ -306,7 +306,7 @@ class GridRequirements:
             f"{coating.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
             f"the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
             f"{readable(coating_modulus, 'Pa', 3)} "
-            f"of the coating and {substrate}. Width and error are those of small solutions with the coating."
+            f"of the coating and {substrate}. Width and error are those of solutions on coarse grids with the coating."
         )
 
     def warnings(self, grid: Grid) -> tuple[str, ...]:
@@ -333,7 +333,7 @@ class GridRequirements:
         for axis, (cell, wave) in enumerate(zip(grid.cell, self.finest, strict=True)):
             if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
-                    f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not show the "
+                    f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not resolve the "
                     f"finest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} "
                     "or more."
                 )
@@ -348,7 +348,7 @@ def requirements_of(scene: Scene) -> GridRequirements:
     Raises
     ------
     InvalidInput
-        If a shape does not say how fine it is.
+        If a shape has no length scales.
     NotDefined
         If no shape is curved, so that the contact has no width of its own.
     """
@@ -427,7 +427,7 @@ def _common_period(lengths: set[float]) -> float:
     return common
 
 
-def halvable(count: float, least: int = COARSEST) -> int:
+def halvable(count: float, least: int = MIN_CELLS_PER_AXIS) -> int:
     """Return a number of cells that can be halved repeatedly down to a coarse grid, at least `count` and `least`."""
-    step = 2 ** max(0, int(log2(max(count, COARSEST) / COARSEST)))
+    step = 2 ** max(0, int(log2(max(count, MIN_CELLS_PER_AXIS) / MIN_CELLS_PER_AXIS)))
     return int(np.ceil(max(count, least) / step * (1 - 1e-12)) * step)

@@ -14,20 +14,57 @@ from contactstudy.planning.grid_requirements import CELL_FRACTION
 from contactstudy.planning.transient_requirements import transient_requirements
 from contactstudy.scene.scene import Scene
 
-# Cells (across, along) of a pilot at most, fewer across where bodies yield, whose steps take long; the tolerance of the
-# solves that are timed.
-PILOT_CELLS, YIELDING_CELLS, TOLERANCE = (48, 12), 24, 1e-8
-# TIME_LIMIT: seconds of a pilot's steps at most. If less than MIN_PROGRESS of the time is reached by then, an error
-# ERROR_STEP times as large is tried, with which steps of first order become fewer by that factor.
-TIME_LIMIT, MIN_PROGRESS, ERROR_STEP, SOLVES_PER_DOUBLE_STEP = 1.0, 0.25, 4.0, 3
-# MAX_ERROR: largest error of a pilot. PLASTIC_POWER: power of the bytes of plastic operators with which seconds grow.
-MAX_ERROR, PLASTIC_POWER = 0.3, 0.8
-# Seconds with the finer grids on which some scenes are solved again, over those on the planned grid, in one dimension:
-# between 1 and 2.5 in 8 scenes that creep, wear or roll. In two dimensions the ratio of two elastic solves, which do not
-# begin with the step before, is too large by as much. Scenes that yield are mostly solved again on twice the cells.
-REFINEMENT_COST, YIELDING_REFINEMENT_COST = 1.5, 4.0
-# The same of the passes of rolling in two dimensions, most of which begin close to their end: between 0.3 and 0.8 in 5.
-ROLLING_COST_ALONG = 0.5
+
+@dataclass(frozen=True)
+class PilotConstants:
+    """Constants of a pilot and of the seconds that follow from it.
+
+    Attributes
+    ----------
+    cells
+        Most cells (across, along).
+    yielding_cells
+        Most cells across where bodies yield, whose steps take long.
+    tolerance
+        Tolerance of the elastic solves that are timed.
+    time_limit
+        Largest seconds of a pilot's steps.
+    min_progress
+        Fraction of the time below which, at the limit, a larger error is tried.
+    error_step
+        Factor on that error, with which steps of first order become fewer by the same factor.
+    solves_per_double_step
+        Solves of a step with step doubling.
+    max_error
+        Largest error of a pilot.
+    plastic_power
+        Power of the bytes of plastic operators in the ratio of seconds.
+    refinement_cost
+        Seconds with the finer grids on which some scenes are solved again, over those on the planned grid, in one
+        dimension: 1 to 2.5 in 8 scenes that creep, wear or roll. In two dimensions the ratio of two elastic solves,
+        which do not begin with the step before, is too large by as much.
+    yielding_refinement_cost
+        The same of scenes that yield, which are mostly solved again on twice the cells.
+    rolling_cost_along
+        Factor on the seconds of rolling in two dimensions, where most outer iterations begin close to their end: 0.3 to
+        0.8 in 5 scenes.
+    """
+
+    cells: tuple[int, int] = (48, 12)
+    yielding_cells: int = 24
+    tolerance: float = 1e-8
+    time_limit: float = 1.0
+    min_progress: float = 0.25
+    error_step: float = 4.0
+    solves_per_double_step: int = 3
+    max_error: float = 0.3
+    plastic_power: float = 0.8
+    refinement_cost: float = 1.5
+    yielding_refinement_cost: float = 4.0
+    rolling_cost_along: float = 0.5
+
+
+CONSTANTS = PilotConstants()
 
 
 @dataclass(frozen=True)
@@ -82,8 +119,8 @@ def pilot(
     """
     requirements = transient_requirements(scene, steps.last)
     nx, ny = grid.cells
-    across = PILOT_CELLS[0] if requirements.plastic is None else YIELDING_CELLS
-    coarse = Grid((min(nx, across), min(ny, PILOT_CELLS[1])), grid.extent)
+    across = CONSTANTS.cells[0] if requirements.plastic is None else CONSTANTS.yielding_cells
+    coarse = Grid((min(nx, across), min(ny, CONSTANTS.cells[1])), grid.extent)
     try:
         seconds, solves = _work(scene, coarse, padding, (1 - CELL_FRACTION) * error, steps)
     except InvalidInput as refused:
@@ -91,20 +128,22 @@ def pilot(
     if requirements.plastic is not None:
         slower = (
             requirements.plastic.bytes(grid) / requirements.plastic.bytes(coarse)
-        ) ** PLASTIC_POWER
+        ) ** CONSTANTS.plastic_power
     else:
         fine, on_pilot = (
             timed(
-                lambda of_grid: requirements.narrow.problem(of_grid, padding), each_grid, TOLERANCE
+                lambda of_grid: requirements.narrow.problem(of_grid, padding),
+                each_grid,
+                CONSTANTS.tolerance,
             )[1]
             for each_grid in (grid, coarse)
         )
         slower = (fine.setup + fine.solve) / (on_pilot.setup + on_pilot.solve)
-    rounds = REFINEMENT_COST if refines and ny == 1 else 1.0
+    rounds = CONSTANTS.refinement_cost if refines and ny == 1 else 1.0
     if refines and requirements.plastic is not None:
-        rounds = YIELDING_REFINEMENT_COST
+        rounds = CONSTANTS.yielding_refinement_cost
     elif scene.rolling is not None and ny > 1:
-        rounds = ROLLING_COST_ALONG
+        rounds = CONSTANTS.rolling_cost_along
     total = rounds * seconds * max(slower, 1.0)
     return Pilot(
         total,
@@ -137,16 +176,18 @@ def _work(
         def stop(time: float, end: float, begin: float = begin) -> None:
             nonlocal reached, pairs
             reached, pairs = time / end, pairs + 1
-            if process_time() - begin > TIME_LIMIT:
+            if process_time() - begin > CONSTANTS.time_limit:
                 raise _TimeLimitReached
 
-        allowed = min(larger * error, MAX_ERROR)
+        allowed = min(larger * error, CONSTANTS.max_error)
         try:
             trajectory = evolve(scene, grid, padding, times=times, error=allowed, progress=stop)
         except _TimeLimitReached:
-            if reached < MIN_PROGRESS and allowed < MAX_ERROR:
-                larger *= ERROR_STEP
+            if reached < CONSTANTS.min_progress and allowed < CONSTANTS.max_error:
+                larger *= CONSTANTS.error_step
                 continue
             factor = larger / max(reached, 1e-3)
-            return factor * (process_time() - begin), round(factor * SOLVES_PER_DOUBLE_STEP * pairs)
+            return factor * (process_time() - begin), round(
+                factor * CONSTANTS.solves_per_double_step * pairs
+            )
         return larger * (process_time() - begin), round(larger * trajectory.steps)

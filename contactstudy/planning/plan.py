@@ -1,4 +1,4 @@
-"""Plans: the grid and padding that a scene needs, with error and cost, found by small solutions beforehand."""
+"""Plans: the grid and padding that a scene needs, with error and cost, found by solutions on coarse grids."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -13,7 +13,7 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
-from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, times_faster
+from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, speedup
 from contactstudy.planning.grid_requirements import (
     CELL_FRACTION,
     GridRequirements,
@@ -21,9 +21,8 @@ from contactstudy.planning.grid_requirements import (
     measured_length_scales,
     requirements_of,
 )
+from contactstudy.planning.grid_search import CONSTANTS as FORECAST
 from contactstudy.planning.grid_search import (
-    ESTIMATE_COST,
-    WIDENING,
     GridForecast,
     affordable,
     forecast_or_law,
@@ -59,10 +58,10 @@ class Plan:
     dimension
         1 if nothing varies along the length, else 2.
     error
-        Relative L1 error of the pressure to expect: of a smooth contact by a law, else from small solutions.
+        Relative L1 error of the pressure to expect: of a smooth contact by a law, else from solutions on coarse grids.
     seconds
         Seconds of processor time of a solve to the error: its plan, all grids and steps, and their estimates, from
-        solves timed just now. What is imported or compiled once is not counted.
+        solves timed just now. Imports and compilation are not counted.
     bytes
         Bytes that a solve holds at most.
     period_check
@@ -96,14 +95,13 @@ def plan(
     error: float | None = None,
     period: float | None = None,
     grid: Grid | None = None,
-    end: float | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
     on: Device = ONE_THREAD,
 ) -> Plan:
     """Choose a grid and a padding that solve a scene to a relative L1 error of the pressure.
 
-    Takes small solutions of up to some ten thousand cells: the first grids of the solve itself. Of a scene that changes
-    in time or rolls, it takes the steps on coarse cells to count them, for some seconds at most.
+    It solves the first grids of the solve itself, of up to some ten thousand cells. For a scene that changes in time or
+    rolls it takes the steps on coarse cells to count them, for some seconds at most.
 
     Parameters
     ----------
@@ -116,11 +114,8 @@ def plan(
         Length of the grid [m]; chosen if None.
     grid
         Grid to keep. The plan then says what is wrong with it.
-    end
-        Time [s] up to which a scene is followed whose load has no end of its own.
     times
-        Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`, in place of an
-        end.
+        Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`.
     on
         Device that the seconds are for. A scene that changes in time is solved on one thread.
 
@@ -130,7 +125,7 @@ def plan(
         If the scene leaves open what a plan needs: without a curved shape there is no width of contact, without a
         roller's length no grid.
     """
-    planned = plan_grid(scene, error=error, period=period, grid=grid, end=end, times=times, on=on)
+    planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, on=on)
     rolls = scene.rolling is not None
     if (
         scene.lubrication is not None
@@ -146,7 +141,7 @@ def plan(
         planned.grid,
         planned.padding,
         error or DEFAULT_ERROR,
-        _time_steps(end, times),
+        _time_steps(times),
         refines=grid is None and (rolls or error is not None),
     )
     return replace(
@@ -163,7 +158,6 @@ def plan_grid(
     error: float | None = None,
     period: float | None = None,
     grid: Grid | None = None,
-    end: float | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
     on: Device = ONE_THREAD,
 ) -> Plan:
@@ -175,23 +169,23 @@ def plan_grid(
     if scene.hertz is None and scales is not None and scene.changing is None and grid is None:
         return _plan_of_flat(scales, period, on)
     if scene.lubrication is not None:
-        return _plan_of_film(scene, error or FILM_ERROR, period, grid, end, times)
+        return _plan_of_film(scene, error or FILM_ERROR, period, grid, times)
     if scene.adhesion is not None:
         return _plan_of_adhesion(
             scene, requirements_of(scene), error or DEFAULT_ERROR, period, grid
         )
     if scene.changing is not None or scene.rolling is not None:
-        return _plan_time_dependent(scene, error, period, grid, _time_steps(end, times))
+        return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
     return _plan_static(scene, error, period, grid, on)
 
 
-def _time_steps(end: float | None, times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
-    """Return the instants to record: `times` if given, else evenly spaced ones up to the `end` [s]."""
+def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
+    """Return the instants to record: `times` if given, else evenly spaced ones up to the end of the load."""
     from contactstudy.evolution.steps import TimeSteps  # imported only for scenes in time
 
     if isinstance(times, TimeSteps):
         return times
-    return TimeSteps(end=end) if times is None else TimeSteps(times)  # type: ignore[arg-type]
+    return TimeSteps(times)  # type: ignore[arg-type]
 
 
 def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Plan:
@@ -203,7 +197,7 @@ def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Pla
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=inf,
-        seconds=ESTIMATE_COST * seconds / times_faster(grid, padding, on),
+        seconds=FORECAST.estimate_cost * seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=f"The period {readable(grid.period)} is that of the measured surface.",
         reasons=(
@@ -246,12 +240,12 @@ def _plan_static(
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=predicted,
-        seconds=prediction.seconds / times_faster(grid, padding, on),
+        seconds=prediction.seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.period),
         reasons=(
             *requirements.reasons(grid, predicted),
-            *_reasons(prediction, own_points=own_points),
+            *_axis_reasons(prediction, own_points=own_points),
         ),
         warnings=(
             *requirements.warnings(grid),
@@ -261,19 +255,19 @@ def _plan_static(
     )
 
 
-def _reasons(expectation: GridForecast, *, own_points: bool) -> Iterator[str]:
+def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:
     """Yield a sentence for each choice of cells along an axis."""
     if own_points:
         yield (
             "points: the measured surface is solved on its own points; give an error for cells that resolve what is "
             "interpolated between them."
         )
-    across, along = expectation.errors
-    if expectation.grid.cells[1] > 1 and 0 < expectation.error < inf:
+    across, along = forecast.errors
+    if forecast.grid.cells[1] > 1 and 0 < forecast.error < inf:
         yield (
-            f"axes: of the error expected, {across / expectation.error:.0%} falls with the cells across to the power "
-            f"{expectation.rates[0]:.2g}, {along / expectation.error:.0%} with those along to the power "
-            f"{expectation.rates[1]:.2g}."
+            f"axes: of the error expected, {across / forecast.error:.0%} falls with the cells across to the power "
+            f"{forecast.orders[0]:.2g}, {along / forecast.error:.0%} with those along to the power "
+            f"{forecast.orders[1]:.2g}."
         )
 
 
@@ -319,9 +313,9 @@ def _warnings(
     error: float,
 ) -> Iterator[str]:
     """Yield a sentence for each reason why the grid does not reach the requested `error`."""
-    if prediction.cut_off:
+    if prediction.outgrows_grid:
         remedy = "give a width of "
-        width = WIDENING * grid.extent[0]
+        width = FORECAST.widening * grid.extent[0]
         if width > requirements.widest:
             remedy = f"the surface is known over {readable(requirements.widest)} only; give a smaller load, or "
             remedy += "a surface as wide as "
@@ -352,7 +346,6 @@ def _plan_of_film(
     error: float,
     period: float | None,
     grid: Grid | None,
-    end: float | None,
     times: "ArrayLike | TimeSteps | None",
 ) -> Plan:
     """Plan a lubricated scene."""
@@ -365,7 +358,7 @@ def _plan_of_film(
         speed = scene.lubrication.mean_speed
         instants = 2  # at least, where nothing says when it ends
         with suppress(InvalidInput):
-            recorded = _time_steps(end, times).instants_of(scene.load, speed)
+            recorded = _time_steps(times).instants_of(scene.load, speed)
             instants = instants if recorded is None else len(np.ravel(recorded))
     film = film_requirements(scene, requirements, error, period, grid, instants)
     smooth = film.grid.cells[1] == 1

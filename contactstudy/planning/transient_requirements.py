@@ -23,8 +23,8 @@ PLASTIC_WIDTH, PLASTIC_WIDENING, PLASTIC_DEPTH = 0.62, 0.07, 1.2
 ERROR_POWER = 1.5
 # Fields of plastic strain that a step holds, and where strain varies along the length: measured on rough cylinders of
 # 48^2 to 128^2 cells.
-FIELDS, FIELDS_ALONG = 24, 36
-MARGIN = 1.25
+STRAIN_FIELDS, STRAIN_FIELDS_ALONG = 24, 36
+ZONE_MARGIN = 1.25
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Yielding:
     @property
     def reach(self) -> float:
         """Distance [m] across from the axis to the end of the plastic zone."""
-        return self.half_width * MARGIN * (PLASTIC_WIDTH + PLASTIC_WIDENING * self.ratio**2)
+        return self.half_width * ZONE_MARGIN * (PLASTIC_WIDTH + PLASTIC_WIDENING * self.ratio**2)
 
     @property
     def error_factor(self) -> float:
@@ -69,9 +69,9 @@ class Yielding:
         volume = self.volume(grid)
         count, across, along = volume.shape
         if along == 1:
-            numbers = (across + 1) * (3 * count) ** 2 + FIELDS * 3 * prod(volume.shape)
+            numbers = (across + 1) * (3 * count) ** 2 + STRAIN_FIELDS * 3 * prod(volume.shape)
         else:
-            numbers = FIELDS_ALONG * 5 * prod(volume.shape)
+            numbers = STRAIN_FIELDS_ALONG * 5 * prod(volume.shape)
         return 8 * self.bodies * numbers
 
     def reason(self, grid: Grid) -> str:
@@ -101,11 +101,11 @@ def yielding(scene: Scene) -> Yielding | None:
 
 
 # Fields that the passes of a steadily rolling contact hold.
-LAGGED = 32
+ROLLING_FIELDS = 32
 # A contact under a smaller fraction of the largest load than this is not planned for: cells grow with its root.
 LEAST_LOAD = 0.1
 # Number of instants at which a load is evaluated.
-INSTANTS = 2000
+LOAD_SAMPLES = 2000
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,9 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi)
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolling is not None:
-        return TransientRequirements(elastic, 2 * WIDTH_FACTOR * half_width * 1.5, LAGGED, ())
+        return TransientRequirements(
+            elastic, 2 * WIDTH_FACTOR * half_width * 1.5, ROLLING_FIELDS, ()
+        )
     plastic = yielding(scene)
     if plastic is not None:
         half_width = max(half_width, plastic.reach / WIDTH_FACTOR)
@@ -194,7 +196,7 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
     """Return the smallest load that is planned for [N/m], and a warning where the load is smaller."""
     if not isinstance(load, ChangingLoad):
         return load.largest, ()
-    times = np.linspace(load.start, max(end, load.start), INSTANTS)
+    times = np.linspace(load.start, max(end, load.start), LOAD_SAMPLES)
     loads = np.array([load.at(float(time)) for time in times])
     least = max(float(loads.min()), LEAST_LOAD * load.largest)
     if loads.min() >= least:

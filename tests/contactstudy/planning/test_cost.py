@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.planning.cost import (
-    CALLS,
+    TRANSFORM_OVERHEAD,
     CostModel,
     PowerLaw,
     Timing,
@@ -30,8 +30,10 @@ def test_one_timing_is_scaled_by_n_log_n_and_the_convolutions() -> None:
     assert model.seconds(square(128), EXACT, 10.0) == pytest.approx(1.1e-2)
     assert model.seconds(square(128), EXACT, 20.0) == pytest.approx(2.1e-2)
     cells, points = 512**2, 2 * 512**2
-    work = (cells * log(cells) + CALLS) / (128**2 * log(128**2) + CALLS)
-    transforms = (points * log(points) + CALLS) / (2 * 128**2 * log(2 * 128**2) + CALLS)
+    work = (cells * log(cells) + TRANSFORM_OVERHEAD) / (128**2 * log(128**2) + TRANSFORM_OVERHEAD)
+    transforms = (points * log(points) + TRANSFORM_OVERHEAD) / (
+        2 * 128**2 * log(2 * 128**2) + TRANSFORM_OVERHEAD
+    )
     assert model.seconds(square(512), EXACT, 10.0) == pytest.approx(1e-3 * work + 1e-2 * transforms)
 
 

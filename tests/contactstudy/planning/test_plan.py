@@ -252,14 +252,14 @@ EXACT = cs.ExactPeriodicity()
 GRID = cs.Grid((64, 32), (4.0, 2.0))
 
 
-def seen(error: float, *, cut_off: bool = False, message: str = "") -> GridForecast:
+def seen(error: float, *, outgrows_grid: bool = False, message: str = "") -> GridForecast:
     """Half of an error across and half along, which fall like the cell."""
     return GridForecast(
         GRID,
         (error / 2, error / 2),
         (1.0, 1.0),
         (16, 16),
-        cut_off=cut_off,
+        outgrows_grid=outgrows_grid,
         message=message,
         seconds=1.0,
     )
@@ -270,9 +270,9 @@ def needing(grid: cs.Grid = GRID, **more: Any) -> Any:
     return SimpleNamespace(grid=lambda *_: grid, padding=lambda: EXACT, **asked)
 
 
-def test_the_product_of_cells_is_least_where_rates_times_errors_are_alike() -> None:
+def test_the_product_of_cells_is_least_where_orders_times_errors_are_alike() -> None:
     """0.08 falls like 1/n and 0.03 like n^-1/2: of 0.03 a third across and two thirds along."""
-    known = replace(seen(0.0), errors=(0.08, 0.03), rates=(1.0, 0.5))
+    known = replace(seen(0.0), errors=(0.08, 0.03), orders=(1.0, 0.5))
     found = known.grid_for(0.03)
     assert found.cells == (512, 72)
     assert found.extent == GRID.extent
@@ -290,7 +290,7 @@ def warned(
 
 
 def test_a_grid_that_is_too_narrow_is_said_with_the_width_to_try() -> None:
-    cut = seen(0.1, cut_off=True)
+    cut = seen(0.1, outgrows_grid=True)
     (said,) = warned(GRID, cut)
     assert said == "Grid.extent[0] is 4 m: the contact outgrows it, give a width of 6 m."
     assert warned(GRID, cut, widest=6.0) == [said]

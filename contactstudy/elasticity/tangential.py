@@ -139,7 +139,7 @@ class ShearResponse:
         x += y
         return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, x)])
 
-    def times(self, factors: ComplexField) -> "ShearResponse":
+    def times(self, factors: float | ComplexField) -> "ShearResponse":
         """Return the response whose waves, each of all components, are multiplied by `factors`."""
         return ShearResponse(*(part.times(factors) for part in (self.xx, self.yy, self.xy)))
 

@@ -14,6 +14,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Displacement
+from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.adaptive_integrator import AdaptiveIntegrator
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Trajectory
@@ -245,10 +246,24 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
         cell_compliance=least_compliance(scene.contact_modulus, min(problem.grid.cell)),
         gap_scale=problem.scales.gap,
         coated=any(map(is_layered, scene.solids)),
+        creep=_relative_creep(scene, problem.scales.length),
         grid=problem.grid,
         tolerance=options.tolerance,
         max_applications=options.max_iterations,
     )
+
+
+def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
+    """Return the creep of both bodies, which are alike in shear, over their response to a sudden shear."""
+    total = sum(body.compliance for body in scene.solids)
+    creeps = [
+        body.creep.times(1 / total)
+        for body in scene.solids
+        if isinstance(body, ViscoelasticHalfSpace) and body.creeps
+    ]
+    terms = tuple(term for creep in creeps for term in creep.terms)
+    fluidity = sum(creep.fluidity for creep in creeps)
+    return CreepState(Creep(1.0, terms, fluidity), Displacement(datum)) if creeps else None
 
 
 def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:

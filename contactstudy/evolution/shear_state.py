@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.tangential import ShearResponse
-from contactstudy.evolution.state_variables import Contribution, State, Step
+from contactstudy.evolution.state_variables import Contribution, CreepState, State, Step
 from contactstudy.problem.problem import Field
 from contactstudy.scene.load import PiecewiseLinear
 from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step
@@ -51,6 +51,9 @@ class ShearState:
         Least displacement over pressure of any pressure on cells that touch [m/Pa].
     gap_scale
         Size of the gap [m] that its errors are compared with.
+    creep
+        Creep of the surface under shear over its response to a sudden one; None of elastic bodies. It also keeps the
+        delayed pressure, under which a rising one locks shear in.
     coated
         Whether a body is coated, so that its surface gives way to shear otherwise than to pressure.
     grid
@@ -68,6 +71,7 @@ class ShearState:
     cell_compliance: float
     gap_scale: float
     coated: bool
+    creep: CreepState | None
     grid: Grid
     tolerance: float
     max_applications: int
@@ -80,7 +84,8 @@ class ShearState:
         names += ["worn_depth"] * (self.wear > 0)
         names += ["guessed_slip"] * (self.wear > 0)
         numbers = ["residual", *["guess_error"] * (self.wear > 0)]
-        return {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
+        state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
+        return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the depth worn so far as a gap, and what the step wears by the slip that it is guessed to have."""
@@ -116,9 +121,16 @@ class ShearState:
             rigid_displacement = self.displacements.at(step.end)
             rigid_displacement -= self.displacements.at(step.start) if before.any() else 0.0
             rigid = np.array([rigid_displacement, 0.0])
-        reference = self._locked(shear, before, after, slope)
+        carried, response = np.stack([*shear, before]), self.response
+        if self.creep is not None:
+            # displacement over the response: q + delayed before the step, q (1 + softer) + still_delayed at its end
+            delayed, _ = self.creep.after(state, carried, 0.0)
+            still_delayed, softer = self.creep.after(state, carried, step.duration)
+            carried = (carried + delayed - still_delayed) / (1 + softer)
+            response = response.times(1 + softer)
+        reference = self._locked(carried[:2], carried[2], after, slope)
         step_of_slip = slip_step(
-            self.response,
+            response,
             self.coefficient * after,
             reference,
             self.tolerance,
@@ -129,9 +141,7 @@ class ShearState:
         slip = np.where(step_of_slip.stick, 0.0, np.hypot(*step_of_slip.slip))
         released = (before > 0) & (after == 0)
         if released.any() and after.any():
-            outside = (
-                self.response(step_of_slip.shear - reference) - step_of_slip.rigid[:, None, None]
-            )
+            outside = response(step_of_slip.shear - reference) - step_of_slip.rigid[:, None, None]
             slip = np.where(released, np.hypot(*outside), slip)
         cycles = self._cycles(step)
         distance = cycles * slip
@@ -145,6 +155,9 @@ class ShearState:
             "energy": state["energy"] + self.coefficient * work,
             "residual": np.array([step_of_slip.residual]),
         }
+        if self.creep is not None:
+            start, end = np.stack([*shear, before]), np.stack([*step_of_slip.shear, after])
+            state |= self.creep.update(state, start, end, step)
         if self.wear:
             guess = cycles * state["guessed_slip"]
             error = self.wear * float((after * np.abs(distance - guess)).max())

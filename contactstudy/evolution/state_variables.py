@@ -201,28 +201,33 @@ class CreepState:
 
     has_stages: ClassVar[bool] = False
 
-    def start(self, shape: tuple[int, int]) -> State:
-        """Return delayed pressures and impulse of zero on `shape` cells (x, y)."""
+    def start(self, shape: tuple[int, ...]) -> State:
+        """Return delayed pressures and impulse of zero on `shape` cells (x, y), or of several fields."""
         names = [f"delayed{number}" for number in range(len(self.creep.terms))]
         names += ["impulse"] * bool(self.creep.fluidity)
         return {name: np.zeros(shape) for name in names}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the strain fixed by past pressures, and the compliance for the pressure at the end of the step."""
+        strain, compliance = self.after(state, pressure, step.duration)
+        return Contribution(
+            strained={self.coefficients: strain}, compliance={self.coefficients: compliance}
+        )
+
+    def after(self, state: State, pressure: Array, duration: float) -> tuple[Array, float]:
+        """Return the delayed strain after a `duration` [s], and its compliance for the pressure at the end."""
         strain = np.zeros_like(pressure)
         compliance = 0.0
         for number, (size, time) in enumerate(self.creep.terms):
-            from_state, from_start, from_end = delay_weights(step.duration / time)
+            from_state, from_start, from_end = delay_weights(duration / time)
             strain += (size * from_state) * state[f"delayed{number}"]
             strain += (size * from_start) * pressure
             compliance += size * from_end
         if self.creep.fluidity:
-            half = self.creep.fluidity * step.duration / 2
+            half = self.creep.fluidity * duration / 2
             strain += self.creep.fluidity * state["impulse"] + half * pressure
             compliance += half
-        return Contribution(
-            strained={self.coefficients: strain}, compliance={self.coefficients: compliance}
-        )
+        return strain, compliance
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the delayed pressures [Pa] and the impulse [Pa s] at the end of the step."""

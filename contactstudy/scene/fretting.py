@@ -135,7 +135,7 @@ class Fretting:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         self._check_motion(scene)
-        check_sheared(scene, "Fretting")
+        check_sheared(scene, "Fretting", creeping=True)
         check_alike(scene, "Fretting")
         if self.times is not None:
             self._check_forces(scene)

@@ -345,10 +345,13 @@ def coefficient(name: str, value: object, *, zero: bool) -> float:
     return number if number == 0 else in_range(field, number, remedy)
 
 
-def check_sheared(scene: FrictionContact, name: str, otherwise: str = "") -> None:
+def check_sheared(
+    scene: FrictionContact, name: str, otherwise: str = "", *, creeping: bool = False
+) -> None:
     """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
-        if not isinstance(solid, HalfSpace | CoatedHalfSpace):
+        creeps = creeping and getattr(solid, "creeps", False)
+        if not creeps and not isinstance(solid, HalfSpace | CoatedHalfSpace):
             raise InvalidInput(
                 f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: its response to shear is "
                 f"not supported, give a HalfSpace or a CoatedHalfSpace{otherwise}."

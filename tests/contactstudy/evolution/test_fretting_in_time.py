@@ -188,7 +188,7 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
         ),
         (
             {"forces": (0.0, 0.1), "times": (0.0, 1.0)},
-            {"solids": (cs.ViscoelasticHalfSpace(1.0, 0.3, ((1.0, 1.0),)),) * 2},
+            {"solids": (cs.ElasticPlasticHalfSpace(1.0, 0.3, 1e-3),) * 2},
             "response to shear",
         ),
     ],
@@ -233,3 +233,40 @@ def test_a_scene_file_frets_on_a_planned_grid_under_a_load_that_changes(tmp_path
     force = found.frames[-1].shear[0].sum() * found.grid.cell_area / found.grid.period
     assert force == pytest.approx(-1e4)
     assert {"shear_x", "slip_distance", "worn_depth"} <= set(found.to_dataset())
+
+
+SWING = cs.Fretting(MU, (0.0, 0.12, -0.12, 0.12), times=(0.0, 1.0, 2.0, 3.0))
+
+
+def creeping(equilibrium: float, relaxing: float, time: float) -> cs.Scene:
+    body = cs.ViscoelasticHalfSpace(equilibrium, NU, ((relaxing, time),))
+    return replace(LINE, solids=(body, body))
+
+
+@pytest.mark.parametrize(("elastic", "time"), [(0.5, 1e9), (1.0, 1e-6)])
+def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_force_fret_as_elastic_ones(
+    elastic: float, time: float
+) -> None:
+    modulus = BODY.youngs_modulus
+    instants = [0.0, 1.0, 2.0, 3.0]
+    wanted = fretted(SWING, instants).frames[-1].shear
+    found = fretted(SWING, instants, creeping(elastic * modulus, 0.5 * modulus, time)).frames[-1]
+    np.testing.assert_allclose(found.shear, wanted, atol=1e-4 * wanted.max())
+
+
+def test_load_and_force_in_proportion_slip_nowhere_between_bodies_that_creep() -> None:
+    """The pressure that creep widens locks shear in as that of the load does."""
+    load = cs.LoadHistory((0.0, 2.0), (0.0, 0.5))
+    friction = cs.Fretting(MU, (0.0, 0.05), times=(0.0, 2.0))
+    scene = replace(creeping(BODY.youngs_modulus, 1.0, 0.5), load=load)
+    last = fretted(friction, np.linspace(0, 2, 9), scene).frames[-1]
+    assert last.state["slip_distance"].values.max() < 1e-8
+    np.testing.assert_allclose(last.shear[0], 0.1 * last.pressure, atol=1e-6 * last.pressure.max())
+
+
+def test_fretting_of_bodies_that_creep_is_within_its_error_by_the_steps() -> None:
+    friction = cs.Fretting(MU, (0.0, 0.12, -0.12), times=(0.0, 1.0, 2.0))
+    scene = replace(creeping(BODY.youngs_modulus, 1.0, 0.5), load=cs.LineLoad(0.6))
+    coarse, fine = (fretted(friction, np.linspace(0, 2, n + 1), scene).frames[-1] for n in (8, 32))
+    error = np.abs(fine.shear - coarse.shear).sum() / np.abs(fine.shear).sum()
+    assert error <= coarse.error.l1.by_cause["steps"] < 0.05

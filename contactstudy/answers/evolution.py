@@ -235,6 +235,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         convolutions=frame.convolutions,
         residual=frame.residual,
         traction=trajectory.traction(frame),
+        adhesion=frame.adhesion,
         estimate=ErrorEstimate(l1, l1, area, unknown, unknown, warnings=frame.warnings),
         time=frame.time,
         state=frame.fields,

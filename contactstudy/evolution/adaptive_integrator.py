@@ -354,6 +354,7 @@ class AdaptiveIntegrator:
                 grid_error=parts.total,
                 grid_error_parts=parts,
                 warnings=warnings,
+                adhesion=self.main.adhesion,
                 steps=self.steps,
                 iterations=self.iterations,
                 convolutions=self.convolutions,

@@ -13,7 +13,7 @@ from contactstudy.evolution.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.friction.laws import FullSliding
-from contactstudy.solvers.solution import Solution, Status, Traction, worst
+from contactstudy.solvers.solution import CohesiveTraction, Solution, Status, Traction, worst
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
@@ -56,8 +56,10 @@ class Frame:
         Transform pairs of the full grid.
     coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
+    adhesion
+        Adhesive traction; None without adhesion.
     solution
-        Solution of a frame with adhesion; None for others.
+        Solution of a frame that is in equilibrium by itself; None for others.
     grid_error_parts
         The error on this grid by cause.
     warnings
@@ -80,6 +82,7 @@ class Frame:
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
     warnings: tuple[str, ...] = ()
+    adhesion: CohesiveTraction | None = None
     solution: Solution | None = None
 
     @property

@@ -166,8 +166,8 @@ def solve_rolling(
         )
     if not isinstance(scene.load, ConstantLoad):
         raise InvalidInput(
-            "Scene.load changes in time together with Scene.rolling: no contact is steady under it, leave one of them "
-            "out; rolling leaves elastic bodies as they are."
+            "Scene.load changes in time together with Scene.rolling, which needs a steady load: give a LineLoad, or "
+            "leave rolling out, which does not change elastic bodies."
         )
     elastic = replace(scene, solids=sudden(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
@@ -222,8 +222,8 @@ def _delayed_weights(
             continue
         if body.creep.fluidity:
             raise InvalidInput(
-                f"Scene.solids[{number}] is a fluid, which a contact that has rolled for ever has pressed "
-                "infinitely deep: give an equilibrium modulus above 0 Pa."
+                f"Scene.solids[{number}] is a fluid (equilibrium modulus 0 Pa), whose indentation in steady rolling is "
+                "unbounded: give an equilibrium modulus above 0 Pa."
             )
         for size, time in body.creep.terms:
             still = Displacement(datum)

@@ -28,7 +28,7 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import CohesiveTraction, Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
@@ -54,12 +54,15 @@ class Instant:
         Pressure (x, y) [Pa].
     states
         State of each state variable, in the order of :attr:`TimeStepper.all_state_variables`.
+    adhesion
+        Adhesive traction, from which the next contact continues; None without adhesion, and before the first contact.
     """
 
     time: float
     load: float
     pressure: Array
     states: tuple[State, ...]
+    adhesion: CohesiveTraction | None = None
 
 
 def solved_or_unloaded(
@@ -81,7 +84,7 @@ def solved_or_unloaded(
     tolerance_factor
         Factor on the tolerance of `options`.
     """
-    if problem.resultant.uniform(1) == 0:
+    if problem.adhesion is None and problem.resultant.uniform(1) == 0:
         return unloaded(problem)
     begin = start if start is not None and start.any() else None
     return solve_contact(
@@ -269,7 +272,8 @@ class TimeStepper:
         if unsettled > self.options.tolerance and solution.status is Status.CONVERGED:
             solution = replace(solution, status=Status.STALLED, residual=unsettled)
         solutions[-1] = solution
-        return Instant(step.end, step.loads[1], after, states + coupled), solutions
+        instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)
+        return instant, solutions
 
     def _guessed_again(self, instant: Instant, found: tuple[State, ...]) -> Instant:
         """Return `instant` with better guesses of what a step from it finds, the same one if they are good enough."""
@@ -299,7 +303,11 @@ class TimeStepper:
         source = self.problem.source
         if isinstance(source, ShapesSource):
             source = source.with_step(partial(self._with, weights, local, step.loads[1]))
-        return replace(problem, undeformed_gap=self._gap(contributions), source=source)
+        adhesion = self.problem.adhesion
+        if adhesion is not None and instant.adhesion is not None:
+            adhesion = adhesion.continued(instant.adhesion.traction)
+        gap = self._gap(contributions)
+        return replace(problem, undeformed_gap=gap, source=source, adhesion=adhesion)
 
     def _with(
         self,
@@ -327,7 +335,7 @@ class TimeStepper:
             problem,
             operator=self._operator(problem, weights, local),
             resultant=PrescribedLoad(load * grid.period / grid.cell_area),
-            scales=self._scales(load, softer) if load else problem.scales,
+            scales=self._scales(load, softer) if load > 0 else problem.scales,
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:

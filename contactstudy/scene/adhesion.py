@@ -30,6 +30,12 @@ LAWS: dict[str, type[Exponential] | type[Dugdale]] = {
     "dugdale": Dugdale,
 }
 BRANCHES = {branch.value: branch for branch in (Branch.FROM_AFAR, Branch.FROM_FULL_CONTACT)}
+# Effects that adhesion is not combined with, and why.
+CONFLICTS = {
+    "wear": "Archard's law does not say how much the attraction wears",
+    "rolling": "a contact that rolls closes ahead by another state than it opens by behind",
+    "lubrication": "a film keeps the surfaces out of each other's reach",
+}
 # Cells in the cohesive zone: of a range that is chosen, and the fewest that are allowed. With 6 cells the pull-off load
 # of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
 CHOSEN_CELLS, MIN_CELLS = 6.0, 2.0
@@ -91,7 +97,7 @@ class Adhesion:
     Raises
     ------
     InvalidInput
-        If a value is outside these limits; in a scene with a body that creeps or yields, wear, rolling or a lubricant,
+        If a value is outside these limits; in a scene with a body that yields, wear, rolling or a lubricant,
         or with friction without a range; with a first load that is not above zero on bodies from afar; on a grid with
         less than two cells in the cohesive zone.
     """
@@ -115,20 +121,18 @@ class Adhesion:
 
     def check(self, scene: AdhesionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if adhesion is not defined in this scene."""
-        for name in ("wear", "rolling", "lubrication"):
+        for name, reason in CONFLICTS.items():
             if getattr(scene, name) is not None:
                 raise InvalidInput(
-                    f"Scene.{name} is {getattr(scene, name)!r} together with Adhesion: both are not supported "
-                    "in one scene, leave one of both out."
+                    f"Scene.{name} is {getattr(scene, name)!r} together with Adhesion: {reason}, leave one of them out."
                 )
         self._check_friction(scene.friction)
         for number, solid in enumerate(scene.solids):
-            for property_name, verb in (("creeps", "creeps"), ("yields", "yields")):
-                if getattr(solid, property_name, False):
-                    raise InvalidInput(
-                        f"Scene.solids[{number}] {verb} together with Adhesion: both are not supported in one scene, "
-                        "give an elastic body, or no adhesion."
-                    )
+            if getattr(solid, "yields", False):
+                raise InvalidInput(
+                    f"Scene.solids[{number}] yields together with Adhesion: the attraction on a surface that flows is "
+                    "not known, give an elastic body, or no adhesion."
+                )
         load: Any = scene.load
         if self.branch == Branch.FROM_AFAR.value and not isinstance(load, Approach):
             first = load.at(load.start) if isinstance(load, ChangingLoad) else load.largest

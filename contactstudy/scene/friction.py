@@ -350,12 +350,18 @@ def check_sheared(
 ) -> None:
     """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
-        creeps = creeping and getattr(solid, "creeps", False)
-        if not creeps and not isinstance(solid, HalfSpace | CoatedHalfSpace):
-            raise InvalidInput(
-                f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: its response to shear is "
-                f"not supported, give a HalfSpace or a CoatedHalfSpace{otherwise}."
-            )
+        creeps = getattr(solid, "creeps", False)
+        if (creeps and creeping) or isinstance(solid, HalfSpace | CoatedHalfSpace):
+            continue
+        reason = "its response to shear is not known"
+        if getattr(solid, "yields", False):
+            reason = "shear makes it flow along its surface, which is not computed"
+        elif creeps:
+            reason = "it keeps shear from before, which is not computed"
+        raise InvalidInput(
+            f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: {reason}, give a HalfSpace or a "
+            f"CoatedHalfSpace{otherwise}."
+        )
 
 
 def check_alike(scene: FrictionContact, name: str, otherwise: str = "") -> None:
@@ -371,8 +377,8 @@ def check_still(scene: FrictionContact, name: str, remedy: str = "") -> None:
     """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
     if scene.rolling is not None:
         raise InvalidInput(
-            f"Scene.rolling is {scene.rolling!r} together with {name}: shear is carried through a contact that rolls, "
-            "give TractiveRolling without Scene.rolling."
+            f"Scene.rolling is {scene.rolling!r} together with {name}: material carries shear through a rolling "
+            "contact, give TractiveRolling, which has a speed of its own."
         )
     if (changing := scene.changing) is not None:
         raise InvalidInput(

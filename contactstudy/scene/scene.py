@@ -472,14 +472,16 @@ class Scene:
     @property
     def is_quasi_static(self) -> bool:
         """True if each instant is in equilibrium by itself, as with adhesion and in steady rolling with traction."""
-        return self.adhesion is not None or getattr(self.friction, "is_steady", False)
+        creeps = any(getattr(solid, "creeps", False) for solid in self.solids)
+        adheres = self.adhesion is not None and not creeps
+        return adheres or getattr(self.friction, "is_steady", False)
 
     @property
     def keeps_frames(self) -> bool:
         """True if a folder can keep the frames, as of a dry scene that changes in time with state variables."""
-        if self.lubrication is not None or self.rolling is not None or self.is_quasi_static:
-            return False
-        return self.changing is not None
+        effects = self.lubrication, self.rolling, self.adhesion
+        stateful = self.changing is not None and not self.is_quasi_static
+        return stateful and all(effect is None for effect in effects)
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
         """Return the end rows of a free length if the surface varies along it and no roller ends there; else empty."""

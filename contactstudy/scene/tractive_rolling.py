@@ -113,7 +113,9 @@ class TractiveRolling:
             self._check_slow(scene, scene.load)
         else:
             check_still(
-                scene, "TractiveRolling", "and steady rolling has none: leave one of both out"
+                scene,
+                "TractiveRolling",
+                "and steady rolling has none: leave one of them out, wear follows from the frictional power",
             )
         for number, shape in enumerate(scene.shapes):
             if hasattr(shape, "gap_after"):

@@ -183,3 +183,37 @@ def test_a_history_from_a_file_says_the_errors_of_its_approach_and_of_the_work(
     found = cs.read_scene(file).solve().quantities
     for name in ("work_lost", "final_approach"):
         assert 0 < found[name].bound < inf
+
+
+@pytest.mark.parametrize(("fraction", "delay"), [(0.5, 1e9), (1.0, 1e-6)])
+def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_load_adhere_as_elastic_ones(
+    fraction: float, delay: float
+) -> None:
+    """The modulus relaxes by a half, from that of the elastic body or to it."""
+    body = cs.ViscoelasticHalfSpace(fraction, 0.0, ((0.5, delay),))
+    times, grid = (0.0, 1.0, 1.6, 2.2), cs.Grid((128, 1), (24.0, 1.0))
+    load = cs.LoadHistory((0.0, 1.0, 3.0), (pi, pi, -2 * pi))
+    scene = replace(SCENE, load=load)
+    elastic, creeping = (
+        cs.solve(replace(scene, solids=(one, RIGID)), grid, LINE, times=times).frames[1:]
+        for one in (SOFT, body)
+    )
+    for wanted, found in zip(elastic, creeping, strict=True):
+        assert found.status is cs.Status.CONVERGED
+        assert found.load_per_length == pytest.approx(wanted.load_per_length)
+        np.testing.assert_allclose(
+            found.pressure, wanted.pressure, atol=1e-3 * wanted.pressure.max()
+        )
+
+
+def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None:
+    """A pull that comes far more quickly than creep meets the large contact that creep has made."""
+    body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((4.0, 1.0),))
+    load = cs.LoadHistory((0.0, 50.0, 50.01, 50.02), (pi, pi, -1.3 * pi, -1.3 * pi))
+    scene, grid = replace(SCENE, load=load), cs.Grid((192, 1), (30.0, 1.0))
+    elastic, creeping = (
+        cs.solve(replace(scene, solids=(one, RIGID)), grid, LINE, times=(0.0, 50.0, 50.01))
+        for one in (SOFT, body)
+    )
+    assert elastic.frames[-1].status is cs.Status.DETACHED
+    assert creeping.frames[-1].pressure.any()

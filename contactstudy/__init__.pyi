@@ -60,6 +60,7 @@ from .scene.lubrication import (
     SpeedHistory,
 )
 from .scene.motion import Rolling, RollingPressure, Wear
+from .scene.resulting_load import Approach, PullOff
 from .scene.scene import Output, Scene
 from .scene.shapes.moving_shape import MovingShape
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
@@ -67,7 +68,6 @@ from .scene.shapes.roughness import Ra, RmsSlope, Roughness
 from .scene.shapes.shape import LengthScales, Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
 from .scene.shapes.tilt import Tilt
-from .scene.sought_load import Approach, PullOff
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
 from .scene.surfaces.preparation import (

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.steps import TimeSteps
 
-# Iterations of a film at most, and the fraction of the accuracy asked for that its steps in time may take.
+# Most iterations of a film, and the fraction of the requested error for its steps in time.
 FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
-# Rounds of refinement of a scene that is not static, whose error falls as its cells at least, the largest factor on the
-# cells along an axis in a round, and the most cells of its grid.
-ROUNDS, MAX_REFINEMENT, MOST_CELLS = 3, 3.0, 2_000_000
+# Refinements of a scene that is not static, whose error is at least of first order: their number, the largest factor on
+# the cells along an axis, and the most cells of a grid.
+REFINEMENTS, MAX_REFINEMENT, MAX_CELLS = 3, 3.0, 2_000_000
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,9 @@ def solve(
         return request.film()
     if scene.rolling is not None:
         request.refuse_unless("a contact that rolls")
-        return request.rolled() if scene.rolling.passes is None else request.rolled_again()
+        return (
+            request.steady_rolling() if scene.rolling.passes is None else request.repeated_rolling()
+        )
     if scene.changing is not None:
         if scene.is_quasi_static:
             request.refuse_unless("a load history with adhesion or tractive rolling", "times")
@@ -245,10 +247,12 @@ class _Request:
             problem = replace(problem, adhesion=problem.adhesion.continued(before.traction))
         options = self.options
         if self.progress is not None:
-            options = replace(options, solver=ReportingSolver(self._seen(problem), options.solver))
+            options = replace(
+                options, solver=ReportingSolver(self._residual_reporter(problem), options.solver)
+            )
         return contact_of(solve_contact(problem, options, self.first_pressure, self.on))
 
-    def _seen(self, problem: Problem) -> Callable[[float, Array], None]:
+    def _residual_reporter(self, problem: Problem) -> Callable[[float, Array], None]:
         """Return what takes residual and pressure of each iteration, and reports them as progress."""
         first: list[float] = []
         tolerance, report = self.options.tolerance, self.progress
@@ -270,10 +274,10 @@ class _Request:
         from contactstudy.planning.grid_requirements import measured_length_scales
 
         requested = self.requested
-        own_points = self.error is None or self.scene.hertz is None
-        on_its_points = own_points and measured_length_scales(self.scene) is not None
-        # the law of a short attraction is that of its grid
-        if self.grid is not None or on_its_points or self.scene.adhesion is not None:
+        at_own_points = self.error is None or self.scene.hertz is None
+        on_own_points = at_own_points and measured_length_scales(self.scene) is not None
+        # a short attraction has its range from the grid, which is therefore not refined
+        if self.grid is not None or on_own_points or self.scene.adhesion is not None:
             problem = self.scene.problem(
                 *self.planned(requested if self.scene.adhesion is not None else self.error)
             )
@@ -289,12 +293,12 @@ class _Request:
             options=self.options,
             start=self.first_pressure,
             on=self.on,
-            progress=self._grid_shown,
+            progress=self._grid_reporter,
         )
         return contact_of(refined.solution, estimate=refined.estimate, requested=requested)
 
     @property
-    def _grid_shown(self) -> "Callable[[BoundedSolution], None] | None":
+    def _grid_reporter(self) -> "Callable[[BoundedSolution], None] | None":
         """Function of the solution on a grid that reports it as progress; None if nobody asks."""
         report, requested = self.progress, self.requested
         if report is None or requested is None:
@@ -307,7 +311,7 @@ class _Request:
 
         return show
 
-    def rolled(self) -> Contact:
+    def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""
         from contactstudy.evolution.rolling import solve_rolling
 
@@ -320,7 +324,7 @@ class _Request:
         answer = replace(solve_on(grid), requested=self.requested)
         return answer if self.grid is not None else self._refined(answer, solve_on)
 
-    def rolled_again(self) -> "Evolution":
+    def repeated_rolling(self) -> "Evolution":
         """Roll a contact over a body that yields, as many times as its scene says."""
         from contactstudy.answers.evolution import passes_of
         from contactstudy.evolution.repeated_rolling import roll_repeatedly
@@ -355,7 +359,7 @@ class _Request:
                 scheme=steps.scheme,
                 options=self.options,
                 folder=folder,
-                progress=self._time_shown,
+                progress=self._time_reporter,
             )
             return evolution_of(trajectory, requested)
 
@@ -375,12 +379,12 @@ class _Request:
             padding,
             times=self.steps.instants_of(self.scene.load),
             options=self.options,
-            progress=self._time_shown,
+            progress=self._time_reporter,
         )
         return evolution_of(trajectory, self.requested)
 
     @property
-    def _time_shown(self) -> Callable[[float, float], None] | None:
+    def _time_reporter(self) -> Callable[[float, float], None] | None:
         """Function of the time reached and the last time [s] that reports them as progress; None if nobody asks."""
         report = self.progress
         if report is None:
@@ -424,21 +428,21 @@ class _Request:
             error=None if steps.step else steps.error or (requested and STEP_FRACTION * requested),
             step=steps.step,
             tolerance=self.options.tolerance,
-            progress=self._time_shown,
+            progress=self._time_reporter,
         )
         return films_of(films, requested)
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
-        """Solve again on finer grids until the bound of the answer keeps what is requested, where that is in reach."""
+        """Solve again on finer grids until the bound of the answer keeps what is requested, where that is possible."""
         requested = answer.requested
-        for _ in range(ROUNDS):
+        for _ in range(REFINEMENTS):
             parts = answer.error.l1.by_cause
             other_causes = sum(parts.values()) - parts["discretisation"]
             if answer.met or not isfinite(parts["discretisation"]) or other_causes >= requested:
                 break
             factor = parts["discretisation"] / (requested - other_causes)
             grid = _finer(answer.grid, min(1.05 * factor, MAX_REFINEMENT))
-            if prod(grid.cells) > MOST_CELLS:
+            if prod(grid.cells) > MAX_CELLS:
                 break
             answer = replace(solve_on(grid), requested=requested)
         return answer

@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
-from contactstudy.accuracy.sought_load import FIRST_ORDER_MARGIN
+from contactstudy.accuracy.two_grids import FIRST_ORDER_MARGIN
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.solution import Solution

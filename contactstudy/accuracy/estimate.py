@@ -12,13 +12,13 @@ from contactstudy.accuracy.discretisation import (
     discretisation,
 )
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
-from contactstudy.accuracy.sought_load import compare_grids, pull_off_error
 from contactstudy.accuracy.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
 from contactstudy.accuracy.truncation import truncation
+from contactstudy.accuracy.two_grids import compare_grids, pull_off_error
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.fields import LARGE, Array, in_blocks, inner
+from contactstudy.domain.fields import MIN_COMPILED_CELLS, Array, in_blocks, inner
 from contactstudy.domain.grid import axis_first
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.domain.units import readable
@@ -242,8 +242,8 @@ def _cells(
         return DiscretisationErrors.unbounded(reason)
     if solution.adhesion is not None or problem.resultant.approach is not None:
         errors = compare_grids(solution, coarse)
-        is_sought = problem.resultant.approach is not None or _is_pull_off(solution)
-        return errors if is_sought else replace(errors, load=None)
+        load_is_result = problem.resultant.approach is not None or _is_pull_off(solution)
+        return errors if load_is_result else replace(errors, load=None)
     heights = heights or SubgridHeights.from_problem(problem, confidence)
     if heights is None:
         return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS)
@@ -435,7 +435,9 @@ def _residual(solution: Solution) -> tuple[float, float]:
     operator = solution.problem.operator.scaled(scale, Precision.DOUBLE)
     compliance = operator.self_compliance
     # single precision takes half the time
-    inverse = operator.approximate_inverse(Precision.SINGLE if pressure.size >= LARGE else None)
+    inverse = operator.approximate_inverse(
+        Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None
+    )
     cells = solution.problem.constraint.free(pressure).astype(inverse.real, copy=False)
     correction, level = np.empty_like(cells), 0.0
 

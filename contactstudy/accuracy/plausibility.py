@@ -5,7 +5,7 @@ from math import inf, sqrt
 import numpy as np
 
 from contactstudy.analytic import first_yield
-from contactstudy.domain.fields import BLOCK, Array
+from contactstudy.domain.fields import BLOCK_CELLS, Array
 from contactstudy.scene.bodies import HalfSpace
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution
@@ -129,7 +129,7 @@ def _slope(solution: Solution) -> float:
 
 def _steepest(field: Array, axis: int) -> float:
     """Return the largest difference between neighbours along an axis, by blocks of rows that share one."""
-    rows = max(1, BLOCK // field.shape[1])
+    rows = max(1, BLOCK_CELLS // field.shape[1])
     largest = 0.0
     for begin in range(0, len(field) - 1, rows):
         differences = np.diff(field[begin : begin + rows + 1], axis=axis)

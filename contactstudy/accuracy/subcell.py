@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation import around_contact, with_ends
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import BLOCK, Array, product
+from contactstudy.domain.fields import BLOCK_CELLS, Array, product
 from contactstudy.domain.grid import Grid, axis_first, on_cells
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem, Source
@@ -235,7 +235,7 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
     points = np.broadcast_to(points, (inside[axis], width))
     centres = np.broadcast_to(centres, (lines[axis], width))
     # some lines at a time, whose arrays fit into the cache
-    together = max(1, BLOCK // len(points))
+    together = max(1, BLOCK_CELLS // len(points))
     for begin in range(0, points.shape[1], together):
         beside = slice(begin, begin + together)
         parts = centres[:, beside], points[:, beside]

@@ -81,14 +81,16 @@ def positive(field: str, value: object, remedy: str) -> float:
 
 
 # Limits in SI units: wide enough for any measured value, narrow enough that products and quotients stay finite.
-LEAST, MOST = 1e-60, 1e60
+MIN_SIZE, MAX_SIZE = 1e-60, 1e60
 
 
 def in_range(field: str, value: object, remedy: str) -> float:
     """Return `value` as a float above zero within the limits of a computation, or raise :class:`InvalidInput`."""
     number = positive(field, value, remedy)
-    if not LEAST <= number <= MOST:
-        raise InvalidInput(f"{field} is {value!r}: {remedy}, between {LEAST:g} and {MOST:g}.")
+    if not MIN_SIZE <= number <= MAX_SIZE:
+        raise InvalidInput(
+            f"{field} is {value!r}: {remedy}, between {MIN_SIZE:g} and {MAX_SIZE:g}."
+        )
     return number
 
 
@@ -108,9 +110,9 @@ def non_negative(field: str, value: object, remedy: str) -> float:
 def in_range_or_zero(field: str, value: object, remedy: str) -> float:
     """Return `value` as a float that is zero or of a size within the limits, or raise :class:`InvalidInput`."""
     number = finite(field, value, remedy)
-    if number and not LEAST <= abs(number) <= MOST:
+    if number and not MIN_SIZE <= abs(number) <= MAX_SIZE:
         raise InvalidInput(
-            f"{field} is {value!r}: {remedy}, if not 0 of a size between {LEAST:g} and {MOST:g}."
+            f"{field} is {value!r}: {remedy}, if not 0 of a size between {MIN_SIZE:g} and {MAX_SIZE:g}."
         )
     return number
 

@@ -17,7 +17,7 @@ from contactstudy.domain.device import Array
 Pass = TypeVar("Pass", bound=Callable[..., Any])
 
 # Reordered sums; nan and inf keep their meaning.
-SUMS = {"reassoc", "nsz"}
+REASSOCIATED = {"reassoc", "nsz"}
 
 
 def exact(function: Pass) -> Pass:
@@ -27,7 +27,9 @@ def exact(function: Pass) -> Pass:
 
 def summing(function: Pass) -> Pass:
     """Compile a pass whose sums are taken in any order."""
-    return cast(Pass, njit(cache=True, nogil=True, error_model="numpy", fastmath=SUMS)(function))
+    return cast(
+        Pass, njit(cache=True, nogil=True, error_model="numpy", fastmath=REASSOCIATED)(function)
+    )
 
 
 @summing

@@ -133,11 +133,11 @@ class Device(Protocol):
         """Memory left on the device [bytes]."""
         ...
 
-    def put(self, field: Numbers) -> Numbers:
+    def to_device(self, field: Numbers) -> Numbers:
         """Return a numpy array as an array of the library."""
         ...
 
-    def take(self, field: Numbers) -> Numbers:
+    def to_numpy(self, field: Numbers) -> Numbers:
         """Return an array of the library as a numpy array."""
         ...
 
@@ -173,11 +173,11 @@ class Cpu:
         """Memory left on this machine [bytes]."""
         return available_bytes()
 
-    def put(self, field: Numbers) -> Numbers:
+    def to_device(self, field: Numbers) -> Numbers:
         """Return the array as it is."""
         return field
 
-    def take(self, field: Numbers) -> Numbers:
+    def to_numpy(self, field: Numbers) -> Numbers:
         """Return the array as it is."""
         return field
 
@@ -262,12 +262,12 @@ class Gpu:
         namespace: Namespace = import_module("array_api_compat.cupy")
         return namespace
 
-    def put(self, field: Numbers) -> Numbers:
+    def to_device(self, field: Numbers) -> Numbers:
         """Return a numpy array copied to the graphics processor."""
         array: Numbers = _cupy().asarray(field)
         return array
 
-    def take(self, field: Numbers) -> Numbers:
+    def to_numpy(self, field: Numbers) -> Numbers:
         """Return an array of the graphics processor as a numpy array."""
         array: Numbers = _cupy().asnumpy(field)
         return array

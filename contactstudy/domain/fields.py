@@ -17,13 +17,13 @@ from contactstudy.domain.device import Cpu, Numbers, arrays, device, threads, us
 T = TypeVar("T")
 
 # Cells in a block: six blocks of double precision fit into the cache of a core.
-BLOCK = 2**15
+BLOCK_CELLS = 2**15
 # From this number of cells on, compiled loops save more time in about a dozen solves than loading them takes.
-LARGE = 2**14
+MIN_COMPILED_CELLS = 2**14
 # In rows of fewer cells, the overhead of a compiled loop exceeds its work.
-NARROWEST = 4
+MIN_COMPILED_COLUMNS = 4
 # Smallest number of cells for a thread: waking a thread takes as long as a pass over about 100 000 cells.
-PART = 2**17
+CELLS_PER_THREAD = 2**17
 
 
 def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
@@ -32,7 +32,7 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     Blocks, and so sums over blocks, do not depend on the number of threads. `work` is called once with whole fields if
     they fit into one block, or are on a device that is not a :class:`Cpu`.
     """
-    if fields[0].size <= BLOCK or not isinstance(device(), Cpu):
+    if fields[0].size <= BLOCK_CELLS or not isinstance(device(), Cpu):
         return [work(*fields)]
 
     def in_turn(blocks: list[slice]) -> list[T]:
@@ -55,18 +55,18 @@ def equal(first: Array, second: Array) -> bool:
     return all(bool(arrays().all(first[block, :] == second[block, :])) for block in blocks)
 
 
-def in_parts(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
+def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     """Call `work` on one part of the rows of a field of that `shape` in each thread.
 
     Every part but the last has an even number of rows. The part of this thread is larger, by as much as it does while
     the others wake. `work` may only use compiled loops, since no device is set in other threads.
     """
     rows, columns = shape
-    count = min(threads(), rows * columns // PART)
+    count = min(threads(), rows * columns // CELLS_PER_THREAD)
     if count <= 1:
         work(slice(0, rows))
         return
-    lead = PART // 2 // columns // 2 * 2
+    lead = CELLS_PER_THREAD // 2 // columns // 2 * 2
     size = max(2, -(-(rows - lead) // count // 2) * 2)
     begins = range(lead + size, rows, size)
     futures = [
@@ -89,13 +89,13 @@ def replaced(field: Array, new: Callable[[Array], Array]) -> Array:
 
 def _blocks(rows: int, columns: int) -> list[slice]:
     """Return the rows of each block of a field, an even number but in the last."""
-    step = max(2, BLOCK // columns // 2 * 2)
+    step = max(2, BLOCK_CELLS // columns // 2 * 2)
     return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
 
 def _shared(work: Callable[[list[slice]], T], blocks: list[slice], cells: int) -> list[T]:
     """Give each thread a part of the `blocks` of a field of that many `cells`, and return all results in order."""
-    count = min(threads(), len(blocks), cells // PART)
+    count = min(threads(), len(blocks), cells // CELLS_PER_THREAD)
     if count <= 1:
         return [work(blocks)]
     size = -(-len(blocks) // count)
@@ -118,7 +118,7 @@ def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
 def compiled_loops(shape: tuple[int, ...]) -> Any:
     """Return the module of compiled loops for fields of that `shape` (x, y); None if they are missing or too slow."""
     rows, columns = shape
-    pays = rows * columns >= LARGE and columns >= NARROWEST
+    pays = rows * columns >= MIN_COMPILED_CELLS and columns >= MIN_COMPILED_COLUMNS
     return _loops() if pays and isinstance(device(), Cpu) else None
 
 
@@ -140,7 +140,7 @@ def _pool(threads: int) -> ThreadPoolExecutor:
 
 
 # Up to this many cells BLAS starts no threads, and single precision needs no sums by rows.
-SMALL = 1024
+MAX_FLAT_CELLS = 1024
 
 
 def inner(a: Array, b: Array) -> float:
@@ -155,7 +155,7 @@ def inner(a: Array, b: Array) -> float:
 def dot(a: Array, b: Array) -> float:
     """Return the sum of ``a b`` over one block of two fields."""
     xp = arrays()
-    if a.size <= SMALL:
+    if a.size <= MAX_FLAT_CELLS:
         return float(xp.vecdot(xp.reshape(a, (-1,)), xp.reshape(b, (-1,))))
     return float(xp.sum(xp.vecdot(a, b)))
 

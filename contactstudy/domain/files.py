@@ -29,11 +29,13 @@ MIN_FREE_BYTES = (
 _fcntl: Any = import_module("fcntl") if find_spec("fcntl") else None
 _msvcrt: Any = None if _fcntl else import_module("msvcrt")
 # binary mode, not inherited by child processes, no symbolic links, no waiting for a pipe; as far as the system has them
-ALWAYS = sum(getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK"))
+OPEN_FLAGS = sum(
+    getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK")
+)
 # the byte that is locked on Windows: far beyond what is written, which stays readable
 LOCKED_BYTE = 2**30
-POLL = 0.1  # seconds between two tries of a lock on Windows
-UNSUPPORTED = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
+POLL_SECONDS = 0.1  # seconds between two tries of a lock on Windows
+NO_LOCK_ERRORS = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})
 MAGIC = b"\ncontactstudy "  # at the end of a file with a checksum, before the digits of a digest of its content
 DIGEST = 32
 CHUNK = 2**20  # bytes read at a time
@@ -43,7 +45,7 @@ def open_descriptor(path: Path, flags: int) -> int:
     """Open ``path`` for bytes and return its descriptor; raises OSError, with ELOOP for a link."""
     if not hasattr(os, "O_NOFOLLOW") and path.is_symlink():
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
-    return os.open(path, flags | ALWAYS, 0o666)
+    return os.open(path, flags | OPEN_FLAGS, 0o666)
 
 
 def read_at(descriptor: int, size: int, start: int) -> bytes:
@@ -234,14 +236,14 @@ def _holder(descriptor: int, path: Path, *, wait: bool) -> str | None:
     try:
         lock_descriptor(descriptor, wait=wait)
     except BlockingIOError:
-        return _in_words(_read_holder(descriptor))
+        return _holder_name(_read_holder(descriptor))
     except OSError as error:
-        if error.errno not in UNSUPPORTED:
+        if error.errno not in NO_LOCK_ERRORS:
             raise
         holder = _read_holder(descriptor)
         if holder is not None and _may_be_alive(holder):
             raise InvalidInput(
-                f"Lock {str(path)!r} is held by {_in_words(holder)}, and this file system cannot tell whether "
+                f"Lock {str(path)!r} is held by {_holder_name(holder)}, and this file system cannot tell whether "
                 "that still runs: if it does not, remove the file."
             ) from None
     return None
@@ -261,7 +263,7 @@ def lock_descriptor(descriptor: int, *, wait: bool) -> None:
                 raise
             if not wait:
                 raise BlockingIOError(*error.args) from None
-            sleep(POLL)
+            sleep(POLL_SECONDS)
         else:
             return
 
@@ -298,7 +300,7 @@ def _read_holder(descriptor: int) -> dict[str, object] | None:
         return None
 
 
-def _in_words(holder: dict[str, object] | None) -> str:
+def _holder_name(holder: dict[str, object] | None) -> str:
     """Return the name of the process that holds a lock."""
     if holder is None:
         return "another process"

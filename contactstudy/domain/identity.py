@@ -145,7 +145,7 @@ def _array(value: "np.ndarray | np.generic") -> Tree:
     """Return the type, the shape and a hash of the bytes of an array, also of its mask; the digits of a scalar."""
     cls, dtype = type(value), value.dtype
     is_known = cls in ARRAYS if isinstance(value, np.ndarray) else cls is dtype.type
-    if dtype.hasobject or not is_known or _said_besides(value):
+    if dtype.hasobject or not is_known or _has_own_attributes(value):
         raise _unknown(value)
     is_plain = dtype.fields is None and dtype.metadata is None
     name = dtype.str if is_plain else f"{dtype!r} {dtype.metadata}"
@@ -161,15 +161,15 @@ def _array(value: "np.ndarray | np.generic") -> Tree:
     return tree | {"is": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}
 
 
-def _said_besides(value: object) -> bool:
+def _has_own_attributes(value: object) -> bool:
     """Return whether an array of a subclass has attributes that somebody has given it."""
     attributes = getattr(value, "__dict__", {})
     return bool(attributes.get("_optinfo")) or any(
-        name not in OWN and name[0] != "_" for name in attributes
+        name not in MEMMAP_ATTRIBUTES and name[0] != "_" for name in attributes
     )
 
 
-OWN = ("filename", "offset", "mode")  # attributes of a memory-mapped array
+MEMMAP_ATTRIBUTES = ("filename", "offset", "mode")  # attributes of a memory-mapped array
 # arrays whose values say all; a memory-mapped one is known by its values, wherever they are stored
 ARRAYS = (np.ndarray, np.ma.MaskedArray, np.memmap, np.matrix, np.recarray)
 
@@ -186,7 +186,7 @@ def _record(value: Any, memo: CanonicalMemo) -> Tree:
     """Return the tree of a dataclass, with the fields at their defaults under ``DEFAULTS``."""
     tree: dict[str, Tree] = {"": memo.name(type(value))}
     defaults: dict[str, Tree] = {}
-    for part, default in _parts(type(value)):  # type: ignore[arg-type]
+    for part, default in _compared_fields(type(value)):  # type: ignore[arg-type]
         content = canonical(getattr(value, part), memo)
         (defaults if content == default else tree)[part] = content
     # what a subclass of a number or a list shows besides, and attributes that are no fields
@@ -200,7 +200,7 @@ def _record(value: Any, memo: CanonicalMemo) -> Tree:
 
 
 @cache
-def _parts(cls: type) -> tuple[tuple[str, Tree], ...]:
+def _compared_fields(cls: type) -> tuple[tuple[str, Tree], ...]:
     """Return the names of the fields that a dataclass compares, with the trees of their defaults."""
     parts = []
     for part in fields(cls):
@@ -233,14 +233,14 @@ def keys(tree: Tree) -> tuple[str, str]:
     exact = hashlib.sha256(canonical.encode()).hexdigest()[:24]
     if f'"{DEFAULTS}":' not in canonical:
         return exact, exact
-    return hashlib.sha256(text(_bare(tree)).encode()).hexdigest()[:24], exact
+    return hashlib.sha256(text(_without_defaults(tree)).encode()).hexdigest()[:24], exact
 
 
-def _bare(tree: Tree) -> Tree:
+def _without_defaults(tree: Tree) -> Tree:
     """Return `tree` without the fields at their defaults."""
     if isinstance(tree, dict):
-        return {name: _bare(item) for name, item in tree.items() if name != DEFAULTS}
-    return [_bare(item) for item in tree] if isinstance(tree, list) else tree
+        return {name: _without_defaults(item) for name, item in tree.items() if name != DEFAULTS}
+    return [_without_defaults(item) for item in tree] if isinstance(tree, list) else tree
 
 
 def differences(stored: Tree, now: Tree, name: str = "case") -> list[str]:
@@ -249,9 +249,11 @@ def differences(stored: Tree, now: Tree, name: str = "case") -> list[str]:
         if isinstance(stored, list) and isinstance(now, list) and len(stored) == len(now):
             pairs = enumerate(zip(stored, now, strict=True))
             return [d for i, (a, b) in pairs for d in differences(a, b, f"{name}[{i}]")]
-        return [] if stored == now else [f"{name} was {_short(stored)} and is {_short(now)}"]
+        return (
+            [] if stored == now else [f"{name} was {_shortened(stored)} and is {_shortened(now)}"]
+        )
     if stored.get("") != now.get(""):
-        return [f"{name} was {_short(stored)} and is {_short(now)}"]
+        return [f"{name} was {_shortened(stored)} and is {_shortened(now)}"]
     before, after = _fields(stored), _fields(now)
     changes = []
     for part in before.keys() | after.keys():
@@ -268,7 +270,7 @@ def _fields(tree: dict[str, Tree]) -> dict[str, Tree]:
     return parts | dict(tree.get(DEFAULTS, {}))
 
 
-def _short(tree: Tree) -> str:
+def _shortened(tree: Tree) -> str:
     """Return `tree` as a short text for a message."""
     if isinstance(tree, dict):
         return str(tree.get("", "a mapping"))

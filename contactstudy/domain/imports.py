@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-OWN = ("contactstudy", "studies")
+OWN_PACKAGES = ("contactstudy", "studies")
 # name for pip, where it differs from the name of the package
 INSTALLS = {
     "SurfaceTopography": "'contactstudy[measured]'",
@@ -50,7 +50,7 @@ def missing_package(use: str, missing: ModuleNotFoundError) -> ModuleNotFoundErr
     An error about a module of this program, or one that has such a message, is returned unchanged.
     """
     package = (missing.name or "").partition(".")[0]
-    if package in ("", *OWN) or isinstance(missing, MissingPackageError):
+    if package in ("", *OWN_PACKAGES) or isinstance(missing, MissingPackageError):
         return missing
     install = INSTALLS.get(package, package)
     return MissingPackageError(

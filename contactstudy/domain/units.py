@@ -38,7 +38,7 @@ Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]
 
 # Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used.
-READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
+DISPLAY_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),
     "m2": ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²")),
@@ -56,21 +56,21 @@ READ_AS: Mapping[str, tuple[tuple[float, str], ...]] = {
 }
 
 
-def usual_unit(largest: float, unit: str) -> tuple[float, str]:
+def display_unit(largest: float, unit: str) -> tuple[float, str]:
     """Return size and name of the unit in which numbers up to `largest`, in the SI unit `unit`, are read best."""
-    scales = READ_AS.get(unit, ((1.0, unit),))
+    scales = DISPLAY_UNITS.get(unit, ((1.0, unit),))
     # successive units of areas and volumes differ by 1e6, 1e9 and more
     least = {"m2": 1e-3, "m3": 1e-4}.get(unit[:2], 1.0)
     return next((scale for scale in scales if abs(largest) >= least * scale[0]), scales[-1])
 
 
-def usual_unit_of(values: ArrayLike, unit: str) -> tuple[float, str]:
+def display_unit_of(values: ArrayLike, unit: str) -> tuple[float, str]:
     """Return size and name of the unit in which the largest finite number of `values`, in SI units, is read best."""
     sizes = np.abs(np.asarray(values))
-    return usual_unit(float(np.max(sizes, where=np.isfinite(sizes), initial=0.0)), unit)
+    return display_unit(float(np.max(sizes, where=np.isfinite(sizes), initial=0.0)), unit)
 
 
 def readable(value: float, unit: str = "m", digits: int = 4) -> str:
     """Return a value as text in a unit with few digits, such as ``"0.5 GPa"``, by default a length."""
-    size, name = usual_unit(value, unit)
+    size, name = display_unit(value, unit)
     return f"{value / size:.{digits}g} {name}".strip()

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import arrays, device
-from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_parts
+from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_threads
 from contactstudy.elasticity.transforms import ComplexField, transforms
 
 
@@ -287,7 +287,7 @@ class BlockExtension(CoveringExtension):
     def _in_parts(self, loop: Callable[..., None], *arguments: Any) -> None:
         """Run a compiled `loop` over rows of blocks, each of two rows of cells, some for each thread."""
         rows, columns = self.contact.shape
-        in_parts(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, 2 * columns))
+        in_threads(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, 2 * columns))
 
 
 def hole_width(contact: Array) -> float:
@@ -304,7 +304,7 @@ def hole_width(contact: Array) -> float:
 
 def at_unpadded_waves(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
     """Return the spectrum of a padded grid at the wave numbers of the unpadded one, above zero."""
-    xp, put = arrays(), device().put
+    xp, put = arrays(), device().to_device
     (nx, ny), (px, py) = cells, padded
     if px % nx == 0 and py % ny == 0:
         values = spectrum[:: px // nx, : ny // 2 * (py // ny) + 1 : py // ny]

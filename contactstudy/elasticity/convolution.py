@@ -153,7 +153,9 @@ class Convolution:
         On the processor it shares the work arrays of this operator where both have the same precision.
         """
         spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
-        scaled = replace(self, spectrum=device().put(spectrum.astype(precision.real, copy=False)))
+        scaled = replace(
+            self, spectrum=device().to_device(spectrum.astype(precision.real, copy=False))
+        )
         on_processor = isinstance(scaled.spectrum, np.ndarray)
         if on_processor and scaled.spectrum.dtype == self.spectrum.dtype:
             scaled.__dict__["_work_arrays"] = self._work_arrays
@@ -220,7 +222,7 @@ class Convolution:
 def _aliased(low: Array, high: Array, weights: Array) -> Array:
     """Return ``low weights + high (1 - weights)`` for two parts of a spectrum."""
     folded = low - high
-    folded *= arrays().astype(device().put(weights), folded.dtype, copy=False)
+    folded *= arrays().astype(device().to_device(weights), folded.dtype, copy=False)
     folded += high
     return folded
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.device import Cpu, arrays, device, threads
-from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_parts
+from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_threads
 
 ComplexField = NDArray[np.complexfloating[Any, Any]]
 
@@ -226,4 +226,4 @@ def scale(waves: ComplexField, factors: Array) -> None:
     if loops is None or factors.dtype.kind != "f":
         in_blocks(imul, waves, factors)
     else:
-        in_parts(lambda rows: loops.scale(waves[rows], factors[rows]), waves.shape)
+        in_threads(lambda rows: loops.scale(waves[rows], factors[rows]), waves.shape)

@@ -35,7 +35,7 @@ from contactstudy.evolution.steps import (
 )
 from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import is_layered, response, sudden
+from contactstudy.scene.bodies import instantaneous, is_layered, response
 from contactstudy.scene.fretting import Fretting
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad, LoadHistory
@@ -206,7 +206,7 @@ def _time_stepper(
     options: SolveOptions,
 ) -> TimeStepper:
     """Return the steps of `scene`, from the elastic contact under the largest load, applied suddenly."""
-    solids = sudden(scene.solids)
+    solids = instantaneous(scene.solids)
     frets = isinstance(scene.friction, Fretting)
     friction = None if frets else scene.friction
     elastic = replace(

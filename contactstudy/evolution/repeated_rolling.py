@@ -20,7 +20,7 @@ from contactstudy.evolution.track import (
     with_zero_layers,
 )
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import sudden
+from contactstudy.scene.bodies import instantaneous
 from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution, Status, worst
@@ -210,7 +210,9 @@ def roll_repeatedly(
     assert rolling is not None
     assert rolling.passes is not None
     body = _single_yielding_body(scene)
-    problem = replace(scene, solids=sudden(scene.solids), rolling=None).problem(grid, padding)
+    problem = replace(scene, solids=instantaneous(scene.solids), rolling=None).problem(
+        grid, padding
+    )
     _check_grid(problem)
     length, cell = problem.scales.length, grid.cell[0]
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, DEPTH * length))

@@ -17,7 +17,7 @@ from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.convolution import antisymmetric, superposed
 from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import response, sudden
+from contactstudy.scene.bodies import instantaneous, response
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene, ShapesSource
@@ -169,7 +169,7 @@ def solve_rolling(
             "Scene.load changes in time together with Scene.rolling, which needs a steady load: give a LineLoad, or "
             "leave rolling out, which does not change elastic bodies."
         )
-    elastic = replace(scene, solids=sudden(scene.solids), rolling=None)
+    elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
     symmetric_weights, antisymmetric_weights = _delayed_weights(scene, datum)

@@ -44,6 +44,7 @@ from contactstudy.scene.lubrication import (
     ViscosityLaw,
 )
 from contactstudy.scene.motion import Rolling, Wear
+from contactstudy.scene.resulting_load import Approach, PullOff
 from contactstudy.scene.scene import Output
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import (
@@ -64,7 +65,6 @@ from contactstudy.scene.shapes.texture import (
     Waviness,
 )
 from contactstudy.scene.shapes.tilt import Tilt
-from contactstudy.scene.sought_load import Approach, PullOff
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.preparation import (

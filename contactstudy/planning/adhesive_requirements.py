@@ -7,10 +7,10 @@ from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import CostModel
 from contactstudy.planning.grid_requirements import GridRequirements, halvable
 from contactstudy.planning.grid_search import CONSTANTS as FORECAST
-from contactstudy.scene.adhesion import CHOSEN_CELLS
+from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.sought_load import PullOff
 
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
@@ -68,13 +68,13 @@ def adhesive_requirements(
             requirements,
             error,
             period,
-            zone / CHOSEN_CELLS,
+            zone / ZONE_CELLS,
             ATTRACTION_REACH * sqrt(2 * radius * range_of_law),
         )
     cell = max(grid.cell) if requirements.varies else grid.cell[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
-        tabor, cells = scale / law.range, CHOSEN_CELLS
+        tabor, cells = scale / law.range, ZONE_CELLS
     else:
         tabor, cells = scale / range_of_law, zone / cell
     load = scene.load
@@ -90,8 +90,8 @@ def adhesive_requirements(
         f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."
     )
     warnings: tuple[str, ...] = ()
-    if cells < CHOSEN_CELLS * (1 - 1e-9):
-        finer = int(grid.cells[0] * CHOSEN_CELLS / cells) + 1
+    if cells < ZONE_CELLS * (1 - 1e-9):
+        finer = int(grid.cells[0] * ZONE_CELLS / cells) + 1
         warnings = (
             f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone trap the edge of the contact, "
             f"give {finer} for six.",

@@ -190,8 +190,10 @@ def _seconds(grid: Grid, points: tuple[int, int], on: Device) -> float:
     """Return the wall time [s] of one convolution on `grid` padded to `points`, the least of several."""
     durations: list[float] = []
     with using(on):
-        operator = Convolution(on.put(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points)
-        pressure = on.put(np.ones(grid.cells))
+        operator = Convolution(
+            on.to_device(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points
+        )
+        pressure = on.to_device(np.ones(grid.cells))
         while len(durations) < 5 or sum(durations) < MIN_TOTAL_SECONDS:
             start = perf_counter()
             float(operator(pressure)[0, 0])  # reading a number waits for a graphics processor

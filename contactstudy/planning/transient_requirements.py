@@ -10,7 +10,7 @@ from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import layers
 from contactstudy.planning.grid_requirements import WIDTH_FACTOR
-from contactstudy.scene.bodies import Body, sudden
+from contactstudy.scene.bodies import Body, instantaneous
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.scene import AnyLoad, Scene
@@ -150,7 +150,12 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     # forces in time would be compared with loads of other times, and do not change what the grid has to show
     friction = None if getattr(scene.friction, "times", None) else scene.friction
     elastic = replace(
-        scene, load=load, solids=sudden(scene.solids), wear=None, rolling=None, friction=friction
+        scene,
+        load=load,
+        solids=instantaneous(scene.solids),
+        wear=None,
+        rolling=None,
+        friction=friction,
     )
     bodies = [
         body for body in scene.solids if isinstance(body, ViscoelasticHalfSpace) and body.creeps

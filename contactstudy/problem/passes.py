@@ -14,13 +14,13 @@ from numpy.typing import DTypeLike
 
 from contactstudy.domain.device import Cpu, Precision, arrays, device, threads
 from contactstudy.domain.fields import (
-    LARGE,
-    PART,
+    CELLS_PER_THREAD,
+    MIN_COMPILED_CELLS,
     Array,
     compiled_loops,
     dot,
     in_blocks,
-    in_parts,
+    in_threads,
     largest_size,
     sums,
     total,
@@ -106,7 +106,7 @@ class ArrayPasses:
 
     def __init__(self, constraint: Constraint, shape: tuple[int, ...]) -> None:
         self.constraint = constraint
-        self._is_large = prod(shape) >= LARGE and isinstance(device(), Cpu)
+        self._is_large = prod(shape) >= MIN_COMPILED_CELLS and isinstance(device(), Cpu)
 
     def preconditioner_precision(self, undeformed_gap: Array) -> Precision | None:
         """Return single precision on large fields whose heights allow it, else None.
@@ -412,7 +412,7 @@ def _rows(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> A
     """
     shape = arguments[0].shape
     values = np.empty((shape[0], results))
-    if shape[0] * shape[1] < 2 * PART or threads() == 1:
+    if shape[0] * shape[1] < 2 * CELLS_PER_THREAD or threads() == 1:
         kernel(*arguments, *([values] if results else []))
         return values.T
 
@@ -420,5 +420,5 @@ def _rows(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> A
         parts = [value[rows] if isinstance(value, np.ndarray) else value for value in arguments]
         kernel(*parts, *([values[rows]] if results else []))
 
-    in_parts(run, shape)
+    in_threads(run, shape)
     return values.T

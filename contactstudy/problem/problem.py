@@ -174,7 +174,7 @@ class Problem:
         heights = self.undeformed_gap - self.datum
         heights /= self.scales.gap
         return BareProblem(
-            device().put(heights.astype(precision.real, copy=False)),
+            device().to_device(heights.astype(precision.real, copy=False)),
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),
             self.constraint.scaled(1 / self.scales.pressure),
             self.resultant.scaled(1 / self.scales.pressure),

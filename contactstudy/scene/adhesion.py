@@ -18,9 +18,9 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.scene.bodies import BodyContext
 from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.scene.sought_load import Approach
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
 from contactstudy.solvers.solution import Branch
@@ -38,7 +38,7 @@ CONFLICTS = {
 }
 # Cells in the cohesive zone: of a range that is chosen, and the fewest that are allowed. With 6 cells the pull-off load
 # of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
-CHOSEN_CELLS, MIN_CELLS = 6.0, 2.0
+ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
 
 
 class AdhesionContact(BodyContext, Protocol):
@@ -172,7 +172,7 @@ class Adhesion:
         """Return the traction as a function of the gap, on cells of this size [m]."""
         if self.range is not None:
             return LAWS[self.law](self.work, self.range)
-        strength = sqrt(pi * scene.contact_modulus * self.work / (4 * CHOSEN_CELLS * cell))
+        strength = sqrt(pi * scene.contact_modulus * self.work / (4 * ZONE_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
     def solver_on(self, scene: AdhesionContact, gap: Array, grid: Grid) -> AdhesiveSolver:
@@ -185,12 +185,12 @@ class Adhesion:
         law = self.cohesive(scene, cell)
         zone = pi * scene.contact_modulus * self.work / (4 * law.strength**2)
         cells = zone / cell
-        if cells < MIN_CELLS:
-            shortest = sqrt(4 * MIN_CELLS * cell * self.work / (pi * scene.contact_modulus))
+        if cells < MIN_ZONE_CELLS:
+            shortest = sqrt(4 * MIN_ZONE_CELLS * cell * self.work / (pi * scene.contact_modulus))
             raise InvalidInput(
                 f"Adhesion.range is {self.range!r}: its cohesive zone of {readable(zone)} is {cells:.2g} cells of this "
                 f"grid wide; give a range of at least {readable(shortest)}, cells of at most "
-                f"{readable(zone / MIN_CELLS)}, or leave the range out for the limit of short ranges on this grid."
+                f"{readable(zone / MIN_ZONE_CELLS)}, or leave the range out for the limit of short ranges on this grid."
             )
         tabor, radius = None, scene.radius
         if radius is None:

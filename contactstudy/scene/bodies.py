@@ -161,7 +161,7 @@ class Inelastic(Protocol):
     """Body that responds like an elastic half-space to a first, sudden load."""
 
     @property
-    def sudden(self) -> HalfSpace:
+    def instantaneous(self) -> HalfSpace:
         """Elastic half-space with the same response to a first, sudden load."""
         ...
 
@@ -194,9 +194,9 @@ class BodyContext(Protocol):
         ...
 
 
-def sudden(solids: tuple[Body, Body]) -> tuple[Body, Body]:
+def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:
     """Return both bodies with each inelastic one replaced by its elastic response to a first, sudden load."""
-    first, second = (body.sudden if isinstance(body, Inelastic) else body for body in solids)
+    first, second = (body.instantaneous if isinstance(body, Inelastic) else body for body in solids)
     return first, second
 
 

@@ -316,7 +316,7 @@ def are_alike(solids: tuple[Body, ...]) -> bool:
 
 def sheared(solids: tuple[Body, ...]) -> tuple[Sheared, ...]:
     """Return the elastic bodies that respond to a sudden shear as `solids` do."""
-    elastic = (solid.sudden if isinstance(solid, Inelastic) else solid for solid in solids)
+    elastic = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
     return tuple(solid for solid in elastic if isinstance(solid, HalfSpace | CoatedHalfSpace))
 
 

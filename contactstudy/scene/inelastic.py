@@ -93,7 +93,7 @@ class ViscoelasticHalfSpace:
         return self.equilibrium_modulus + sum(modulus for modulus, _ in self.relaxation)
 
     @property
-    def sudden(self) -> HalfSpace:
+    def instantaneous(self) -> HalfSpace:
         """Elastic half-space that responds like this one to a sudden load."""
         return HalfSpace(self.youngs_modulus, self.poisson_ratio)
 
@@ -151,18 +151,18 @@ class ElasticPlasticHalfSpace:
             set_fields(self, **{field: value})
 
     @property
-    def sudden(self) -> HalfSpace:
+    def instantaneous(self) -> HalfSpace:
         """Elastic half-space that responds like this one until it yields."""
         return HalfSpace(self.youngs_modulus, self.poisson_ratio)
 
     @property
     def compliance(self) -> float:
         """Compliance before yielding, (1 - nu^2) / E [1/Pa]."""
-        return self.sudden.compliance
+        return self.instantaneous.compliance
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return Boussinesq's coefficients, valid before yielding, with their weight [1/Pa]."""
-        return self.sudden.response(datum)
+        return self.instantaneous.response(datum)
 
     @property
     def yields(self) -> bool:

@@ -57,8 +57,8 @@ class LineLoad:
         return self.per_length
 
 
-# Rounding error of a load that should be zero, over the largest load.
-ROUNDING = 1e-13
+# Load over the largest one below which it is zero: its rounding error.
+ZERO_LOAD = 1e-13
 
 
 @suggest_fields
@@ -336,12 +336,12 @@ class SineLoad:
         """Return the times [s] up to `end` at which the load starts, reaches zero or rises from it."""
         times = {0.0}
         if self.amplitude > self.mean_load:
-            reach = asin(self.mean_load / self.amplitude)
-            for angle in (-reach, pi + reach):
+            crossing = asin(self.mean_load / self.amplitude)
+            for angle in (-crossing, pi + crossing):
                 first = ceil((self.phase - angle) / (2 * pi))
                 last = floor((self._angle(end) - angle) / (2 * pi))
-                for turn in range(first, last + 1):
-                    time = (angle + 2 * pi * turn - self.phase) / (2 * pi * self.frequency)
+                for cycle in range(first, last + 1):
+                    time = (angle + 2 * pi * cycle - self.phase) / (2 * pi * self.frequency)
                     times.add(min(max(time, 0.0), end))
         return tuple(sorted(times))
 
@@ -355,7 +355,7 @@ class SineLoad:
             return 0.0
         load = self.mean_load + self.amplitude * sin(self._angle(time))
         # a load that should be zero has a rounding error
-        return load if load > ROUNDING * self.largest else 0.0
+        return load if load > ZERO_LOAD * self.largest else 0.0
 
     def mean(self, start: float, end: float) -> float:
         """Return the mean load [N/m] between two times [s] without a break between them."""

@@ -38,8 +38,8 @@ from contactstudy.scene.bodies import (
     response,
 )
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
+from contactstudy.scene.resulting_load import Approach, PullOff
 from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of
-from contactstudy.scene.sought_load import Approach, PullOff
 
 AnyLoad = ConstantLoad | ChangingLoad | Approach | PullOff
 
@@ -147,9 +147,9 @@ def _length_scales(shapes: tuple[Shape, ...]) -> list[LengthScales]:
 
 
 # Least approach over the width of the grid, for the scales of a scene without another scale.
-LEAST_STRAIN = 1e-6
+MIN_APPROACH_RATIO = 1e-6
 # Iterations after which the modulus of layered bodies and the half-width converge to 0.1 %.
-PASSES = 12
+MODULUS_ITERATIONS = 12
 
 
 @suggest_fields
@@ -217,7 +217,7 @@ class Scene:
         self._check_load()
         self._check_outputs()
         self._check_effects()
-        self._check_sought()
+        self._check_approach()
         for solid in self.solids:
             if isinstance(solid, RestrictedBody):
                 solid.check(self)
@@ -254,7 +254,7 @@ class Scene:
                 )
             set_fields(self, load=replace(self.load, length=min(lengths)))
 
-    def _check_sought(self) -> None:
+    def _check_approach(self) -> None:
         """Check an approach in place of a load, once every effect is checked."""
         if not isinstance(self.load, Approach):
             return
@@ -339,7 +339,7 @@ class Scene:
             return None
         contact = HertzLine(load, radius, self.contact_modulus)
         if any(map(is_layered, self.solids)):
-            for _ in range(PASSES):
+            for _ in range(MODULUS_ITERATIONS):
                 modulus = contact_modulus(self.solids, contact.half_width)
                 contact = replace(contact, contact_modulus=modulus)
         return contact
@@ -357,7 +357,7 @@ class Scene:
             pressure = self.reference_load / length
             if isinstance(self.load, Approach):
                 pressure = contact_modulus(self.solids, length) * max(
-                    abs(self.load.approach) / length, LEAST_STRAIN
+                    abs(self.load.approach) / length, MIN_APPROACH_RATIO
                 )
             if self.adhesion is not None:
                 pressure = max(pressure, self.adhesion.reference_pressure(self, length))
@@ -379,12 +379,12 @@ class Scene:
         InvalidInput
             If the arguments are of another kind, the scene changes in time or rolls, or memory does not suffice.
         """
-        return self._posed(grid, padding, None)
+        return self._problem_with(grid, padding, None)
 
-    def _posed(
-        self, grid: Grid, padding: Padding | Paddings, adhesive: "AdhesiveSolver | None"
+    def _problem_with(
+        self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
     ) -> Problem:
-        """Return the problem on a grid, with an attraction that another grid may have chosen."""
+        """Return the problem on a grid, with a solver for adhesion that another grid may have chosen."""
         _instance("grid", grid, Grid, "give a Grid")
         if self.rolling is not None:
             raise InvalidInput(
@@ -408,14 +408,14 @@ class Scene:
             heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         )
         scales = self.scales(grid)
-        if adhesive is None and self.adhesion is not None:
-            adhesive = self.adhesion.solver_on(self, heights, grid)
-        source = replace(self.source_with(grid, padding, adhesive), sampled=(grid, heights))
+        if solver is None and self.adhesion is not None:
+            solver = self.adhesion.solver_on(self, heights, grid)
+        source = replace(self.source_with(grid, padding, solver), sampled=(grid, heights))
         return Problem(
             grid=grid,
             undeformed_gap=gap,
             operator=superposed(response(self.solids, self.datum(scales, grid)), grid, paddings),
-            constraint=self._constraint(adhesive),
+            constraint=self._constraint(solver),
             resultant=self._resultant(grid),
             scales=scales,
             paddings=paddings,
@@ -427,7 +427,7 @@ class Scene:
             friction=None
             if self.friction is None
             else self.friction.law(self, gap, grid, paddings, scales.length),
-            adhesion=self._law(adhesive),
+            adhesion=self._adhesion_law(solver),
             row_lengths=source.row_lengths(grid),
         )
 
@@ -444,11 +444,11 @@ class Scene:
         assert not isinstance(self.load, ChangingLoad)
         return PrescribedLoad(self.load.over(grid.period) * grid.period / grid.cell_area)
 
-    def _law(self, adhesive: "AdhesiveSolver | None") -> AdhesionLaw | None:
+    def _adhesion_law(self, solver: "AdhesiveSolver | None") -> AdhesionLaw | None:
         """Return the law that the problem is solved with: the attraction, or the search for the pull-off with it."""
-        if adhesive is None or not isinstance(self.load, PullOff):
-            return adhesive
-        return adhesive.pull_off_search(self.load.error)
+        if solver is None or not isinstance(self.load, PullOff):
+            return solver
+        return solver.pull_off_search(self.load.error)
 
     @property
     def changing(self) -> str | None:
@@ -489,28 +489,24 @@ class Scene:
             return ()
         return (0, -1) if (gap != gap[:, :1]).any() else ()
 
-    def source_on(self, grid: Grid, padding: Padding | Paddings) -> ShapesSource:
-        """Return the source from which the problem is made again on grids other than `grid`."""
-        return self.source_with(grid, padding, None)
-
     def source_with(
-        self, grid: Grid, padding: Padding | Paddings, adhesive: "AdhesiveSolver | None"
+        self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
     ) -> ShapesSource:
-        """Return the source as :meth:`source_on` does, with an attraction that all its problems share."""
+        """Return the source from which the problem is made on other grids, with a solver that all its problems share."""
         shapes = sized(self.shapes, grid)
         # a scene that stays the same is not checked again
         unchanged = all(map(is_, shapes, self.shapes))
         scene = self if unchanged else replace(self, shapes=shapes)
         ended = ends_along(self.shapes, grid)
         return ShapesSource(
-            scene.shapes, ended, lambda new_grid: scene._posed(new_grid, padding, adhesive)
+            scene.shapes, ended, lambda new_grid: scene._problem_with(new_grid, padding, solver)
         )
 
-    def _constraint(self, adhesive: "AdhesiveSolver | None") -> Constraint:
+    def _constraint(self, solver: "AdhesiveSolver | None") -> Constraint:
         """Return the limits of the pressure; the hardness limits what is left of it beside the attraction."""
         if self.hardness == inf:
             return Compressive()
-        attraction = 0.0 if adhesive is None else adhesive.law.strength
+        attraction = 0.0 if solver is None else solver.law.strength
         return HardnessLimited(self.hardness + attraction)
 
 

@@ -132,9 +132,9 @@ def solve_contact(
             bare,
             tolerance=options.tolerance,
             max_iterations=options.max_iterations,
-            start=None if start is None else on.put(start),
+            start=None if start is None else on.to_device(start),
         )
-    pressure, displacement = on.take(last.pressure), on.take(last.displacement)
+    pressure, displacement = on.to_numpy(last.pressure), on.to_numpy(last.displacement)
     last = replace(last, pressure=pressure, displacement=displacement)
     status, scales = _status(bare, last, options, problem), problem.scales
     displacement = scaled_in_double(displacement, scales.gap)
@@ -280,5 +280,5 @@ class _ReportingProblem(BareProblem):
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual, once it has been reported."""
         residual = super().residual(pressure, gap)
-        self.report(residual, device().take(pressure))
+        self.report(residual, device().to_numpy(pressure))
         return residual

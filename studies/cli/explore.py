@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from contactstudy import InvalidInput
-from contactstudy.domain.units import readable, usual_unit_of
+from contactstudy.domain.units import display_unit_of, readable
 from studies.cli.options import out_option
 
 if TYPE_CHECKING:
@@ -142,7 +142,7 @@ def _axis(field: "xr.DataArray", dim: str, *, in_study: bool) -> dict[str, Any]:
     if values.dtype.kind not in "iuf" or not np.isfinite(values).all():
         texts = [str(value) for value in values.tolist()]
         return axis | {"unit": "", "values": texts, "canLog": False, "log": False}
-    factor, unit = usual_unit_of(values, units)
+    factor, unit = display_unit_of(values, units)
     can_log = bool(values.min() > 0)
     return axis | {
         "unit": unit,
@@ -163,7 +163,7 @@ def _in_ratios(values: np.ndarray) -> bool:
 def _variable(field: "xr.DataArray") -> dict[str, Any]:
     """Return a variable: label, unit, names of its axes, values as text of float32 numbers."""
     values = field.values.astype(float)
-    factor, unit = usual_unit_of(values, _units(field))
+    factor, unit = display_unit_of(values, _units(field))
     data = np.ascontiguousarray(values / factor, dtype="<f4").tobytes()
     dims = [str(dim) for dim in field.dims]
     return {

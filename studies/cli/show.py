@@ -8,7 +8,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
-from contactstudy.domain.units import usual_unit_of
+from contactstudy.domain.units import display_unit_of
 from studies.cli.options import PLOT, figures_option, names_in, out_option
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:
     values = dataset[bounded if bounded in dataset.variables else name].values
     if units == "1" or values.dtype.kind not in "iuf":
         return name if units == "1" else f"{name} [{units}]", 1.0
-    size, unit = usual_unit_of(values, units)
+    size, unit = display_unit_of(values, units)
     return f"{name} [{unit}]", size
 
 

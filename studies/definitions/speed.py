@@ -159,7 +159,7 @@ def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device
     assert isinstance(operator, Convolution)
     with using(on):
         scaled, pair = operator.scaled(1.0, precision), transforms()
-        field = on.put(np.zeros(scaled.cells, dtype=precision.real))
+        field = on.to_device(np.zeros(scaled.cells, dtype=precision.real))
 
         def there_and_back() -> float:
             work = scaled.work_array(scaled.padded, precision.real)

@@ -14,7 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm, Normalize
 
 from contactstudy import InvalidInput
-from contactstudy.domain.units import usual_unit_of
+from contactstudy.domain.units import display_unit_of
 from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
@@ -338,7 +338,7 @@ def _is_sample(axis: str) -> bool:
 
 def _scale(values: xr.DataArray) -> tuple[float, str]:
     """Return the size and name of the unit in which the largest value is read best."""
-    return usual_unit_of(values, values.attrs.get("units", "1"))
+    return display_unit_of(values, values.attrs.get("units", "1"))
 
 
 def _scaled(values: xr.DataArray) -> tuple[xr.DataArray, str]:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.units import usual_unit_of
+from contactstudy.domain.units import display_unit_of
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from contactstudy.io.pictures.interference import interference_colours
 
@@ -43,9 +43,9 @@ def picture(solved: xr.Dataset) -> Figure:
 
 def _map(ax: Axes, solved: xr.Dataset) -> None:
     pressure = solved["pressure"]
-    length, metres = usual_unit_of(solved["y"], "m")
-    width, across = usual_unit_of(solved["x"], "m")
-    size, pascals = usual_unit_of(pressure, "Pa")
+    length, metres = display_unit_of(solved["y"], "m")
+    width, across = display_unit_of(solved["x"], "m")
+    size, pascals = display_unit_of(pressure, "Pa")
     mesh = ax.pcolormesh(
         solved["y"] / length,
         solved["x"] / width,
@@ -60,8 +60,8 @@ def _map(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _along(ax: Axes, solved: xr.Dataset) -> None:
-    length, metres = usual_unit_of(solved["y"], "m")
-    size, pascals = usual_unit_of(solved["pressure"], "Pa")
+    length, metres = display_unit_of(solved["y"], "m")
+    size, pascals = display_unit_of(solved["pressure"], "Pa")
     axis = np.abs(solved["x"]) <= np.abs(solved["x"]).min() * (1 + 1e-9)
     middle = solved["pressure"].where(axis, drop=True).mean("x")
     ax.plot(solved["y"] / length, middle / size, label="in the middle", **PRESSURE)
@@ -71,8 +71,8 @@ def _along(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _across(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = usual_unit_of(solved["x"], "m")
-    size, pascals = usual_unit_of(solved["pressure"], "Pa")
+    width, metres = display_unit_of(solved["x"], "m")
+    size, pascals = display_unit_of(solved["pressure"], "Pa")
     x, pressure = solved["x"] / width, solved["pressure"] / size
     style = PRESSURE
     if solved.sizes["y"] > 1:
@@ -92,17 +92,17 @@ def _across(ax: Axes, solved: xr.Dataset) -> None:
 
 
 def _gap(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = usual_unit_of(solved["x"], "m")
+    width, metres = display_unit_of(solved["x"], "m")
     middle = solved.isel(y=solved.sizes["y"] // 2)
-    size, height = usual_unit_of(middle["gap"], "m")
+    size, height = display_unit_of(middle["gap"], "m")
     ax.plot(solved["x"] / width, middle["gap"] / size, **GAP)
     ax.set(xlabel=f"across [{metres}]", ylabel=f"gap [{height}]", title="gap in the middle")
 
 
 def _shear(ax: Axes, solved: xr.Dataset) -> None:
-    width, metres = usual_unit_of(solved["x"], "m")
+    width, metres = display_unit_of(solved["x"], "m")
     middle = solved.isel(y=solved.sizes["y"] // 2)
-    size, pascals = usual_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
+    size, pascals = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
     for name, direction, style in (("shear_x", "across", PRESSURE), ("shear_y", "along", GAP)):
         if middle[name].any():
             ax.plot(solved["x"] / width, middle[name] / size, label=f"shear {direction}", **style)
@@ -111,9 +111,9 @@ def _shear(ax: Axes, solved: xr.Dataset) -> None:
 
 def _stress(ax: Axes, solved: xr.Dataset) -> None:
     middle = solved["von_mises"].isel(y=solved.sizes["y"] // 2)
-    width, across = usual_unit_of(solved["x"], "m")
-    depth, metres = usual_unit_of(solved["z"], "m")
-    size, pascals = usual_unit_of(middle, "Pa")
+    width, across = display_unit_of(solved["x"], "m")
+    depth, metres = display_unit_of(solved["z"], "m")
+    size, pascals = display_unit_of(middle, "Pa")
     if middle.sizes["z"] == 1:
         ax.plot(solved["x"] / width, middle.isel(z=0) / size, **STRESS)
         ax.set(xlabel=f"across [{across}]", ylabel=f"von Mises [{pascals}]")
@@ -130,12 +130,12 @@ def _stress(ax: Axes, solved: xr.Dataset) -> None:
 
 def compare_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
     """Draw the difference of two contacts as a map, and both pressures across the place `at` (x, y) [m]."""
-    size, pascals = usual_unit_of(fields["a"], "Pa")
-    width, metres = usual_unit_of(fields["x"], "m")
+    size, pascals = display_unit_of(fields["a"], "Pa")
+    width, metres = display_unit_of(fields["x"], "m")
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(1 if fields.sizes["y"] == 1 else 2, columns=2, width=4.6, height=3.4)
         if fields.sizes["y"] > 1:
-            length, along = usual_unit_of(fields["y"], "m")
+            length, along = display_unit_of(fields["y"], "m")
             change = fields["difference"] / size
             largest = float(np.abs(change).max()) or 1.0
             mesh = axes[0].pcolormesh(
@@ -178,8 +178,8 @@ def film_picture(
         figure, axes = panels(3 if mapped else 2, columns=3, width=4.6, height=3.4)
         _across(axes[0], contact)
         middle = contact["film"].isel(y=contact.sizes["y"] // 2)
-        width, metres = usual_unit_of(contact["x"], "m")
-        size, height = usual_unit_of(middle, "m")
+        width, metres = display_unit_of(contact["x"], "m")
+        size, height = display_unit_of(middle, "m")
         axes[1].semilogy(contact["x"] / width, middle / size, **GAP)
         axes[1].set(
             xlabel=f"across [{metres}]", ylabel=f"film [{height}]", title="film in the middle"
@@ -198,8 +198,8 @@ def _interferogram(
     """Draw the film near the contact in colours of interference; one line of cells as a band."""
     reach = INTERFEROGRAM * float(contact["hertz_half_width"])
     film = contact["film"].sel(x=slice(-reach, reach))
-    width, across = usual_unit_of(film["x"], "m")
-    length, along = usual_unit_of(film["y"], "m")
+    width, across = display_unit_of(film["x"], "m")
+    length, along = display_unit_of(film["y"], "m")
     x, y = film["x"].values / width, film["y"].values / length
     dx, dy = x[1] - x[0], y[1] - y[0] if len(y) > 1 else 1.0
     ax.imshow(

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactstudy.domain.units import readable, usual_unit_of
+from contactstudy.domain.units import display_unit_of, readable
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 
 # Number of instants whose profiles are drawn.
@@ -52,12 +52,12 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
         figure, axes = panels(4, columns=2, width=5.4, height=3.4)
         reach = FILM_WIDTH * float(evolved["hertz_half_width"][0])
         inside = evolved.sel(x=slice(-reach, reach))
-        film = usual_unit_of(inside["film"].mean(), "m")
+        film = display_unit_of(inside["film"].mean(), "m")
         _profiles(axes[0], inside)
         _lines(axes[1], inside, "film", film)
         axes[1].set_yscale("log")
         middle = inside["film"].isel(y=inside.sizes["y"] // 2)
-        length, metres = usual_unit_of(inside["x"], "m")
+        length, metres = display_unit_of(inside["x"], "m")
         mesh = axes[2].pcolormesh(
             inside["time"], inside["x"] / length, middle.T / film[0],
             cmap="viridis", shading="nearest", norm="log", rasterized=True,
@@ -81,8 +81,8 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
     """Draw residual stress and plastic strain against depth after some passes, later ones brighter."""
     chosen = np.unique(np.linspace(0, rolled.sizes["pass"] - 1, PROFILES).round().astype(int))
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
-    length, metres = usual_unit_of(rolled["z"], "m")
-    size, pascals = usual_unit_of(abs(rolled["residual_stress"]), "Pa")
+    length, metres = display_unit_of(rolled["z"], "m")
+    size, pascals = display_unit_of(abs(rolled["residual_stress"]), "Pa")
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(2, columns=2, width=4.6, height=3.4)
         for number, color in zip(chosen, colors, strict=True):
@@ -105,7 +105,7 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
 def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -> None:
     """Draw a variable across the middle of the length at some instants, later ones brighter."""
     middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
-    length, metres = usual_unit_of(evolved["x"], "m")
+    length, metres = display_unit_of(evolved["x"], "m")
     chosen = _instants(evolved, middle.values)
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     for number, color in zip(chosen, colors, strict=True):
@@ -142,20 +142,20 @@ def _instants(evolved: xr.Dataset, values: Any) -> list[int]:
 
 
 def _profiles(ax: Axes, evolved: xr.Dataset) -> None:
-    _lines(ax, evolved, "pressure", usual_unit_of(evolved["pressure"], "Pa"))
+    _lines(ax, evolved, "pressure", display_unit_of(evolved["pressure"], "Pa"))
 
 
 def _worn(ax: Axes, evolved: xr.Dataset) -> None:
-    _lines(ax, evolved, "worn_depth", usual_unit_of(evolved["worn_depth"], "m"))
+    _lines(ax, evolved, "worn_depth", display_unit_of(evolved["worn_depth"], "m"))
 
 
 def _shear(ax: Axes, evolved: xr.Dataset) -> None:
-    _lines(ax, evolved, "shear_x", usual_unit_of(abs(evolved["shear_x"]), "Pa"))
+    _lines(ax, evolved, "shear_x", display_unit_of(abs(evolved["shear_x"]), "Pa"))
 
 
 def _dent(ax: Axes, evolved: xr.Dataset) -> None:
     name = "residual_displacement"
-    scale = usual_unit_of(abs(evolved[name]), "m")
+    scale = display_unit_of(abs(evolved[name]), "m")
     _lines(ax, evolved, name, scale)
     ax.set_ylabel(f"residual displacement [{scale[1]}], into the bodies")
     ax.invert_yaxis()
@@ -165,7 +165,7 @@ def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the equivalent plastic strain below the middle of the length at the last instant."""
     strain = evolved[name].isel(time=-1, y=evolved.sizes["y"] // 2)
     depth = next(str(dimension) for dimension in strain.dims if str(dimension).startswith("z"))
-    length, metres = usual_unit_of(evolved["x"], "m")
+    length, metres = display_unit_of(evolved["x"], "m")
     across, down = evolved["x"] / length, evolved[depth] / length
     mesh = ax.pcolormesh(
         across, down, strain * 100, cmap="viridis", shading="nearest", rasterized=True
@@ -184,8 +184,8 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the residual stress below the middle of the contact against the depth, at the last instant."""
     stress = evolved[name].isel(time=-1, x=evolved.sizes["x"] // 2, y=evolved.sizes["y"] // 2)
     depth = next(str(dimension) for dimension in stress.dims if str(dimension).startswith("z"))
-    length, metres = usual_unit_of(evolved["x"], "m")
-    size, pascals = usual_unit_of(abs(stress), "Pa")
+    length, metres = display_unit_of(evolved["x"], "m")
+    size, pascals = display_unit_of(abs(stress), "Pa")
     for component, direction, color in (
         ("xx", "across", "#0072B2"),
         ("yy", "along", "#009E73"),
@@ -206,8 +206,8 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 def _map(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the mean pressure along the length over time and width."""
     pressure = evolved["pressure"].mean("y")
-    size, pascals = usual_unit_of(pressure, "Pa")
-    length, metres = usual_unit_of(evolved["x"], "m")
+    size, pascals = display_unit_of(pressure, "Pa")
+    length, metres = display_unit_of(evolved["x"], "m")
     # an instant given twice is a jump: the map has room for one
     time = evolved["time"].values
     distinct = np.append(np.diff(time) > 0, [True])
@@ -245,7 +245,7 @@ def _loop(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the load against the approach, where the bodies touch: a loop of approach and separation."""
     touching = (evolved["pressure"] > 0).any(("x", "y"))
     approach, load = (evolved[name].where(touching) for name in ("approach", "load"))
-    size, metres = usual_unit_of(approach, "m")
+    size, metres = display_unit_of(approach, "m")
     ax.plot(approach / size, load, ".-", color="#0072B2")
     ax.axhline(0.0, **LAW_STYLE)
     ax.set(xlabel=f"approach [{metres}]", ylabel="load [N/m]", title="approach and separation")

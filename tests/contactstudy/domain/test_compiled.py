@@ -17,7 +17,7 @@ from tests.contactstudy.solvers.test_preconditioned_cg import problem
 def compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     """For fields of any size; without numba there is nothing to test."""
     pytest.importorskip("numba")
-    monkeypatch.setattr(fields, "LARGE", 1)
+    monkeypatch.setattr(fields, "MIN_COMPILED_CELLS", 1)
 
 
 def rough(cells: tuple[int, int], hardness: float | None, line_contact: LineContact) -> cs.Problem:
@@ -49,7 +49,7 @@ def test_a_rough_contact_is_the_same(
 def test_sums_do_not_depend_on_the_number_of_threads(
     hardness: float | None, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(fields, "PART", 256)
+    monkeypatch.setattr(fields, "CELLS_PER_THREAD", 256)
     bare = rough((37, 51), hardness, line_contact).bare()
     pressure = bare.make_admissible(np.random.default_rng(1).exponential(size=(37, 51)))
     moved = bare.operator(pressure)

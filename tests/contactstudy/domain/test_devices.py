@@ -36,11 +36,11 @@ class Library:
         """Memory left on this machine [bytes]."""
         return available_bytes()
 
-    def put(self, field: np.ndarray) -> np.ndarray:
+    def to_device(self, field: np.ndarray) -> np.ndarray:
         """Return a copy of a numpy array as an array of the library."""
         return cast(np.ndarray, self.arrays.asarray(field, copy=True))
 
-    def take(self, field: np.ndarray) -> np.ndarray:
+    def to_numpy(self, field: np.ndarray) -> np.ndarray:
         """Return a copy of an array of the library as a numpy array."""
         return np.array(np.from_dlpack(field))
 
@@ -212,8 +212,8 @@ def counted(number: int | None) -> Any:
     )
     return SimpleNamespace(
         cuda=SimpleNamespace(runtime=runtime),
-        asarray=STRICT.put,
-        asnumpy=STRICT.take,
+        asarray=STRICT.to_device,
+        asnumpy=STRICT.to_numpy,
         get_default_memory_pool=lambda: SimpleNamespace(free_bytes=lambda: 24),
     )
 

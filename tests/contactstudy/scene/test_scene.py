@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import Displacement
 from contactstudy.evolution.evolve import evolve
-from contactstudy.scene.bodies import contact_modulus, response, sudden
+from contactstudy.scene.bodies import contact_modulus, instantaneous, response
 from tests.conftest import STEEL, LineContact
 
 
@@ -212,7 +212,7 @@ RIGID = cs.HalfSpace(math.inf, -0.5)
     [(FIRST, 80e9), (SECOND, 75e9), (YIELDS, 64e9), (CREEPS, 80e9), (RIGID, math.inf)],
 )
 def test_a_body_gives_way_by_its_plane_modulus(body: cs.Body, modulus: float) -> None:
-    """A viscoelastic one by that of a sudden load; the displacement is that over pi."""
+    """A viscoelastic one by that of a instantaneous load; the displacement is that over pi."""
     assert body.compliance == pytest.approx(1 / modulus, rel=1e-15)
     weights = body.response(0.5)
     if modulus == math.inf:
@@ -230,7 +230,7 @@ def test_compliances_and_responses_add_up() -> None:
 
 
 def test_of_a_sudden_load_bodies_are_elastic() -> None:
-    assert sudden((YIELDS, CREEPS)) == (cs.HalfSpace(60e9, 0.25), cs.HalfSpace(60e9, 0.5))
+    assert instantaneous((YIELDS, CREEPS)) == (cs.HalfSpace(60e9, 0.25), cs.HalfSpace(60e9, 0.5))
 
 
 @pytest.mark.parametrize("ratio", [-0.99, 0.0, 0.5])

@@ -13,7 +13,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, readable
 
 # Half-widths of a contact to the datum, from which its size is estimated where no datum is given.
-DATUM_DISTANCE = 4.0
+DATUM_RATIO = 4.0
 
 
 @suggest_fields
@@ -72,7 +72,7 @@ class Approach:
         """
         if self.approach <= 0:
             return 0.0
-        return pi * contact_modulus * self.approach / (2 * log(2 * DATUM_DISTANCE) + 1)
+        return pi * contact_modulus * self.approach / (2 * log(2 * DATUM_RATIO) + 1)
 
 
 @suggest_fields

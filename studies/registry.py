@@ -22,8 +22,7 @@ from studies.study_file import module_in, module_name, study_in
 
 # Studies by family; those of `cost` after the first need what this project does not install.
 FAMILIES = {
-    "settings": ("padding", "period", "images", "grid", "pareto"),
-    "line_contact": ("kernels", "paper"),
+    "settings": ("padding", "period", "images", "grid", "pareto", "paper"),
     "effects": ("coating", "friction", "creep", "wear", "plastic"),
     "trust": ("stability", "accuracy"),
     "cost": ("solvers", "speed", "effect_cost", "peers"),

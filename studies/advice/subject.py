@@ -26,8 +26,8 @@ QUICK = 0.2
 TRIAL, TRIAL_TOLERANCE, TRIALS, ENOUGH = 2**11, 1e-4, 4, 1.3
 # Largest ratio of cells across over cells along of grids that are not balanced by solutions.
 SLENDER = 16
-# Factor by which a width is made larger that the contact reaches the end of.
-WIDER = 1.5
+# Factor by which a width is made larger that the contact or its attraction reaches the end of.
+WIDER, NARROW = 1.5, (cs.Status.CONTACT_AT_EDGE, cs.Status.ATTRACTION_AT_EDGE)
 # Quantities whose change by a padding is reported, and what they are called.
 REPORTED = {
     "peak_pressure": "peak pressure",
@@ -188,6 +188,11 @@ def bounds_of(answer: Answer) -> dict[str, float]:
     }
 
 
+def steps_of(answer: Answer) -> float:
+    """Return the bound on the relative L1 error of an answer's pressure by its steps in time, 0 without any."""
+    return last_of(answer).error.l1.by_cause.get("steps", 0.0)
+
+
 @dataclass(frozen=True)
 class Described:
     """Scene to compare settings of, as a file describes it, before any grid is chosen.
@@ -329,7 +334,7 @@ def balanced(subject: Subject, cells: tuple[int, int]) -> Subject:
         ]
         widest = requirements_of(subject.scene).widest
         width = min(WIDER * subject.extent[0], widest)
-        if answers[0].status is cs.Status.CONTACT_AT_EDGE and width > subject.extent[0]:
+        if answers[0].status in NARROW and width > subject.extent[0]:
             subject = replace(subject, extent=(width, subject.extent[1]))
             continue
         pressure, finer_across, finer_along = map(pressure_of, answers)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -57,12 +58,12 @@ def recommendation(
     from studies.report.wording import rivals_text, verdict_text
 
     measured, folder = measured_scene(
-        scene, error, seconds, out, lambda text: click.echo(text, err=True)
+        scene, error, seconds, out, lambda text: click.echo(text, err=True), kept=0.6
     )
     verdict = measured.verdict(error)
     if verdict is None:
         raise cs.InvalidInput(
-            f"{measured.name} has no setting to recommend: {' '.join(measured.notes)} Give more --seconds."
+            f"{measured.name} has no setting to recommend: {' '.join(measured.notes)}"
         )
     if as_json:
         click.echo(json.dumps(_fields(measured, verdict)))
@@ -77,15 +78,26 @@ def recommendation(
 
 
 def measured_scene(
-    scene: Path | None, error: float, seconds: float, out: Path, log: Callable[[str], object]
+    scene: Path | None,
+    error: float,
+    seconds: float,
+    out: Path,
+    log: Callable[[str], object],
+    kept: float = 1.0,
 ) -> tuple[Comparison, Path]:
-    """Return the comparison of settings of a scene file, or of the paper's cylinder, and the folder it is stored in."""
-    from studies.advice.measuring import Budget
+    """Return the comparison of settings of a scene file, or of the paper's cylinder, and the folder it is stored in.
+
+    Of the seconds `kept` times those that the imports take are kept for the start and the end of the command, which
+    take longer on a busy machine too.
+    """
+    start = perf_counter()
+    from studies.advice.climb import Budget
     from studies.advice.subject import described_in, paper_described
     from studies.report.scene_sections import comparison_of
 
-    budget = Budget(seconds)
     positive("seconds", seconds, "must be a time above 0 s, such as 60")
+    rest = kept * (perf_counter() - start)
+    budget = Budget(max(seconds - rest, seconds / 4), start)
     described = paper_described() if scene is None else described_in(scene)
     folder = out if scene is None else out / scene.stem
     return comparison_of(described, error, budget, folder, log), folder

@@ -11,9 +11,10 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import positive, whole
+from contactstudy.domain.grid import on_cells
 from studies.advice.ladder import MULTIPLES, cells_at, is_reference
 from studies.advice.reference_error import ReferencedCase, answer_of, pressure_error
-from studies.advice.subject import REPORTED, Subject, numbers_of, paper_described
+from studies.advice.subject import REPORTED, Subject, numbers_of, paper_described, pressure_of
 from studies.model.axis import Axis, Value, one_of
 from studies.model.case import SceneCase, Solved, number
 from studies.model.study import Point, Study
@@ -21,19 +22,24 @@ from studies.reference import line_contact
 from studies.reference.line_contact import PADDINGS, WIDTH, padding_at
 
 FREE = "free"
+HALF_WIDTHS = "position across the contact over Hertz half-width"
 # Tolerance of the reference.
 TIGHT = 1e-8
 # Cells of the finest grid that a study has unless told otherwise, and the most of them across.
 MOST, MOST_ACROSS = 2**15, 724
+PAPER_CELLS = 128
 TITLES = {
     "padding": "Paddings side by side",
     "period": "Accuracy against the period",
     "images": "Accuracy against the number n of superposed periods",
     "grid": "Accuracy against the number of cells",
     "pareto": "Cost of accuracy: paddings, n, grids and tolerances",
+    "paper": "The paper's comparison: pressure across the contact with every padding",
 }
 # Numbers of images by preset.
-IMAGES = {"padding": (1, 6, 20), "images": (0, 1, 2, 3, 4, 6, 8, 10, 20), "pareto": (1, 6)}
+IMAGES = {
+    "padding": (1, 6, 20), "images": (0, 1, 2, 3, 4, 6, 8, 10, 20), "pareto": (1, 6), "paper": (1, 6)
+}  # fmt: skip
 # Periods by preset: over the half-width of a contact that does not vary along its length, and over the scene's own.
 PERIODS = {
     "padding": (0.6, 2.4),
@@ -51,7 +57,7 @@ def preset(name: str, subject: Subject) -> Study:
     Parameters
     ----------
     name
-        padding, period, images, grid or pareto.
+        padding, period, images, grid, pareto or paper.
     subject
         The scene.
 
@@ -68,6 +74,9 @@ def preset(name: str, subject: Subject) -> Study:
         if prod(cells) <= MOST and cells[0] <= MOST_ACROSS
     ]
     across = [cells[0] for _, cells in grids]
+    chosen = {"grid": tuple(across), "pareto": tuple(across[2:])}
+    if subject.exact is not None:
+        chosen["paper"] = (PAPER_CELLS,)
     hertz = subject.exact
     of_period = "over the scene's own" if hertz is None else "over Hertz half-width"
     own: tuple[Value, ...] = (1,) if hertz is None else (WIDTH,)
@@ -85,9 +94,7 @@ def preset(name: str, subject: Subject) -> Study:
         ),
         Axis(
             "grid",
-            {"grid": tuple(across), "pareto": tuple(across[2:])}.get(
-                name, (across[-3 if hertz is None else -1],)
-            ),
+            chosen.get(name, (across[-3 if hertz is None else -1],)),
             "cells across the width",
         ),
     ]
@@ -105,7 +112,7 @@ def preset(name: str, subject: Subject) -> Study:
         f"{TITLES[name]}, for {subject.name}.",
         tuple(axes),
         _SettingAt(subject, reference),
-        measures,
+        profile_measures if name == "paper" else measures,
         attributes={"scene": subject.text, "scene_name": subject.name, "against": against},
     )
 
@@ -174,5 +181,31 @@ def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
     return measured
 
 
+def profile_measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
+    """Return the errors, and the pressure across the contact in the middle of the length, with its range along it.
+
+    The pressure is over the largest of the reference.
+    """
+    pressure, grid = pressure_of(result.answer), case.grid
+    if case.reference is None:
+        hertz = case.scene.hertz
+        assert hertz is not None
+        true, largest = hertz.pressure(grid.x)[:, None], hertz.peak_pressure
+        x = xr.Variable("x", grid.x / hertz.half_width, {"units": "1", "long_name": HALF_WIDTHS})
+    else:
+        true = on_cells(pressure_of(answer_of(case.reference)), grid.cells)
+        largest = float(true.max())
+        x = xr.Variable("x", grid.x, {"units": "m", "long_name": "position across the contact"})
+    lines = {
+        "pressure": pressure[:, pressure.shape[1] // 2],
+        "pressure_min": pressure.min(axis=1),
+        "pressure_max": pressure.max(axis=1),
+        "pressure_true": true[:, true.shape[1] // 2],
+    }
+    label = {"long_name": "pressure over the largest of the reference", "units": "1"}
+    profiles = {name: xr.Variable("x", line / largest, label) for name, line in lines.items()}
+    return {**measures(case, result), "x": x, **profiles}
+
+
 _PAPER = paper_described().subject()
-padding, period, images, grid, pareto = (preset(name, _PAPER) for name in TITLES)
+padding, period, images, grid, pareto, paper = (preset(name, _PAPER) for name in TITLES)

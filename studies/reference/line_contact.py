@@ -124,9 +124,12 @@ def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
 
 
 def relative_l1(pressure: Array, reference: Array) -> float:
-    """Return the L1 error of a pressure (x, y) against a finer one's cell means, relative to the reference."""
+    """Return the L1 error of a pressure (x, y) against a finer one's cell means, over the L1 norm of these.
+
+    The norm is the load, where nothing pulls.
+    """
     means = on_cells(reference, (pressure.shape[0], pressure.shape[1]))
-    return float(np.abs(pressure - means).sum() / means.sum())
+    return float(np.abs(pressure - means).sum() / np.abs(means).sum())
 
 
 def covers(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:

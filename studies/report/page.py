@@ -1,7 +1,6 @@
 """Pages of the report: figures from stored studies, in one self-contained page for each chapter."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -11,8 +10,8 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
+from studies.advice.climb import Budget
 from studies.advice.comparison import Comparison
-from studies.advice.measuring import Budget
 from studies.advice.stored import from_dataset, path_in
 from studies.advice.subject import paper_described
 from studies.engine.options import RunOptions
@@ -99,34 +98,23 @@ def make(
     log: Log,
     formats: Sequence[str] = FORMATS,
 ) -> Path:
-    """Run the studies of a chapter, draw each while the next is run, and write the page; return its path."""
-    datasets, drawn = {}, []
-    with ThreadPoolExecutor(1) as artist:
-        for number, part in enumerate(chapter.parts, 1):
-            began, messages = monotonic(), list[str]()
-            if part.name == SETTINGS:
-                continue
-            study = part.study()
-            timed = replace(options, repeats=min(options.repeats, part.repeats))
-            dataset = run(study, out, options=timed, log=messages.append).load()
-            datasets[part.name] = dataset
-            failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
-            for message in messages if failed.any() else ():
-                log(message)
-            log(
-                f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {study.size} points in "
-                f"{monotonic() - began:.0f} s"
-            )
-            drawn.append(artist.submit(section, part, dataset, out, formats))
-        results = [future.result() for future in drawn]
-    sections: dict[str, Sequence[Section]] = {result.name: [result] for result in results}
-    if SETTINGS in (part.name for part in chapter.parts):
-        # it is timed while no other work runs
-        measured = comparison_of(paper_described(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
-        sections[SETTINGS] = scene_sections(measured, out, formats, max_parts=1)
-        datasets[SETTINGS] = read(path_in(out))
-    ordered = [result for part in chapter.parts for result in sections[part.name]]
-    return write_page(chapter, ordered, datasets, out)
+    """Run the studies of a chapter, write its page, and return its path."""
+    for number, part in enumerate(chapter.parts, 1):
+        began, messages = monotonic(), list[str]()
+        if part.name == SETTINGS:
+            comparison_of(paper_described(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
+            continue
+        study = part.study()
+        timed = replace(options, repeats=min(options.repeats, part.repeats))
+        dataset = run(study, out, options=timed, log=messages.append)
+        failed = ~dataset["case_status"].isin([CaseStatus.OK, CaseStatus.NOT_RUN])
+        for message in messages if failed.any() else ():
+            log(message)
+        log(
+            f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {study.size} points in "
+            f"{monotonic() - began:.0f} s"
+        )
+    return write(chapter, out, formats)
 
 
 def write_scene(measured: Comparison, out: Path, formats: Sequence[str] = FORMATS) -> Path:

@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from contactstudy.domain.checks import positive
+from studies.advice.climb import Budget
 from studies.advice.comparison import Comparison
-from studies.advice.measuring import Budget, compared
+from studies.advice.measuring import compared
 from studies.advice.stored import path_in, store, stored
 from studies.advice.subject import Described
 from studies.report.chapters import SETTINGS

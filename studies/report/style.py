@@ -1,7 +1,7 @@
 """Style of the report: colours and markers, text of numbers and settings, marks for indices and powers."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import cycle
 from typing import Any, SupportsFloat
 
@@ -11,7 +11,9 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup, escape
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator
 
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from studies.model.drawing import CaptionedFigure
@@ -76,6 +78,20 @@ def tick_cells(ax: Axes, cells: Any, offset: float = 0.0) -> None:
     """Label an axis of whole numbers, such as numbers of cells, at these numbers alone; they stand `offset` farther."""
     ax.set_xticks([n + offset for n in cells], [str(n) for n in cells])
     ax.minorticks_off()
+
+
+def write_powers(axis: Axis, text: Callable[[float], str]) -> None:
+    """Write the numbers of a logarithmic axis as texts: powers of ten, with 2 and 5 times these on a short axis."""
+    low, high = sorted(axis.get_view_interval())
+    is_short = high < 100 * low
+    axis.set_major_formatter(lambda value, _: text(value))
+    axis.set_minor_locator(LogLocator(subs=(2, 5) if is_short else "auto"))
+    axis.set_minor_formatter(lambda value, _: text(value) if is_short else "")
+
+
+def in_percent(fraction: float) -> str:
+    """Return a fraction in per cent, for an axis."""
+    return f"{100 * fraction:g} %"
 
 
 def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:

@@ -11,7 +11,16 @@ from matplotlib.axes import Axes
 from studies.advice.comparison import LINE, Comparison, Measured, Verdict, label_of, mode_of
 from studies.advice.subject import REPORTED
 from studies.model.drawing import CaptionedFigure, Finding, Table
-from studies.report.style import WIDTH, captioned, padding_style, panels, percent, tick_cells
+from studies.report.style import (
+    WIDTH,
+    captioned,
+    in_percent,
+    padding_style,
+    panels,
+    percent,
+    tick_cells,
+    write_powers,
+)
 from studies.report.wording import (
     DECADES,
     cells_text,
@@ -122,9 +131,10 @@ def _front(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
     ax.set_ylim(lowest, 1.6 * max(errors))
     _label_ends(ax, ends, measured.own_label)
     ax.set(
-        xlabel="processor time to pose and solve, on one thread [s]",
-        ylabel="L1 error of the pressure",
+        xlabel="processor time to pose and solve, on one thread", ylabel="L1 error of the pressure"
     )
+    write_powers(ax.xaxis, seconds_text)
+    write_powers(ax.yaxis, in_percent)
     ax.set_title(title_text(measured, verdict), loc="left")
     scene_padding = padding_name(measured.own_label)
     return captioned(
@@ -219,6 +229,8 @@ def _causes(measured: Comparison, verdict: Verdict) -> CaptionedFigure:
         ylabel="L1 error of the pressure",
         title=f"Which grid: {padding_name(measured.own_label)}",
     )
+    write_powers(padding_panel.yaxis, in_percent)
+    write_powers(cells_panel.yaxis, in_percent)
     counted = sorted({n for points in modes.values() if len(points) > 1 for n, _ in points})
     tick_cells(padding_panel, counted, 0.5)
     tick_cells(cells_panel, cells[::-2])
@@ -308,8 +320,11 @@ def _costs(measured: Comparison) -> Table:
         if verdict is None or not verdict.meets:
             continue
         best = verdict.best
+        others = [label for label in measured.labels if label != best.label and measured.of(label)]
         rival_shown = min(verdict.rivals, key=lambda rival: rival.ratio, default=None)
-        beside = "none meets it"
+        finest = {label: measured.of(label)[-1].setting.cells[0] for label in others}
+        is_judged = finest and min(finest.values()) >= best.setting.cells[0]
+        beside = "none meets it" if is_judged else "not timed on such grids"
         if rival_shown is not None:
             took = "as fast" if rival_shown.is_tie else f"{rival_shown.ratio:.2g} times"
             took += ", not decided" * (not rival_shown.is_tie and not rival_shown.is_shown)

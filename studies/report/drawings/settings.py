@@ -15,11 +15,13 @@ from studies.report.style import (
     LAW_STYLE,
     WIDTH,
     captioned,
+    in_percent,
     padding_style,
     paddings,
     panels,
     percent,
     power,
+    write_powers,
 )
 from studies.report.wording import DECADES, seconds_text
 
@@ -39,9 +41,9 @@ TARGETS = (1e-2, 1e-3, 1e-4)
 
 def _figure(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
     """Draw errors over every axis with several values, or as points, and the front of errors and times."""
-    dataset = _on_one_tolerance(dataset) if not _is_timed(dataset) else dataset
+    dataset = _on_one_tolerance(dataset) if not is_timed(dataset) else dataset
     untimed = _on_one_tolerance(dataset)
-    if dataset.sizes["period"] > 1 and _is_of_hertz(dataset):
+    if dataset.sizes["period"] > 1 and is_of_hertz(dataset):
         drawn = [_over_reach(untimed)]
         varied = ["grid"]
     else:
@@ -49,15 +51,16 @@ def _figure(dataset: xr.Dataset) -> Sequence[CaptionedFigure]:
     drawn += [_over(untimed, axis) for axis in varied if dataset.sizes[axis] > 1]
     if not drawn:
         drawn = [_points(untimed)]
-    return [*drawn, *([_front(dataset)] if _is_timed(dataset) else [])]
+    return [*drawn, *([_front(dataset)] if is_timed(dataset) else [])]
 
 
-def _is_of_hertz(dataset: xr.Dataset) -> bool:
+def is_of_hertz(dataset: xr.Dataset) -> bool:
     """Return whether the errors are against Hertz's contact, for which the law of a window is known."""
     return str(dataset.attrs.get("against", "")) == HERTZ
 
 
-def _is_timed(dataset: xr.Dataset) -> bool:
+def is_timed(dataset: xr.Dataset) -> bool:
+    """Return whether times were taken."""
     return "solve_time" in dataset and bool(dataset["solve_time"].notnull().any())
 
 
@@ -87,15 +90,16 @@ def _finest(part: xr.Dataset, over: str) -> xr.Dataset:
     return part.isel(last_values)
 
 
-def _at(part: xr.Dataset, over: str) -> str:
+def shown_at(part: xr.Dataset, over: str) -> str:
     """Return the values of the axes at which a figure is drawn."""
-    words = {"grid": "{} cells across", "period": "L = {:g} a" if _is_of_hertz(part) else ""}
+    words = {"grid": "{} cells across", "period": "L = {:g} a" if is_of_hertz(part) else ""}
     shown = _finest(part, over)
     texts = [words[axis].format(shown[axis].item()) for axis in words if shown[axis].ndim == 0]
     return ", ".join(text for text in texts if text)
 
 
-def _against(dataset: xr.Dataset) -> str:
+def against(dataset: xr.Dataset) -> str:
+    """Return what the errors are against."""
     return f"against {dataset.attrs.get('against', 'a finer solution')}"
 
 
@@ -124,6 +128,8 @@ def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
     if beyond.size:
         ax.loglog(beyond, _law(beyond), label="law a²/(2πD²)", **LAW_STYLE)
     ax.set(xlabel="reach D of the window over the half-width a", ylabel=LABEL)
+    write_powers(ax.yaxis, in_percent)
+    write_powers(ax.xaxis, "{:g}".format)
     return captioned(
         "reach",
         fig,
@@ -151,14 +157,15 @@ def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
             style |= {"ls": "none"}
         ax.loglog(x, shown[ERROR], label=label, **style)
     ax.set(xlabel=OVER[over], ylabel=LABEL)
+    write_powers(ax.yaxis, in_percent)
     if over == "grid":
         ax.set_xticks(dataset["grid"].values, [str(n) for n in dataset["grid"].values])
         ax.minorticks_off()
-    at = _at(dataset, over)
+    place = shown_at(dataset, over)
     return captioned(
         f"over_{over}",
         fig,
-        f"{LABEL} over the {OVER[over].split('  ')[0]}, {_against(dataset)}{'; ' * bool(at)}{at}."
+        f"{LABEL} over the {OVER[over].split('  ')[0]}, {against(dataset)}{'; ' * bool(place)}{place}."
         + (
             " A line that becomes horizontal has reached the error of its padding, which no grid removes."
             if over == "grid"
@@ -178,9 +185,10 @@ def _points(dataset: xr.Dataset) -> CaptionedFigure:
         ax.plot(error, row, "o", color=padding_style(padding)["color"])
     names = [label for label, *_ in rows]
     ax.set(xscale="log", xlabel=LABEL, yticks=range(len(rows)), yticklabels=names)
+    write_powers(ax.xaxis, in_percent)
     ax.invert_yaxis()
     return captioned(
-        "paddings", fig, f"{LABEL} of every padding, {_against(dataset)}; {_at(dataset, '')}."
+        "paddings", fig, f"{LABEL} of every padding, {against(dataset)}; {shown_at(dataset, '')}."
     )
 
 
@@ -199,8 +207,10 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
         part = dataset.sel(period=period)
         for padding in paddings(dataset):
             _front_of(ax, part.sel(padding=padding), padding)
-        period_text = f"period L = {period:g} a" if _is_of_hertz(dataset) else ""
-        ax.set(xlabel="wall time to set up and solve, on one thread [s]", title=period_text)
+        period_text = f"period L = {period:g} a" if is_of_hertz(dataset) else ""
+        ax.set(xlabel="wall time to set up and solve, on one thread", title=period_text)
+        write_powers(ax.xaxis, seconds_text)
+        write_powers(ax.yaxis, in_percent)
     axes[0].set_ylabel(LABEL)
     return captioned(
         "front",
@@ -226,7 +236,7 @@ def _tables(dataset: xr.Dataset) -> Sequence[Table]:
         tables.append(_needed(_on_one_tolerance(dataset)))
     elif dataset.sizes["grid"] > 2 and "solver_tolerance" not in dataset.dims:
         tables.append(_cells(dataset))
-    if _is_timed(dataset) and not tables:
+    if is_timed(dataset) and not tables:
         tables.append(_quickest(dataset))
     return tables
 
@@ -249,7 +259,7 @@ def _cells(dataset: xr.Dataset) -> Table:
         if min(errors[-1] for _, errors in lines) <= target
     )
     return Table(
-        f"Cells across from which on the error stays below a target, {_at(dataset, 'grid')}; > {cells[-1]}: "
+        f"Cells across from which on the error stays below a target, {shown_at(dataset, 'grid')}; > {cells[-1]}: "
         "on no grid that was tried.",
         ("error at most", *(label for label, _ in lines)),
         rows,
@@ -262,7 +272,7 @@ def _needed(dataset: xr.Dataset) -> Table:
     rows = []
     for period in dataset["period"].values:
         part = finest.sel(period=period)
-        period_text = f"{period:g} a" if _is_of_hertz(dataset) else f"{period:g}"
+        period_text = f"{period:g} a" if is_of_hertz(dataset) else f"{period:g}"
         single = [
             percent(part[ERROR].sel(padding=name).isel(images=0))
             for name in ("duplicated", "exact")
@@ -316,7 +326,7 @@ def _quickest(dataset: xr.Dataset) -> Table:
 def _findings(dataset: xr.Dataset) -> Sequence[Finding]:
     """Return findings on n, on the period and on the grid; none where a case has no numbers."""
     good = bool((dataset["case_status"] == CaseStatus.OK).all())
-    if not good or "exact" not in paddings(dataset) or not _is_of_hertz(dataset):
+    if not good or "exact" not in paddings(dataset) or not is_of_hertz(dataset):
         return ()
     chosen, findings = _on_one_tolerance(dataset), []
     if {"circular", "duplicated"} <= set(paddings(dataset)) and dataset.sizes["period"] > 1:

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
+from studies.advice.climb import Budget
 from studies.advice.comparison import (
     LINE,
     Comparison,
@@ -19,7 +20,7 @@ from studies.advice.comparison import (
 )
 from studies.advice.front import pareto_front
 from studies.advice.ladder import MULTIPLES, is_reference
-from studies.advice.measuring import Budget, compared
+from studies.advice.measuring import compared
 from studies.advice.rounds import in_rounds, ratio, sign_test
 from studies.advice.stored import as_text, from_dataset, from_text, store, stored, to_dataset
 from studies.advice.subject import (

@@ -77,19 +77,6 @@ def test_only_an_axis_that_does_not_wrap_is_doubled(padding: cs.Padding, padded:
     assert int(case.record(case.prepare())["padded_cells"]) == padded
 
 
-def test_the_error_of_a_window_s_coefficients_is_that_of_its_logarithm() -> None:
-    """Images beyond D take ``(x^2 / 2 - y^2) / (2 D^2)`` from the logarithm; half its range counts."""
-    kernels = load("kernels")
-    point = {"padding": "circular", "images": 6, "period": 2.4, "grid": 32}
-    case = kernels.scene_at({axis.name: point[axis.name] for axis in kernels.points})
-    found = float(kernels.measures(case, case.run(case.prepare()))["kernel_error"])
-    reach = 6.5 * 2.4
-    x, y = 2.4 * 31 / 32, 1.2  # the farthest pair across; half a period along
-    law = (x**2 / 2 + y**2) / (2 * reach**2) / 2
-    # the next order is a fraction (x / D)^2 of it, in a part of the range
-    assert found == pytest.approx(law, rel=2 * (x / reach) ** 2)
-
-
 def smooth(**changed: float) -> xr.Dataset:
     """What the study of rough surfaces says of none, by padding."""
     study = load("roughness")

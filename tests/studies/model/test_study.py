@@ -57,7 +57,7 @@ def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str
         ("paddin", "did you mean 'padding'"),
         (
             "xyz",
-            "choose from accuracy, coating, creep, effect_cost, friction, grid, images, kernels, lubrication, "
+            "choose from accuracy, coating, creep, effect_cost, friction, grid, images, lubrication, "
             "padding, paper, pareto, peers, period, plastic, roughness, solvers, speed, stability, wear",
         ),
         ("nowhere.py", "cannot be read"),

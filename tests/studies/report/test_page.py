@@ -11,7 +11,8 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.advice.measuring import Budget, compared
+from studies.advice.climb import Budget
+from studies.advice.measuring import compared
 from studies.advice.stored import store
 from studies.advice.subject import paper_described
 from studies.engine.options import RunOptions
@@ -41,6 +42,7 @@ OWN: Mapping[str, Mapping[str, str]] = {
     "accuracy": SOME,
     "stability": HARD,
     "grid": {"grid": "16,24,32"},
+    "paper": {},
     "pareto": {"grid": "16,24", "images": "1", "solver_tolerance": "1e-6"},
     "images": {"grid": "24", "images": "0,1,6"},
     "coating": {"ratio": "0.25,2,4", "thickness": "0.1,1,10", "grid": "64"},

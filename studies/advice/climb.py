@@ -1,0 +1,233 @@
+"""Answers at a scene's own boundary on ever finer nested grids, up to a reference, within a budget of seconds."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import log, prod
+from time import perf_counter, process_time
+
+import contactstudy as cs
+from studies.advice.ladder import MULTIPLES, cells_at, is_reference
+from studies.advice.subject import (
+    Answer,
+    Setting,
+    Subject,
+    bounds_of,
+    failure_of,
+    pressure_of,
+)
+from studies.reference.line_contact import relative_l1
+
+# Tolerance of the reference, and of what is compared on one grid.
+TIGHT_TOLERANCE = 1e-8
+# Statuses that finer cells do not change.
+FATAL_STATUSES = (
+    cs.Status.CONTACT_AT_EDGE,
+    cs.Status.YIELD_AT_EDGE,
+    cs.Status.NO_ADMISSIBLE_PRESSURE,
+)
+# Multiple of the unit from which on a solve that fails is no fault of too coarse a grid.
+RESOLVED_FROM = 8
+# Multiple of the unit up to which every rung is solved that is affordable: less is no reference for any setting.
+COARSE_UP_TO = 6
+# Fraction of the requested error at which the bound on the reference's own error needs no finer grid, and above which
+# it is too large.
+FINE_ENOUGH_FRACTION, TOO_COARSE_FRACTION = 0.02, 0.5
+# Factor by which the error of the finest setting may be larger than it is expected from those of other rungs.
+FINEST_MARGIN = 1.5
+# Exponent of the time over the cells, at least and at most.
+TIME_EXPONENTS = 1.0, 1.3
+# Fraction of the time left that the next solve and its bound may take, and that they may take where the reference is too
+# coarse for the request.
+NEXT_FRACTION, NEXT_REFERENCE_FRACTION = 0.22, 0.85
+# Fraction of a budget that the first solve may take and still be repeated, since it compiles.
+FIRST_FRACTION = 0.05
+# Factor of the expected time above which a solve is repeated.
+REPEAT_FACTOR = 3.0
+# Cost of a bound over that of its answer until one was taken: solutions on cells of twice the size, of a film three
+# further ones.
+BOUND_COST, FILM_BOUND_COST = 0.5, 2.0
+# Factor by which a time may be longer than it was, and fraction of a budget that is kept for the last step.
+MARGIN, SPARE_FRACTION = 1.2, 0.03
+
+
+@dataclass
+class Budget:
+    """Wall time [s] that a comparison may take, from a `start` on that may have been earlier."""
+
+    seconds: float
+    start: float = field(default_factory=perf_counter)
+    began: tuple[float, float] = field(default_factory=lambda: (perf_counter(), process_time()))
+
+    @property
+    def spent(self) -> float:
+        """Seconds since the start."""
+        return perf_counter() - self.start
+
+    @property
+    def left(self) -> float:
+        """Seconds left."""
+        return self.seconds * (1 - SPARE_FRACTION) - self.spent
+
+    def allows(self, processor_time: float, kept: float = 0.0) -> bool:
+        """Return whether work of a processor time [s] fits, with a fraction of the budget kept for what follows.
+
+        On a busy machine it takes as much longer by the clock as the work before.
+        """
+        wall, processor = self.began
+        slowdown = (perf_counter() - wall) / max(process_time() - processor, 1e-3)
+        return self.left - kept * self.seconds > MARGIN * max(1.0, slowdown) * processor_time
+
+
+@dataclass
+class Climb:
+    """Answers at the own boundary of a scene, with the wall times that they took.
+
+    Attributes
+    ----------
+    subject, error, budget
+        The scene, the requested relative L1 error, and the seconds.
+    notes
+        A sentence for each thing that is to be known.
+    solved, walls
+        Answers by the multiple of the unit, and their wall times [s].
+    """
+
+    subject: Subject
+    error: float
+    budget: Budget
+    notes: list[str] = field(default_factory=list)
+    solved: dict[int, Answer] = field(default_factory=dict)
+    walls: dict[int, float] = field(default_factory=dict)
+    _bounds: dict[int, dict[str, float]] = field(default_factory=dict)
+    # cost of a bound over that of its answer, as it was last
+    _bound_cost: float | None = None
+
+    def cells(self, multiple: int) -> tuple[int, int]:
+        """Return the cells (across, along) of a rung."""
+        return cells_at(self.subject.unit, multiple)
+
+    def solve(self, multiple: int) -> None:
+        """Solve on a rung; one that is too coarse for the scene is passed over.
+
+        Raises :class:`~contactstudy.InvalidInput` for a scene without a solution on any finer grid.
+        """
+        start = perf_counter()
+        try:
+            answer = self.subject.solve(
+                Setting(self.subject.own, self.cells(multiple), TIGHT_TOLERANCE)
+            )
+        except cs.InvalidInput:
+            if multiple >= RESOLVED_FROM:
+                raise
+            return
+        self.walls[multiple] = perf_counter() - start
+        self.solved[multiple] = answer
+        if answer.status in FATAL_STATUSES and multiple >= RESOLVED_FROM:
+            raise cs.InvalidInput(
+                f"{self.subject.name} has no solution to compare: {failure_of(answer)}"
+            )
+
+    def bounds(self, multiple: int) -> dict[str, float]:
+        """Return the bounds on the errors of an answer by its cells and steps, by quantity."""
+        if multiple not in self._bounds:
+            start = perf_counter()
+            self._bounds[multiple] = bounds_of(self.solved[multiple])
+            self._bound_cost = (perf_counter() - start) / self.walls[multiple]
+        return self._bounds[multiple]
+
+    def up(self, is_needed: Callable[[int], bool], fraction: float = NEXT_FRACTION) -> None:
+        """Solve ever finer rungs that are needed, until the next one would take a fraction of the time left.
+
+        The two coarsest rungs are solved in any case, and further coarse ones unless they take most of that time.
+        """
+        if not self.solved:
+            self.solve(MULTIPLES[0])  # warms up
+            if self.walls.get(MULTIPLES[0], 0.0) < FIRST_FRACTION * self.budget.seconds:
+                self.solve(MULTIPLES[0])
+        for multiple in MULTIPLES:
+            if multiple in self.solved or not is_needed(multiple):
+                continue
+            is_coarse = multiple <= COARSE_UP_TO
+            if not is_coarse and multiple < max(self.solved, default=0):
+                continue
+            expected = self.forecast(multiple) if self.solved else 0.0
+            share = NEXT_REFERENCE_FRACTION if is_coarse else fraction
+            costs = expected * (1 + self._cost_of_bound)
+            if multiple > MULTIPLES[1] and costs > share * self.budget.left:
+                return
+            if not self.subject.fits(self.cells(multiple)):
+                self.notes.append("Finer grids do not fit into this machine's memory.")
+                return
+            self.solve(multiple)
+            # a first solve of a size may compile, or was interrupted
+            wall = self.walls.get(multiple, 0.0)
+            if wall > REPEAT_FACTOR * expected > 0 and wall < FIRST_FRACTION * self.budget.left:
+                self.solve(multiple)
+
+    @property
+    def _cost_of_bound(self) -> float:
+        """Cost of a bound over that of its answer."""
+        if self._bound_cost is not None:
+            return self._bound_cost
+        return FILM_BOUND_COST if self.subject.scene.lubrication is not None else BOUND_COST
+
+    def forecast(self, multiple: int) -> float:
+        """Return the seconds to expect of a solve at the own boundary, by the times of the two last."""
+        finest = max(self.solved)
+        size = self._size(multiple) / self._size(finest)
+        exponent = TIME_EXPONENTS[1]
+        before = [m for m in self.solved if self._size(m) <= self._size(finest) / 3]
+        if before:
+            coarse = max(before)
+            grown = log(self.walls[finest] / self.walls[coarse])
+            exponent = grown / log(self._size(finest) / self._size(coarse))
+        return float(
+            self.walls[finest] * size ** min(max(exponent, TIME_EXPONENTS[0]), TIME_EXPONENTS[1])
+        )
+
+    def _size(self, multiple: int) -> int:
+        return prod(self.cells(multiple))
+
+    def reference(self) -> int:
+        """Return the finest rung in which the others nest: one whose bound suits the request, if it is affordable."""
+        self.up(lambda multiple: is_reference(multiple) and not self._is_fine_enough())
+        if self._is_too_coarse():
+            self.up(is_reference, NEXT_REFERENCE_FRACTION)
+        return self._finest
+
+    @property
+    def _finest(self) -> int:
+        """The finest rung that may be the reference."""
+        return max(filter(is_reference, self.solved), default=max(self.solved))
+
+    def _is_fine_enough(self) -> bool:
+        """Return whether the finest possible reference so far has a bound far below the request."""
+        if not any(map(is_reference, self.solved)):
+            return False
+        return self.bounds(self._finest)["pressure_l1"] <= FINE_ENOUGH_FRACTION * self.error
+
+    def _is_too_coarse(self) -> bool:
+        """Return whether a reference's bound leaves too little of the request to the finest setting judged by it.
+
+        Its error, on cells three times as large, lies between those on cells twice and four times as large.
+        """
+        reference = self._finest
+        bound, true = self.bounds(reference)["pressure_l1"], pressure_of(self.solved[reference])
+        errors = [
+            relative_l1(pressure_of(self.solved[reference // part]), true)
+            for part in (2, 4)
+            if reference % part == 0 and reference // part in self.solved
+        ]
+        finest = FINEST_MARGIN * prod(errors) ** (1 / len(errors)) if errors else 0.0
+        return bound > TOO_COARSE_FRACTION * self.error or bound + finest > self.error
+
+    def seconds_for_settings(self) -> float:
+        """Return the seconds that a reference with settings that nest in it would take, with its bound."""
+        multiple = 3 * MULTIPLES[0]
+        return self.forecast(multiple) * (1 + self._cost_of_bound) / NEXT_REFERENCE_FRACTION
+
+
+def seconds_left_for(budget: Budget, fraction: float) -> Callable[[], bool]:
+    """Return whether less than a fraction of the budget was spent since this call."""
+    before = budget.spent
+    return lambda: budget.spent - before <= fraction * budget.seconds

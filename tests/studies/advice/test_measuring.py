@@ -1,7 +1,10 @@
 """The comparison of a scene's settings, on scenes whose answer is known."""
 
-from math import inf, nan
+from collections.abc import Sequence
+from functools import partial
+from math import inf, nan, prod
 from pathlib import Path
+from time import perf_counter, process_time
 
 import numpy as np
 import pytest
@@ -9,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
+from studies.advice import measuring
 from studies.advice.climb import Budget
 from studies.advice.comparison import (
     LINE,
@@ -30,7 +34,7 @@ from studies.advice.subject import (
     paper_described,
     subject_of,
 )
-from studies.reference.line_contact import HERTZ, SCENE, hertz_means
+from studies.reference.line_contact import HERTZ, SCENE, hertz_means, relative_l1
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -83,6 +87,30 @@ def test_errors_on_a_ladder_of_a_rough_roller_keep_to_its_own_estimates() -> Non
     finest = measured.of("free")[-1]
     answer = subject.solve(finest.setting)
     assert finest.error <= bounds_of(answer)["pressure_l1"] + measured.floor
+
+
+def test_every_time_is_that_of_its_own_setting(monkeypatch: pytest.MonkeyPatch) -> None:
+    def turns(runs: Sequence[partial[object]], count: int, goes_on: object) -> list[list[float]]:
+        return count * [[1e-6 * prod(run.args[0].cells) for run in runs]]
+
+    monkeypatch.setattr(measuring, "in_rounds", turns)
+    for measured in compared(paper_described().subject(), 1e-2, Budget(1.5)).settings:
+        expected = 1e-6 * prod(measured.setting.cells)
+        assert set(measured.seconds + measured.rounds) == {expected}
+
+
+def test_work_is_expected_to_take_as_much_longer_by_the_clock_as_that_before() -> None:
+    now = perf_counter(), process_time()
+    for slowdown, fits in ((1.0, True), (20.0, False)):
+        budget = Budget(10.0, began=(now[0] - slowdown, now[1] - 1.0))
+        assert budget.allows(1.0) is fits
+    # of ten seconds nine are kept for what follows
+    assert not Budget(10.0).allows(1.0, kept=0.9)
+
+
+def test_errors_are_over_the_norm_of_a_pressure_that_also_pulls() -> None:
+    pulls = np.array([[3.0], [-1.0]])
+    assert relative_l1(pulls + 0.4, pulls) == pytest.approx(0.2)
 
 
 def test_a_stored_comparison_is_that_of_its_scene_alone(

@@ -31,16 +31,12 @@ def open_folder(path: Path) -> Path:
         with tempfile.TemporaryFile(dir=path):
             pass
     except (OSError, ValueError) as error:
+        why = "it is a file" if os.path.isfile(path) else reason(error)  # noqa: PTH113 (no error for any name)
         raise InvalidInput(
-            f"Output folder {_shortened(path)} cannot be written to ({_why(path, error)}): "
+            f"Output folder {_shortened(path)} cannot be written to ({why}): "
             "give another with --out."
         ) from None
     return path
-
-
-def _why(path: Path, error: Exception) -> str:
-    """Return why a folder cannot be written to."""
-    return "it is a file" if os.path.isfile(path) else reason(error)  # noqa: PTH113 (no error for any name)
 
 
 def _shortened(path: Path) -> str:

@@ -1,15 +1,16 @@
 """Requests of studies: their cases and keys, and what these are computed with."""
 
+import re
 import secrets
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import cloudpickle
 
 from contactstudy import InvalidInput
-from contactstudy.domain.identity import CanonicalMemo, Tree, canonical, keys, text
+from contactstudy.domain.identity import CanonicalMemo, canonical, keys, text
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
@@ -20,6 +21,7 @@ from studies.store.state import States
 from studies.store.study_part import numerical_part
 
 SESSION = secrets.token_hex(8)
+CLASS = re.compile(r'"":"([^"]+)"')  # the name of a class in the JSON of a tree
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +63,10 @@ class Request:
         keys, cases, identities = [], {}, {}
         for point, case in study.visits():
             if not all(hasattr(case, part) for part in ("prepare", "run", "record")):
-                raise InvalidInput(_no_case(study, point, case))
+                raise InvalidInput(
+                    f"scene_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
+                    "studies.model.case.Case, or a frozen dataclass with prepare, run and record."
+                )
             identity = states.identity(point, case)
             keys.append(identity.key)
             if identity.key not in cases:
@@ -79,27 +84,13 @@ class CaseStates:
     def identity(self, point: Point, case: object) -> CaseIdentity:
         """Return the identity of the case at a point."""
         tree, kinds_by_name = canonical(case, self._memory), self._memory.kinds
-        names = frozenset(_classes(tree))
+        names = frozenset(CLASS.findall(text(tree)))
         if names not in self._digests:
             kinds = [kinds_by_name[name] for name in sorted(names) if name in kinds_by_name]
             state = text([self.states.of_class(kind) for kind in kinds])
             self._digests[names] = digest(state.encode())
         about = {axis: str(value) for axis, value in point.items()}
         return CaseIdentity(*keys(tree), tree, about, self._digests[names])
-
-
-def _classes(tree: Tree) -> Iterator[str]:
-    """Yield the names of the classes in a tree."""
-    if isinstance(tree, dict):
-        for name, part in tree.items():
-            if name == "":
-                yield part
-            elif type(part) is not str:
-                yield from _classes(part)
-    elif isinstance(tree, list):
-        for part in tree:
-            if type(part) is not str:
-                yield from _classes(part)
 
 
 def study_part(study: Study, states: States) -> dict[str, str]:
@@ -145,11 +136,3 @@ def _script(file: str | None) -> str:
         return digest(path.read_bytes()) if is_older(path, LOADED.started) else SESSION
     except OSError:
         return SESSION
-
-
-def _no_case(study: Study, point: Point, case: object) -> str:
-    """Return the message on an object that is no case."""
-    return (
-        f"scene_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
-        "studies.model.case.Case, or a frozen dataclass with prepare, run and record."
-    )

@@ -90,7 +90,8 @@ class States:
         if isinstance(value, type):
             return self.of_class(value)
         if isinstance(value, partial):
-            return ["partial", self.held([value.func, value.args, value.keywords], holder)]
+            parts = [value.func, value.args, value.keywords, vars(value)]
+            return ["partial", self.held(parts, holder)]
         if isinstance(value, MethodType):
             return ["method", self.held([value.__func__, value.__self__], holder)]
         if isinstance(value, FunctionType):
@@ -102,8 +103,10 @@ class States:
         is_callable = callable(value) or isinstance(value, classmethod)
         if is_callable and hasattr(value, "__wrapped__"):  # a method, or a cache around a function
             return self.held(value.__wrapped__, holder)
-        if isinstance(value, np.ufunc):
-            return repr(value)
+        if isinstance(value, np.ufunc):  # of a library; another one may be made of any function
+            libraries = np, sys.modules.get("scipy.special")
+            is_known = any(getattr(one, value.__name__, None) is value for one in libraries)
+            return repr(value) if is_known else None
         name = getattr(value, "__qualname__", None)
         owner = getattr(value, "__self__", None)
         if callable(value) and name and (owner is None or isinstance(owner, ModuleType | type)):

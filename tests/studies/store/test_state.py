@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 import pytest
 
 from contactstudy import InvalidInput
@@ -104,6 +105,12 @@ def with_more_than_its_fields(scale: float) -> Measures:
     return one
 
 
+def partial_with_an_attribute(scale: float) -> Measures:
+    made = functools.partial(pow, 2)
+    vars(made)["scale"] = scale
+    return made
+
+
 KINDS: dict[str, Callable[[float], Any]] = {
     made.__name__: made
     for made in (closure, closure_of_a_function, closure_of_a_table, closure_of_functions, default, attribute)
@@ -111,6 +118,7 @@ KINDS: dict[str, Callable[[float], Any]] = {
     "decorated": decorated,
     "list with an attribute": lambda scale: over(Named(scale)),
     "frozen dataclass with more than its fields": with_more_than_its_fields,
+    "partial with an attribute": partial_with_an_attribute,
     "partial": lambda scale: functools.partial(pow, scale),
     "frozen dataclass": Frozen,
     "method of a frozen dataclass": lambda scale: Frozen(scale).__call__,
@@ -154,7 +162,7 @@ def over(value: object) -> Measures:
     "measures",
     [
         Plain(1.0), Plain(1.0).measure, over(Plain(1.0)), over([Plain(1.0)]), functools.partial(pow, Plain(1.0)),
-        Changeable(), over(types.SimpleNamespace(k=1.0)), over(iter([1])),
+        Changeable(), over(np.frompyfunc(closure(1.0), 2, 1)), over(types.SimpleNamespace(k=1.0)), over(iter([1])),
     ],
 )  # fmt: skip
 def test_an_object_whose_state_cannot_be_seen_is_refused_with_the_remedy(measures: Any) -> None:

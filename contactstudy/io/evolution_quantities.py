@@ -53,6 +53,8 @@ def evolution_quantities(
         ("central_film", min, "lowest central film thickness in time"),
         ("minimum_film", min, "minimum film thickness in time"),
         ("friction_coefficient", max, "largest friction force over load in time"),
+        ("traction_coefficient", max, "largest tangential force over load in time"),
+        ("frictional_power", max, "largest frictional power in time"),
     )
     for name, extreme, words in extremes:
         if name in frames[0]:
@@ -61,9 +63,10 @@ def evolution_quantities(
             position = {"time": float(times[number])}
             numbers[name] = replace(frames[number][name], label=words, position=position, detail="")
     reported = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
+    sheared = "traction_coefficient", "stick_fraction", "creepage", "frictional_power"
     peak = frames[-1].get("peak_pressure")
     is_apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
-    for name in (*reported, "friction_coefficient"):
+    for name in (*reported, "friction_coefficient", *sheared):
         if name in frames[-1] and not (is_apart and name == "approach"):
             final = frames[-1][name]
             numbers[f"final_{name}"] = replace(

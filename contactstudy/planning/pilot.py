@@ -169,7 +169,7 @@ def _work(
         rolling = solve_rolling(scene, grid, padding)
         rolling.error_estimate()
         return process_time() - begin, rolling.lagged.outer_iterations
-    times, larger = steps.instants_of(scene.load), 1.0
+    times, larger = steps.instants_of(scene.load, getattr(scene.friction, "history", None)), 1.0
     while True:
         begin, reached, pairs = process_time(), 0.0, 0
 

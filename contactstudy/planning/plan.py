@@ -358,7 +358,9 @@ def _plan_of_film(
         speed = scene.lubrication.mean_speed
         instants = 2  # at least, where nothing says when it ends
         with suppress(InvalidInput):
-            recorded = _time_steps(times).instants_of(scene.load, speed)
+            recorded = _time_steps(times).instants_of(
+                scene.load, speed, getattr(scene.friction, "history", None)
+            )
             instants = instants if recorded is None else len(np.ravel(recorded))
     film = film_requirements(scene, requirements, error, period, grid, instants)
     smooth = film.grid.cells[1] == 1

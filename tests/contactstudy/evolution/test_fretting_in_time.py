@@ -189,7 +189,7 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
         (
             {"forces": (0.0, 0.1), "times": (0.0, 1.0)},
             {"solids": (cs.ElasticPlasticHalfSpace(1.0, 0.3, 1e-3),) * 2},
-            "response to shear",
+            "flow along its surface",
         ),
     ],
 )

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 from contactstudy.accuracy.coarser import coarse_solution
@@ -24,6 +24,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from contactstudy.evolution.rolling import SteadyRolling
+
+
+# Numbers of the shear whose error the accuracy of the pressure does not show.
+OF_SHEAR = (
+    "traction_coefficient", "stick_fraction", "energy_per_cycle", "largest_slip", "creepage", "frictional_power",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -134,6 +140,20 @@ class Contact(Answer, Solution):
         if self.error.pull_off is not None:
             return "in the pull-off load", self.error.pull_off
         return super().judged
+
+    @property
+    def accuracy(self) -> str:
+        """Sentence on the accuracy of the pressure, and on the number of the shear that is known the least."""
+        pressed = super().accuracy
+        if self.traction is None or self.requested is None:
+            return pressed
+        numbers = [self.quantities[name] for name in OF_SHEAR if name in self.quantities]
+        least = max(numbers, key=lambda number: number.relative_bound if number.value else 0.0)
+        known = least.relative_bound
+        if known <= self.requested or not least.value:
+            return pressed
+        text = f"is known to {100 * known:.2g} %" if isfinite(known) else "has no bound"
+        return f"{pressed}; the {least.label} {text}"
 
     @property
     def counts(self) -> Counts:

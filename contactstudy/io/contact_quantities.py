@@ -186,6 +186,10 @@ def _of_traction(
     if isinstance(traction, RollingTraction) and isfinite(traction.errors.force):
         bound = traction.errors.force * pressed / abs(load) if load else 0.0
         coefficient = replace(coefficient, bound=bound, reason="")
+    friction = getattr(scene_of(solution), "friction", None)
+    slides_freely = getattr(friction, "displacements", None) is not None
+    if not (isinstance(traction, RollingTraction) or friction is None or slides_freely):
+        coefficient = bounded(coefficient, ErrorParts(residual=solution.residual))  # given
     stick = Quantity(
         float(np.count_nonzero(traction.stick) / touching) if touching else 0.0,
         "1",

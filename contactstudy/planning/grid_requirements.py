@@ -36,6 +36,8 @@ MIN_CELLS_PER_AXIS = 32
 CELLS_ALONG_ROLLER = 64
 # Fraction of the requested error for the cells; the remainder is for the time steps.
 CELL_FRACTION = 0.5
+# Least cell over the half-width that is planned for the border between stick and slip.
+LEAST_CELL_OF_BORDER = 1e-3
 # A half-width above this fraction of the radius is not that of half-spaces.
 MAX_WIDTH_OVER_RADIUS = 0.1
 
@@ -56,6 +58,8 @@ class GridRequirements:
         Coated bodies.
     shear
         A sentence on friction; empty where it changes nothing.
+    sticks
+        Whether a part of the contact sticks, and the rest slips.
     """
 
     hertz: HertzLine
@@ -63,6 +67,7 @@ class GridRequirements:
     hardness: float
     coatings: tuple[Layered, ...] = ()
     shear: str = ""
+    sticks: bool = False
 
     @property
     def points(self) -> tuple[float, float] | None:
@@ -226,6 +231,16 @@ class GridRequirements:
         unit = _common_period(repeats) if repeats else max(self.longest, width) / WAVES_PER_PERIOD
         return unit * max(1, int(np.ceil(WAVES_PER_PERIOD * self.longest / unit * (1 - 1e-12))))
 
+    def pressure_error(self, error: float) -> float:
+        """Return the relative L1 error of the pressure to plan for where an `error` is requested.
+
+        Where a part of the contact sticks, the border of slip lies somewhere in a cell. In plane strain, where cells
+        cost little, they are therefore planned about half as wide as this fraction of the half-width.
+        """
+        if not self.sticks or self.varies:
+            return error
+        return min(error, smooth_l1(max(error / 2, LEAST_CELL_OF_BORDER)))
+
     def padding(self) -> Padding | Paddings:
         """Return the boundary conditions: open on both axes where a roller ends, else periodic with all images."""
         return (ZeroPadding(), ZeroPadding()) if self.roller else ExactPeriodicity()
@@ -271,7 +286,9 @@ class GridRequirements:
         )
         cell = f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell[0]:.3g} in a half-width"
         cell += f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.rough
-        cell += f", for an error of {error:.1g}."
+        cell += f", for an error of {error:.1g}"
+        is_for_slip = self.sticks and not self.varies
+        cell += f"{', so small that they show where slip begins' * is_for_slip}."
         if not self.varies:
             dimension = (
                 "dimension 1: nothing varies along the length, so one cell stands for all of it."
@@ -375,7 +392,7 @@ def requirements_of(scene: Scene) -> GridRequirements:
     shear = scene.friction.explanation(
         scene, varies=requirements.varies, paddings=across_and_along(requirements.padding())
     )
-    return replace(requirements, shear=shear)
+    return replace(requirements, shear=shear, sticks=getattr(scene.friction, "sticks", False))
 
 
 def measured_length_scales(scene: Scene) -> LengthScales | None:

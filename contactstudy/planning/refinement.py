@@ -172,7 +172,7 @@ def solve_to(
         scene,
         requirements,
         padding or requirements.padding(),
-        error,
+        requirements.pressure_error(error),
         options or SolveOptions(),
         on,
         most_cells,
@@ -180,7 +180,8 @@ def solve_to(
     )
     levels = refinement.solved_levels(requirements.grid(0.1, period).extent, start)
     last = levels[-1]
-    l1 = replace(last.estimate.l1, reason=refinement.reason_not_met(levels))
+    reason = refinement.reason_not_met(levels) if last.bound > error else ""
+    l1 = replace(last.estimate.l1, reason=reason)
     grids = tuple(level.grid for level in levels)
     return Refined(last.solution, replace(last.estimate, l1=l1), grids)
 
@@ -209,7 +210,7 @@ def forecast_of_refinement(
         scene,
         requirements,
         padding,
-        error,
+        requirements.pressure_error(error),
         SolveOptions(),
         Cpu(),
         CONSTANTS.max_plan_cells,

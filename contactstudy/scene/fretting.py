@@ -1,6 +1,7 @@
 """Fretting: an oscillating tangential force."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -75,6 +76,8 @@ class Fretting:
     InvalidInput
         For other values; in a scene with bodies that are unlike in shear, creep or yield, or that roll.
     """
+
+    sticks: ClassVar[bool] = True
 
     coefficient: Number
     forces: tuple[NewtonsPerMetre, ...] | None = None

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from itertools import product
 from math import inf, isinf, log
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields, suggest_fields
 from contactstudy.domain.fields import Array
@@ -196,6 +196,8 @@ class PartialSlip:
     InvalidInput
         For other values; in a scene with bodies that are unlike in shear, or a change in time.
     """
+
+    sticks: ClassVar[bool] = True
 
     coefficient: Number
     tangential: NewtonsPerMetre

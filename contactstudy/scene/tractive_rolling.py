@@ -75,6 +75,7 @@ class TractiveRolling:
     """
 
     is_steady: ClassVar[bool] = True
+    sticks: ClassVar[bool] = True
 
     coefficient: Number
     longitudinal: Number | None = None

@@ -81,3 +81,31 @@ def test_a_steel_roller_needs_a_hundredth_of_the_cells_of_its_finest_grid() -> N
     refined = solve_to(scene, 1e-2)
     assert refined.estimate.l1.total <= 1e-2
     assert prod(refined.grids[-1].cells) < 1e5
+
+
+@pytest.mark.parametrize("fraction", [0.2, 0.7, 0.95])
+def test_a_line_contact_that_slips_in_part_is_solved_on_cells_that_show_where(
+    fraction: float, line_contact: LineContact
+) -> None:
+    """The half-width that sticks is ``sqrt(1 - Q / mu P)`` (Cattaneo 1938; Mindlin 1949)."""
+    load = line_contact.scene.load
+    assert isinstance(load, cs.LineLoad)
+    slips = cs.PartialSlip(0.3, 0.3 * fraction * load.per_length)
+    answer = cs.solve(replace(line_contact.scene, friction=slips), error=1e-2)
+    number = answer.quantities["stick_fraction"]
+    off = abs(number.value - np.sqrt(1 - fraction))
+    assert off <= min(number.bound, 1e-2)
+    assert answer.quantities["traction_coefficient"].relative_bound < 1e-6  # it is given
+    assert answer.met
+
+
+def test_an_accuracy_says_which_number_of_the_shear_misses_it(line_contact: LineContact) -> None:
+    load = line_contact.scene.load
+    assert isinstance(load, cs.LineLoad)
+    scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 0.1 * load.per_length))
+    for cells, is_said in ((40, True), (2000, False)):
+        answer = cs.solve(
+            scene, line_contact.grid((cells, 1), 1.0), cs.ExactPeriodicity(), error=1e-2
+        )
+        assert answer.met
+        assert ("sticks is known to" in answer.accuracy) is is_said

@@ -74,6 +74,21 @@ def test_every_block_of_a_page_runs_and_prints_what_it_says(
             assert capsys.readouterr().out.splitlines() == SAID.findall(block)
 
 
+NAMED = re.compile(r"^# *(contactstudy .*?)(?:  .*)?$", flags=re.MULTILINE)
+
+
+@pytest.mark.whole
+@pytest.mark.parametrize(
+    "path",
+    [path for path in sorted((ROOT / "examples").glob("*.toml")) if NAMED.search(path.read_text())],
+    ids=lambda path: path.stem,
+)
+def test_commands_at_the_head_of_an_example_run(path: Path) -> None:
+    shutil.copy(path, path.name)
+    for line in NAMED.findall(path.read_text(encoding="utf-8")):
+        command(f".venv/bin/{line}{' --no-times' * (' run ' in line)}")
+
+
 def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:
     """To half of the last digit shown, beside what the iteration leaves: some ten times its tolerance."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")

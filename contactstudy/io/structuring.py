@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from decimal import Decimal
 from difflib import get_close_matches
@@ -17,6 +18,7 @@ from cattrs.gen import make_dict_structure_fn
 from contactstudy.domain.checks import InvalidInput, suggestion
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import Unit
+from contactstudy.io.decimal_units import decimal_unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
 # Units: names, powers, products, quotients also of 1, and no other expressions.
@@ -47,6 +49,12 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     if not match[2] and match[1].endswith("inf"):  # infinite in any unit
         return float(match[1])
+    given, wanted = decimal_unit(match[2]), decimal_unit(unit.symbol)
+    if given is not None and wanted is not None:
+        if given[1] == wanted[1]:
+            with suppress(ArithmeticError):
+                return float(Decimal(match[1]).scaleb(given[0] - wanted[0]))
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     pint = import_for("a unit", "pint")  # slow to import, and needed only here
     registry = _registry()
     try:

@@ -1,4 +1,5 @@
 import math
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
@@ -7,7 +8,8 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
-from contactstudy.io.structuring import quantity
+from contactstudy.io.decimal_units import KNOWN, decimal_unit
+from contactstudy.io.structuring import _registry, quantity
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")
@@ -48,6 +50,21 @@ def test_a_text_with_a_unit_is_the_number_in_si(
     else:
         # to the last bit: decimals are converted in decimals
         assert quantity("field", written, unit) == expected
+
+
+@pytest.mark.cases(20)
+@pytest.mark.parametrize("symbol", sorted(KNOWN))
+@pytest.mark.parametrize("written", ["{}", "1/{}", "N*{}^-2/mm", "{} / s"])
+def test_a_decimal_unit_is_that_of_the_library_of_units(symbol: str, written: str) -> None:
+    text = written.format(symbol or "1")
+    registry = _registry()
+    read = registry.Quantity(Decimal(7), text).to_base_units()
+    power, powers = decimal_unit(text)
+    base = registry.Quantity(Decimal(7).scaleb(power), "")
+    for unit, exponent in zip(("meter", "kilogram", "second", "kelvin"), powers, strict=True):
+        base *= registry.Quantity(Decimal(1), unit) ** exponent
+    assert read.is_compatible_with(base)
+    assert float(read.magnitude) == float(base.magnitude)
 
 
 @pytest.mark.parametrize(

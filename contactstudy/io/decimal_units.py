@@ -1,0 +1,34 @@
+"""SI units with decimal prefixes, their powers, products and quotients: those of most texts, without a slow import."""
+
+import re
+from functools import cache
+
+PREFIXES = {"G": 9, "M": 6, "k": 3, "": 0, "c": -2, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9}
+# Powers of metre, kilogram, second and kelvin.
+UNITS = {
+    "m": (1, 0, 0, 0), "s": (0, 0, 1, 0), "K": (0, 0, 0, 1), "rad": (0, 0, 0, 0), "Hz": (0, 0, -1, 0),
+    "N": (1, 1, -2, 0), "Pa": (-1, 1, -2, 0), "J": (2, 1, -2, 0), "W": (2, 1, -3, 0),
+}  # fmt: skip
+Scale = tuple[int, tuple[int, ...]]
+ONE: Scale = (0, (0, 0, 0, 0))
+KNOWN: dict[str, Scale] = {"": ONE, "1": ONE} | {
+    prefix + unit: (power, powers)
+    for prefix, power in PREFIXES.items()
+    for unit, powers in UNITS.items()
+}
+
+
+@cache
+def decimal_unit(symbol: str) -> Scale | None:
+    """Return the power of ten of a unit such as ``N/mm`` and its powers of base units; None for one not in the table."""
+    factors = re.split(r"\s*([*/])\s*", symbol.replace("**", "^").replace("·", "*"))
+    total, totals = ONE
+    for sign, factor in zip(("*", *factors[1::2]), factors[::2], strict=True):
+        name, _, exponent = factor.partition("^")
+        if name.strip() not in KNOWN:
+            return None
+        power, powers = KNOWN[name.strip()]
+        times = int(exponent or 1) * (1 if sign == "*" else -1)
+        total += times * power
+        totals = tuple(before + times * own for before, own in zip(totals, powers, strict=True))
+    return total, totals

@@ -47,6 +47,12 @@ def solved(
         except KeyboardInterrupt:
             from studies.store.netcdf import open_folder
 
+            if last and frames_folder.is_dir():
+                click.echo(
+                    f"contactstudy: stopped at {last[0].text}; the same command goes on from there",
+                    err=True,
+                )
+                sys.exit(130)
             if not last or last[0].pressure is None:
                 raise
             path = _keep_stopped(last[0], open_folder(folder) / f"{scene.stem}.stopped.nc")

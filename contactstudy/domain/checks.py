@@ -178,7 +178,8 @@ def set_fields(instance: object, **values: object) -> None:
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return a suggestion for an unknown `name`: the most similar `known` one, or the list of all."""
+    """Return a suggestion for an unknown `name`: the `known` one that it begins, the most similar one, or the list."""
     choices = list(known)
-    close = get_close_matches(name, choices, n=1)
+    begun = [choice for choice in choices if len(name) > 3 and choice.startswith(name)]
+    close = begun or get_close_matches(name, choices, n=1)
     return f"did you mean {close[0]!r}" if close else "choose from " + ", ".join(choices)

@@ -121,6 +121,11 @@ def _stress(ax: Axes, solved: xr.Dataset) -> None:
         filled = ax.contourf(
             solved["x"] / width, solved["z"] / depth, middle / size, 24, cmap="magma"
         )
+        z = solved["z"].values
+        for bond in z[1:][
+            np.diff(z) < 1e-6 * z[-1]
+        ]:  # the bond of a coating, where depths stand twice
+            ax.axhline(bond / depth, color="white", linestyle="--", linewidth=0.8)
         ax.invert_yaxis()
         ax.figure.colorbar(filled, ax=ax)
         ax.set(xlabel=f"across [{across}]", ylabel=f"depth [{metres}]")

@@ -75,6 +75,7 @@ def test_a_length_divides_a_period_to_a_billionth_of_it() -> None:
 
 def test_a_name_that_is_none_brings_the_nearest_or_all() -> None:
     assert suggestion("radus", ["load", "radius", "radii"]) == "did you mean 'radius'"
+    assert suggestion("Zero", ["ExactPeriodicity", "ZeroPadding"]) == "did you mean 'ZeroPadding'"
     assert suggestion("x", ["load", "radius"]) == "choose from load, radius"
 
 

@@ -73,6 +73,10 @@ def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     [filled] = deep.collections
     # the third row of four along the length
     assert (filled.zmin, filled.zmax) == pytest.approx((3, 23))
+    assert not deep.lines
+    bonded = picture(stressed.isel(z=[0, 0, 1])).axes[4]  # both sides of a bond at the same depth
+    [bond] = bonded.lines
+    assert list(bond.get_ydata()) == pytest.approx([10, 10])
     single = picture(stressed.isel(z=[1])).axes[4]
     assert single.lines[0].get_xydata() == pytest.approx(np.transpose([X * 1e6, [15, 19, 23]]))
     assert single.get_ylabel() == "von Mises [GPa]"

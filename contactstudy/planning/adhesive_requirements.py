@@ -5,8 +5,8 @@ from math import pi, sqrt
 
 from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import CostModel
+from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.grid_requirements import GridRequirements, halvable
-from contactstudy.planning.grid_search import CONSTANTS as FORECAST
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.resulting_load import PullOff

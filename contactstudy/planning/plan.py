@@ -14,6 +14,8 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, speedup
+from contactstudy.planning.forecast import CONSTANTS as FORECAST
+from contactstudy.planning.forecast import forecast_of_grid, forecast_of_refinement
 from contactstudy.planning.grid_requirements import (
     CELL_FRACTION,
     GridRequirements,
@@ -21,14 +23,11 @@ from contactstudy.planning.grid_requirements import (
     measured_length_scales,
     requirements_of,
 )
-from contactstudy.planning.grid_search import CONSTANTS as FORECAST
 from contactstudy.planning.grid_search import (
     GridForecast,
     affordable,
-    forecast_or_law,
     with_width,
 )
-from contactstudy.planning.refinement import forecast_of_refinement
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 
@@ -39,6 +38,8 @@ if TYPE_CHECKING:
 DEFAULT_ERROR = 1e-2
 # Relative error of the film of a lubricated scene that is planned where none is requested.
 FILM_ERROR = 1e-2
+# Factor on a width that the contact outgrows.
+WIDENING = 1.5
 # Fraction of the machine's memory that a plan may take.
 MEMORY_FRACTION = 0.8
 
@@ -233,7 +234,7 @@ def _plan_static(
             grid = with_width(grid, width)
     else:
         target = inf
-        prediction = forecast_or_law(scene, requirements, affordable(grid, padding, limit))
+        prediction = forecast_of_grid(scene, requirements, affordable(grid, padding, limit))
     predicted = prediction.error_of(grid.cell)
     return Plan(
         grid=grid,
@@ -315,7 +316,7 @@ def _warnings(
     """Yield a sentence for each reason why the grid does not reach the requested `error`."""
     if prediction.outgrows_grid:
         remedy = "give a width of "
-        width = FORECAST.widening * grid.extent[0]
+        width = WIDENING * grid.extent[0]
         if width > requirements.widest:
             remedy = f"the surface is known over {readable(requirements.widest)} only; give a smaller load, or "
             remedy += "a surface as wide as "

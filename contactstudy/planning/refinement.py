@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil, inf, log, prod
-from time import process_time
 
 import numpy as np
 from scipy import fft
@@ -14,16 +13,15 @@ from contactstudy.accuracy.bounded_solution import (
     bounded,
 )
 from contactstudy.accuracy.coarser import halved
-from contactstudy.accuracy.estimate import SHARP_EDGE
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.planning.grid_requirements import WIDTH_FACTOR, GridRequirements, requirements_of
-from contactstudy.planning.grid_search import GridForecast, affordable, contact_width
+from contactstudy.planning.grid_search import contact_width
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Causes of the error other than the cells, in words, and their remedies.
@@ -69,13 +67,6 @@ class RefinementConstants:
         Relative cost of a roller's end that divides a cell, for a misfit over the requested error.
     max_lengthening
         Largest ratio of the cells along to those required, for an end between two cells.
-    max_plan_cells
-        Most cells of the grids that are solved for a plan.
-    time_power
-        Power of the ratio of cells in the ratio of the seconds of the last grid to those of the last grid of a plan;
-        from 18 solves on 7,000 to 480,000 cells, rough, coated, textured and rollers.
-    time_factor
-        Factor on that ratio for the grids between, from the same solves.
     max_width_changes
         Largest number of changes of the width to that of the contact.
     """
@@ -95,9 +86,6 @@ class RefinementConstants:
     loose_tolerance: float = 1e-3
     misfit_cost: float = 40.0
     max_lengthening: float = 8.0
-    max_plan_cells: int = 2**14
-    time_power: float = 1.1
-    time_factor: float = 1.4
     max_width_changes: int = 8
 
 
@@ -186,68 +174,6 @@ def solve_to(
     return Refined(last.solution, replace(last.estimate, l1=l1), grids)
 
 
-def forecast_of_refinement(
-    scene: Scene, requirements: GridRequirements, error: float, period: float | None, limit: float
-) -> GridForecast:
-    """Return the forecast of the grid on which :func:`solve_to` is expected to end, from its first grids.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    requirements
-        Its requirements.
-    error
-        Relative L1 error of the pressure.
-    period
-        Length of the grid [m]; chosen if None.
-    limit
-        Bytes that a solve may hold.
-    """
-    padding = requirements.padding()
-    stamps: list[float] = []
-    refinement = GridRefinement(
-        scene,
-        requirements,
-        padding,
-        requirements.pressure_error(error),
-        SolveOptions(),
-        Cpu(),
-        CONSTANTS.max_plan_cells,
-        lambda _: stamps.append(process_time()),
-    )
-    extent = requirements.grid(0.1, period).extent
-    # exclude the time of first imports
-    replace(refinement, error=1.0, progress=None).solved_levels(extent)
-    stamps.append(process_time())
-    levels = refinement.solved_levels(extent)
-    seconds, last = stamps[-1] - stamps[0], levels[-1]
-    grid, orders = last.grid, (refinement.order(levels, 0), refinement.order(levels, 1))
-    if not refinement.meets_error(last):
-        grid = affordable(
-            refinement.transformable(*refinement.required_cells(levels), grid.extent),
-            padding,
-            limit,
-        )
-        finer = prod(grid.cells) / prod(last.grid.cells)
-        seconds += CONSTANTS.time_factor * (stamps[-1] - stamps[-2]) * finer**CONSTANTS.time_power
-    forecast = GridForecast(
-        last.grid,
-        (
-            last.discretisation_error * last.fractions[0],
-            last.discretisation_error * last.fractions[1],
-        )
-        if last.discretisation_error < inf
-        else (inf, 0.0),
-        orders,
-        refinement.min_cells(grid.extent),
-        last.solution.status is Status.CONTACT_AT_EDGE,
-        next((text for text in last.estimate.warnings if SHARP_EDGE in text), ""),
-        seconds,
-    )
-    return replace(forecast, grid=grid, errors=forecast.errors_of(grid.cell))
-
-
 @dataclass(frozen=True, eq=False)
 class GridRefinement:
     """Refinement of the grid of a scene, from coarse to fine, until its error is met."""
@@ -260,6 +186,7 @@ class GridRefinement:
     on: Device
     most_cells: int
     progress: Callable[[BoundedSolution], object] | None = None
+    keeps_width: bool = False
 
     def solved_levels(
         self, extent: tuple[float, float], start: Array | None = None
@@ -349,6 +276,8 @@ class GridRefinement:
 
     def _width(self, solution: Solution) -> float | None:
         """Return the width that suits the contact, if that of the grid does not."""
+        if self.keeps_width:
+            return None
         width, widest = solution.problem.grid.extent[0], self.requirements.widest
         if solution.pressure[[0, -1]].any() and width < widest:
             return min(CONSTANTS.widening * width, widest)

@@ -13,8 +13,8 @@ from contactstudy.planning.cost import (
     log_work,
     padded_points,
 )
+from contactstudy.planning.forecast import forecast_of_grid
 from contactstudy.planning.grid_requirements import requirements_of
-from contactstudy.planning.grid_search import forecast
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -123,7 +123,7 @@ def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(
     scene = replace(line_contact.scene, shapes=(*shapes, cs.FiniteLength(length)))
     requirements = requirements_of(scene)
     grid = cs.Grid((32, 64), (4 * a, length))
-    found = forecast(scene, requirements, grid)
+    found = forecast_of_grid(scene, requirements, grid)
     assert found.errors[0] > 3 * found.errors[1]
     # against the same on four times as many cells either way
     fine = cs.solve(

@@ -1,0 +1,162 @@
+"""Forecasts of error and cost, from the first grids of a refinement."""
+
+from dataclasses import dataclass, replace
+from math import inf, prod
+from time import process_time
+
+from contactstudy.accuracy.bounded_solution import BoundedSolution
+from contactstudy.accuracy.estimate import SHARP_EDGE
+from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.device import Cpu
+from contactstudy.domain.grid import Grid
+from contactstudy.planning.cost import DIGITS, SMOOTH_CONVOLUTIONS, CostModel, timed
+from contactstudy.planning.grid_requirements import (
+    MIN_CELLS_PER_AXIS,
+    ROUGH_ORDER,
+    GridRequirements,
+)
+from contactstudy.planning.grid_search import GridForecast, affordable
+from contactstudy.planning.refinement import GridRefinement
+from contactstudy.scene.scene import Scene
+from contactstudy.solvers.solution import Status
+from contactstudy.solvers.solve import SolveOptions
+
+
+@dataclass(frozen=True)
+class ForecastConstants:
+    """Constants of a forecast.
+
+    Attributes
+    ----------
+    max_cells
+        Most cells of the grids that are solved for a forecast.
+    given_error
+        Relative L1 error up to which the first grids of a given grid are refined.
+    unresolved_factor
+        Factor on the law of rough contacts, a mean over surfaces, where coarse grids do not resolve the surface.
+    estimate_cost
+        Seconds of a solve with its error estimate, which takes another on cells of twice the size, over those of one
+        solve.
+    time_power
+        Power of the ratio of cells in the ratio of the seconds of the last grid to those of the last grid of a forecast;
+        from 18 solves on 7,000 to 480,000 cells, rough, coated, textured and rollers.
+    time_factor
+        Factor on that ratio for the grids between, from the same solves.
+    """
+
+    max_cells: int = 2**14
+    given_error: float = 1e-3
+    unresolved_factor: float = 2.0
+    estimate_cost: float = 1.6
+    time_power: float = 1.1
+    time_factor: float = 1.4
+
+
+CONSTANTS = ForecastConstants()
+
+
+def forecast_of_refinement(
+    scene: Scene, requirements: GridRequirements, error: float, period: float | None, limit: float
+) -> GridForecast:
+    """Return the forecast of the grid on which :func:`~contactstudy.planning.refinement.solve_to` is expected to end.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    requirements
+        Its requirements.
+    error
+        Relative L1 error of the pressure.
+    period
+        Length of the grid [m]; chosen if None.
+    limit
+        Bytes that a solve may hold.
+    """
+    stamps: list[float] = []
+    refinement = replace(
+        _refinement(scene, requirements, requirements.pressure_error(error)),
+        progress=lambda _: stamps.append(process_time()),
+    )
+    extent = requirements.grid(0.1, period).extent
+    # exclude the time of first imports
+    replace(refinement, error=1.0, progress=None).solved_levels(extent)
+    stamps.append(process_time())
+    levels = refinement.solved_levels(extent)
+    seconds, last = stamps[-1] - stamps[0], levels[-1]
+    grid = last.grid
+    if not refinement.meets_error(last):
+        required = refinement.transformable(*refinement.required_cells(levels), grid.extent)
+        grid = affordable(required, requirements.padding(), limit)
+        finer = prod(grid.cells) / prod(last.grid.cells)
+        seconds += CONSTANTS.time_factor * (stamps[-1] - stamps[-2]) * finer**CONSTANTS.time_power
+    return _extrapolated(refinement, levels, grid, seconds)
+
+
+def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridForecast:
+    """Return the forecast of a `grid`: by the law of a smooth contact, else from the first grids of a refinement.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    requirements
+        Its requirements.
+    grid
+        The grid.
+    """
+    padding, orders = requirements.padding(), (ROUGH_ORDER, ROUGH_ORDER)
+    # the law is that of Hertz's contact
+    if requirements.smooth and scene.hardness > requirements.hertz.peak_pressure:
+        return GridForecast(
+            grid,
+            (requirements.error(grid.cell), 0.0),
+            orders,
+            (MIN_CELLS_PER_AXIS, 1),
+            grid.extent[0] < 2 * requirements.hertz.half_width,
+            "",
+            CONSTANTS.estimate_cost * CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS),
+        )
+    refinement = replace(
+        _refinement(scene, requirements, CONSTANTS.given_error),
+        most_cells=min(prod(grid.cells), CONSTANTS.max_cells),
+        keeps_width=True,
+    )
+    try:
+        levels = refinement.solved_levels(grid.extent)
+        _, timing = timed(lambda of: scene.problem(of, padding), levels[-1].grid, 10.0**-DIGITS)
+    except InvalidInput as error:  # such as a period that is no whole number of a shape's
+        return GridForecast(
+            grid, (inf, 0.0), orders, (1, 1), outgrows_grid=False, message=str(error), seconds=inf
+        )
+    seconds = CostModel((timing,)).seconds(grid, padding, timing.convolutions)
+    result = _extrapolated(refinement, levels, grid, CONSTANTS.estimate_cost * seconds)
+    if result.error == inf and not result.outgrows_grid:
+        errors = requirements.errors(grid.cell)
+        factor = CONSTANTS.unresolved_factor
+        return replace(result, errors=(factor * errors[0], factor * errors[1]), orders=orders)
+    return result
+
+
+def _refinement(scene: Scene, requirements: GridRequirements, error: float) -> GridRefinement:
+    """Return the refinement to an `error` on the few cells of a forecast."""
+    options, padding = SolveOptions(), requirements.padding()
+    return GridRefinement(scene, requirements, padding, error, options, Cpu(), CONSTANTS.max_cells)
+
+
+def _extrapolated(
+    refinement: GridRefinement, levels: list[BoundedSolution], grid: Grid, seconds: float
+) -> GridForecast:
+    """Return the forecast of a `grid` from the grids solved, the last of which is the finest."""
+    last = levels[-1]
+    error = last.discretisation_error
+    forecast = GridForecast(
+        last.grid,
+        (inf, 0.0) if error == inf else (error * last.fractions[0], error * last.fractions[1]),
+        (refinement.order(levels, 0), refinement.order(levels, 1)),
+        refinement.min_cells(grid.extent),
+        last.solution.status is Status.CONTACT_AT_EDGE,
+        next((text for text in last.estimate.warnings if SHARP_EDGE in text), ""),
+        seconds,
+    )
+    return replace(forecast, grid=grid, errors=forecast.errors_of(grid.cell))

@@ -63,38 +63,26 @@ def compute_batch(
 
 
 @contextmanager
-def dask_here(threads: int, log: Callable[[str], object]) -> "Iterator[Client]":
-    """Run dask in this process for a block, since an idle one takes 3 % of a core, and provide its client."""
-    from distributed import Client, LocalCluster
-
-    with (
-        LocalCluster(
-            n_workers=1,
-            threads_per_worker=threads,
-            processes=False,
-            # without an address, they would listen to other machines
-            dashboard_address=LOOPBACK,
-            worker_dashboard_address=LOOPBACK,
-            memory_limit=0,  # cases use the memory of their own processes
-            silence_logs=logging.CRITICAL,
-        ) as cluster,
-        Client(cluster, set_as_default=False) as client,
-    ):
-        if find_spec("bokeh"):
-            log(f"dask shows its work at {client.dashboard_link}")
-        yield client
-
-
-@contextmanager
-def dask_at(address: str, patience: float) -> "Iterator[Client]":
-    """Provide a client of the scheduler at an address for a block."""
+def client_of_dask(address: str | None, threads: int, patience: float) -> "Iterator[Client]":
+    """Provide a client of the scheduler at an address for a block, or of one here that ends with it."""
     from distributed import Client
 
+    # an idle dask takes 3 % of a core
+    here = {
+        "n_workers": 1,
+        "threads_per_worker": threads,
+        "processes": False,
+        # without an address, they would listen to other machines
+        "dashboard_address": LOOPBACK,
+        "worker_dashboard_address": LOOPBACK,
+        "memory_limit": 0,  # cases use the memory of their own processes
+    }
     with _quiet("distributed"), _quiet("tornado.application"):
         try:
-            if ":" not in address:
+            if address and ":" not in address:
                 raise ValueError(address)
-            client = Client(address, timeout=patience, set_as_default=False)
+            arguments = {} if address else here
+            client = Client(address, timeout=patience, set_as_default=False, **arguments)
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise InvalidInput(
                 f"Scheduler {address!r} cannot be reached ({type(error).__name__}): give the address that "
@@ -170,12 +158,9 @@ class DaskRun:
         self._checked_at, self._idle_since = float("-inf"), monotonic()
         WORKERS[name] = []
         try:
-            connection = (
-                dask_at(self.address, self.patience)
-                if self.address
-                else dask_here(self.workers, self.log)
-            )
-            with connection as self._client:
+            with client_of_dask(self.address, self.workers, self.patience) as self._client:
+                if not self.address and find_spec("bokeh"):
+                    self.log(f"dask shows its work at {self._client.dashboard_link}")
                 self._compute_all()
         finally:
             end_workers(name)

@@ -12,7 +12,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine import cluster
-from studies.engine.cluster import DaskRun, dask_at
+from studies.engine.cluster import DaskRun, client_of_dask
 from studies.model.outcome import CaseStatus, Outcome
 from tests.studies.engine.trouble import Trouble
 
@@ -102,7 +102,7 @@ def test_what_libraries_say_of_a_lost_connection_is_not_shown(
 ) -> None:
     monkeypatch.setattr(distributed, "Client", lambda *_, **__: nullcontext())
     for library in ("distributed.core", "tornado.application"):
-        with dask_at("tcp://here:1", 1.0):
+        with client_of_dask("tcp://here:1", 0, 1.0):
             logging.getLogger(library).error("a traceback")
         assert not caplog.records
         logging.getLogger(library).error("another one")

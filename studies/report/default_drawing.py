@@ -19,7 +19,7 @@ from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.report import against_reference
-from studies.report.style import COLORS, captioned, panels
+from studies.report.style import COLORS, captioned, panels, percent
 
 # Measures that are drawn first where a study has more than there is room for.
 DRAWN = (
@@ -98,10 +98,8 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
             selected = good.sel(at)
             doubtful = _doubtful(selected, name)
             is_hollow |= bool(doubtful.notnull().any())
-            if is_map:
-                _map(ax, selected[name], shown, doubtful)
-            else:
-                _curve(ax, selected[name], shown, selected.get(f"{name}_bound"), doubtful)
+            draw = _map if is_map else _curve
+            draw(ax, selected[name], shown, selected.get(f"{name}_bound"), doubtful)
             formula, author, dashes = FORMULAS.get(name, ("", "", ""))
             if formula in good and len(shown) == 1 and _varies(dataset[shown[0]]):
                 x, _ = _scaled(dataset[shown[0]])
@@ -225,17 +223,18 @@ def _curve(
         _family(ax, x, y.transpose(families[0], first), families[0], joined)
     else:
         ax.plot(x, y, marker="o", ls=joined, color=COLORS[0])
-    if bars is not None and not families:
-        ax.errorbar(x, y, yerr=bars, fmt="none", ecolor="0.6", capsize=2, zorder=1)
-    if any(map(_is_sample, families)):  # a mean is as good as the least of its samples
-        doubtful = (
-            values.mean(families[0])
-            .where(doubtful.notnull().any(families[0]))
-            .expand_dims(families)
-        )
-    for line in (
-        (doubtful / _scale(values)[0]).transpose(*families, first).values.reshape(-1, numbers.size)
-    ):
+
+    def lines(field: xr.DataArray) -> np.ndarray:
+        return np.asarray(field.transpose(*families, first).values.reshape(-1, numbers.size))
+
+    is_mean = any(map(_is_sample, families))
+    if bars is not None and not is_mean and values.size <= MOST_LINES * numbers.size:
+        for line, bar in zip(lines(y), lines(bars), strict=True):
+            ax.errorbar(x, line, yerr=bar, fmt="none", ecolor="0.6", capsize=2, zorder=1)
+    if is_mean:  # as good as the least of its samples
+        of_samples = doubtful.notnull().any(families[0])
+        doubtful = values.mean(families[0]).where(of_samples).expand_dims(families)
+    for line in lines(doubtful / _scale(values)[0]):
         if np.isfinite(line).any():
             ax.plot(x, line, **DOUBTFUL)
     if joins and (_spans(numbers) or _is_geometric(numbers)):
@@ -291,11 +290,20 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> No
         ax.plot(x, line, marker="o", ls=joined, color=tone, label=f"{name} {text} {unit}".rstrip())
 
 
-def _map(ax: Axes, values: xr.DataArray, shown: Sequence[str], doubtful: xr.DataArray) -> None:
-    """Draw a measure as a map over two axes, with hollow points on values that are `doubtful`."""
+def _map(
+    ax: Axes,
+    values: xr.DataArray,
+    shown: Sequence[str],
+    bound: xr.DataArray | None,
+    doubtful: xr.DataArray,
+) -> None:
+    """Draw a measure as a map over two axes with its largest bound, and hollow points on values that are `doubtful`."""
     (x, x_label), (y, y_label) = (_scaled(values[axis]) for axis in shown)
     plane, title = _scaled(values.transpose(*reversed(shown)))
     mesh = ax.pcolormesh(x, y, plane, cmap="viridis", shading="nearest")
+    if bound is not None and np.isfinite(bound).any():
+        largest = (bound.where(np.isfinite(bound)) / abs(values)).max()
+        title = f"{title}\nbounds up to {percent(largest)}"
     across, along = np.nonzero(doubtful.transpose(*shown).notnull().values)
     if across.size:
         ax.plot(x.values[across], y.values[along], **DOUBTFUL | {"mfc": "none", "mec": "white"})

@@ -63,6 +63,26 @@ def test_stiffness_is_the_slope_of_the_load_over_the_approach(rough: Path) -> No
     assert float(found[1]["stiffness"].values) == pytest.approx(slope, rel=3e-2)
 
 
+@pytest.mark.parametrize("cells", [46, 73])
+def test_stiffness_and_area_on_coarse_cells_are_within_their_bounds(
+    smooth: Path, cells: int
+) -> None:
+    text = smooth.read_text(encoding="utf-8").split("[plan]")[0]
+    grid = f'[grid]\ncells = [{cells}, 1]\nextent = ["0.4 mm", "0.4 mm"]\n'
+    smooth.write_text(text + grid, encoding="utf-8")
+    [case] = studies.study_of(smooth, {"load.per_length": "100 N/mm"}).cases()
+    hertz, found = case.scene.hertz, measures(case, case.run(case.prepare()))
+    modulus = np.pi * hertz.contact_modulus
+    true = {
+        "stiffness": modulus / (2 * np.log(case.grid.extent[0] / hertz.half_width)),
+        "contact_fraction": 2 * hertz.half_width / case.grid.extent[0],
+        "contact_area_over_hertz": 1.0,
+    }
+    for name, value in true.items():
+        bound = float(found[f"{name}_bound"])
+        assert abs(float(found[name]) - value) <= bound < 0.1 * value
+
+
 def test_an_approach_that_is_given_is_recorded_as_given(smooth: Path, tmp_path: Path) -> None:
     text = smooth.read_text(encoding="utf-8")
     smooth.write_text(

@@ -96,7 +96,7 @@ def solve(
     options: SolveOptions | None = None,
     **named: Any,
 ) -> "Contact | LubricatedContact | Evolution":
-    """Solve a scene for what it names: static, time-dependent, rolling once or many times, dry or lubricated.
+    """Solve a scene: static, time-dependent, rolling once or many times, dry or lubricated, as its effects determine.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ class _Request:
 
     @property
     def requested(self) -> float | None:
-        """Relative error to keep: that asked for, or the default without a grid."""
+        """Relative error to keep: the requested one, or the default without a grid."""
         from contactstudy.planning.plan import DEFAULT_ERROR
 
         return DEFAULT_ERROR if self.error is None and self.grid is None else self.error
@@ -325,7 +325,7 @@ class _Request:
         return answer if self.grid is not None else self._refined(answer, solve_on)
 
     def repeated_rolling(self) -> "Evolution":
-        """Roll a contact over a body that yields, as many times as its scene says."""
+        """Roll a contact over a body that yields, as often as its scene says."""
         from contactstudy.answers.evolution import passes_of
         from contactstudy.evolution.repeated_rolling import roll_repeatedly
 
@@ -433,7 +433,7 @@ class _Request:
         return films_of(films, requested)
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
-        """Solve again on finer grids until the bound of the answer keeps what is requested, where that is possible."""
+        """Solve again on finer grids until the bound of the answer meets the requested error, where that is possible."""
         requested = answer.requested
         for _ in range(REFINEMENTS):
             parts = answer.error.l1.by_cause
@@ -449,6 +449,6 @@ class _Request:
 
 
 def _finer(grid: Grid, factor: float) -> Grid:
-    """Return a grid of the same extent with so many times the cells along each axis that has several."""
+    """Return a grid of the same extent with `factor` times the cells along each axis that has several."""
     across, along = (count if count == 1 else round(count * factor) for count in grid.cells)
     return Grid((across, along), grid.extent)

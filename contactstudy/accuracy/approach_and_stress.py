@@ -27,7 +27,7 @@ def approach_error(
 ) -> ErrorParts:
     """Return the relative error of the approach.
 
-    It moves with the gap: by what the L1 error of the pressure displaces, or its change from larger cells.
+    It is that of the displacement: by the L1 error of the pressure, or by its change from larger cells.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def _finite(parts: ErrorParts | None) -> float:
 
 
 def _parabola_excess(values: Array, index: int) -> float:
-    """Return by how much the parabola through a largest value and those beside rises above it."""
+    """Return by how much the parabola through a largest value and its neighbours rises above it."""
     if not 0 < index < len(values) - 1:
         return 0.0
     before, centre, after = (float(value) for value in values[index - 1 : index + 2])

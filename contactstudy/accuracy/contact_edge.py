@@ -1,7 +1,8 @@
-"""Edges of a smooth contact on cells of constant pressure: their position, and their error, by a law without parameters.
+"""Edges of a smooth contact on cells of constant pressure: their position and their error, by a law without free
+parameters.
 
-Beside a straight edge and many cells from any other, the cells see the half-plane's logarithm
-alone. In units of a cell, its coefficients ``K_j = -int ln|x| dx`` over cell j have the transform
+Next to a straight edge, many cells from any other, the kernel is the half-plane's logarithm. In units of a cell, its
+coefficients ``K_j = -int ln|x| dx`` over cell j have the transform
 
     K(t) = 2 pi sin(t / 2) sum_m sgn(t + 2 pi m) (-1)^m / (t + 2 pi m)^2
          = (pi / |t|) (1 - t^2 / 24 + ...),
@@ -22,8 +23,8 @@ from contactstudy.elasticity.kernels.displacement import gauss
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4
-# where the edge can lie, in cells outward of the last touching centre: further in that cell would lose
-# contact, further out the next would gain it
+# positions of the edge in cells outward of the last centre in contact: further inward that cell loses contact,
+# further outward the next one gains it
 EDGE_RANGE, EDGE_STEPS, EDGE_CELLS, JUMP_RANGE = (-0.175, 0.83), 200, 200, 0.06
 # e(z) has coefficients that fall like j^-4
 SERIES_TERMS, SYMBOL_SAMPLES = 400, 4096
@@ -66,7 +67,7 @@ def offset() -> float:
 def powers() -> Array:
     """Return the coefficients of ``d^(q - 3/2)`` in each mode far from the edge, shape (MODES + 1, MODES), from q = 0.
 
-    They are those of the continuous pressure that the cells stand for, which differs beside their
+    They are those of the continuous pressure that the cells discretise, which differs at their
     centres by ``p'' / 24``. In ``s = -ln z`` mode k is ``s^(1/2) (1 - s^2 / 48) (2 sinh(s / 2))^-k
     exp(s (k - 1) / 2)`` and more, of which ``s^(1/2 - q)`` gives ``d^(q - 3/2) / gamma(q - 1/2)``.
     """
@@ -85,7 +86,7 @@ def powers() -> Array:
 
 
 def edge_error(last: Array, inner: Array) -> Array:
-    """Return the L1 pressure error at an edge, ``sum |p - true|``, from the two cells beside it.
+    """Return the L1 pressure error at an edge, ``sum |p - true|``, from the two cells next to it.
 
     The true pressure is taken at the centres or as its mean in the cells, whichever error is larger. The ratio of the
     two cells tells where in its cell the edge of a smooth contact lies. The error jumps where the edge passes the
@@ -105,7 +106,7 @@ def edge_error(last: Array, inner: Array) -> Array:
 
 
 def edge_error_of_means(last: Array, inner: Array) -> Array:
-    """Return the L1 error at an edge of a smooth contact against the means in the cells, from the two cells beside it.
+    """Return the L1 error at an edge of a smooth contact against the means in the cells, from the two cells next to it.
 
     Other than :func:`edge_error`, which bounds a single edge, it is expected to hold
     in the mean over many edges.
@@ -158,7 +159,7 @@ def _edge_errors() -> tuple[Array, Array]:
 
 @cache
 def _edge_discretisations() -> tuple[Array, Array, Array, Array, Array]:
-    """Return the pressure of the cells beside an edge at several positions, and its error.
+    """Return the pressure of the cells next to an edge at several positions, and its error.
 
     The continuous pressure is the root of the distance from the edge. Returned are positions of the edge, in cells
     outward of the last touching centre; L1 errors against the pressure at the centres, and against its means in the
@@ -234,7 +235,7 @@ class _Edges:
 def half_widths(pressure: Array, x: Array) -> Array:
     """Return half the width of the contact in each row along the length, shape (y,) [unit of x].
 
-    Where the edge is smooth, straight over three rows and a dozen cells from any other edge, the cells beside it follow
+    Where the edge is smooth, straight over three rows and a dozen cells from any other edge, the cells next to it follow
     the law of this module, and the error falls like the cell cubed: on a smooth line contact 2e-7 of the half-width at
     128 cells across 2.4 of them. Elsewhere the outer faces of the touching cells count; the width is 0 where no cell
     touches.
@@ -250,7 +251,7 @@ def half_widths(pressure: Array, x: Array) -> Array:
 
 
 def corrected_pressure(pressure: Array) -> Array:
-    """Return `pressure` (x, y), with that of a continuous contact at the cell centres beside its edges.
+    """Return `pressure` (x, y), with that of a continuous contact at the cell centres near its edges.
 
     The cell that holds an edge has an error like the root of its size, whatever the solver does. Where the edge is
     resolved (see :func:`half_widths`) the law gives that error, and the remaining error falls like the cell to the power

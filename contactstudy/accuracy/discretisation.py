@@ -32,12 +32,12 @@ def around_contact(pressure: Array) -> slice:
 def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 that the cells cause.
 
-    The maximum lies beside a cell's centre, above it by the parabola through three cells, and the cell's pressure is a
+    The maximum is off a cell's centre, above it by the parabola through three cells, and the cell's pressure is a
     24th of the second difference too high; the edges move both. In L1 each end of a row of touching cells adds its
     :func:`~contactstudy.accuracy.contact_edge.edge_error`, and each cell within adds a 12th of its second difference:
     for a wave q the cells' pressure is ``1 / sinc(q dx / 2)`` times its value at the centre, and the mean in the cell
     sinc times it. Both axes are added, since an edge that crosses the cells has ends on both. Heights between the cell
-    centres do not show here.
+    centres are not included.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ EDGE_UNCERTAINTY, MEAN_EDGE_UNCERTAINTY, PLATEAU_UNCERTAINTY = 0.35, 0.1, 0.65
 def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """Return the relative error of the contact area, counted in touching cells, by where its edges lie in their cells.
 
-    A cell counts as a whole; the last two of a row tell where the smooth contact that they stand for ends
+    A cell counts as a whole; the pressures of the last two of a row give the edge of the smooth contact
     (:mod:`~contactstudy.accuracy.contact_edge`). Each axis shows the whole error, so the larger of both counts. Infinite
     where no area may remain.
 

@@ -381,7 +381,7 @@ def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
     isolated
         Whether no two touching cells are neighbours.
     sharp_end
-        Whether the roller bears pressure up to its end.
+        Whether the roller has pressure up to its end.
     """
     reason = ""
     if inside.corner_rise > CONSTANTS.sharp_rise:
@@ -417,7 +417,7 @@ def _at_hardness(solution: Solution) -> bool:
 
 
 def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
-    """Return whether an end of the roller bears pressure of the order of the peak pressure.
+    """Return whether an end of the roller has pressure of the order of the peak pressure.
 
     There it is infinite in the limit of small cells, though coarse cells may not show a rise.
     """

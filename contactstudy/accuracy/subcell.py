@@ -46,7 +46,7 @@ class SubgridConstants:
     resolved_fraction
         Largest interpolation error of a feature that the centres resolve, over their second difference.
     corner_fraction
-        Fraction of the slope change between two neighbouring points that the points beside do not have, from which it
+        Fraction of the slope change between two neighbouring points that their neighbours do not have, from which it
         is a corner.
     smooth_power
         Power n - 1 of a height ``|x|^n`` from which a bend counts as smooth.
@@ -183,7 +183,7 @@ class SubgridHeights:
             return None
 
     def effect_under(self, problem: Problem, pressure: Array) -> SubgridEffect:
-        """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the cells beside."""
+        """Return the effect of the heights where `pressure` (x, y) [Pa] acts, and in the neighbouring cells."""
         rows = around_contact(pressure)
         loaded = pressure[rows]
         beside = _with_neighbours(loaded, problem)
@@ -280,8 +280,8 @@ class _ShiftedGrid(Grid):
 
 
 def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
-    """Return interpolation errors of cubics off their lines [m], the protrusion [m], its width in cells, and what is
-    hidden.
+    """Return interpolation errors of cubics off their lines [m], the protrusion [m], its width in cells, and the
+    hidden heights.
 
     The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell. With the probability
     ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q of it; points of low discrepancy
@@ -443,7 +443,7 @@ class SampledHeights:
 
     @property
     def protrusion(self) -> Array:
-        """Heights above the centres of a cell and of both beside it (n, ...) [m]: a step between two hides no height."""
+        """Heights above the centres of a cell and its neighbours (n, ...) [m]; a step between centres is not hidden."""
         lowest = np.minimum(np.minimum(self.padded[1:-3], self.padded[2:-2]), self.padded[3:-1])
         return np.asarray(np.maximum(lowest - self.heights.min(axis=1), 0))
 

@@ -35,7 +35,7 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
     Raises
     ------
     NotDefined
-        For a window on one axis beside images on the other.
+        For a window on one axis with images on the other.
     """
     across, along = paddings
     if across.window is not None and len(across.window) > 1:

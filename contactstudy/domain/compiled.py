@@ -1,9 +1,9 @@
 """Passes over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
 
-They do what array operations do elsewhere in several passes. Fields (x, y) are C-contiguous: others would be compiled
-again. ``results`` (x, results) takes what a pass finds in each row, so that sums do not depend on the number of
-threads. ``limit`` is the upper limit of the pressure, infinite where there is none. Results differ by rounding from
-those of array operations.
+Each takes the place of several array operations. Fields (x, y) are C-contiguous: others would be compiled again.
+``results`` (x, results) takes the sums of each row, so that they do not depend on the number of threads. ``limit`` is
+the upper limit of the pressure, infinite where there is none. Results differ by rounding from those of array
+operations.
 """
 
 from collections.abc import Callable
@@ -58,7 +58,7 @@ def gap(
     rows, the largest violation of other cells, and the largest displacement.
     """
     columns = height.shape[1]
-    # column by column: the largest of a row is found one by one
+    # one maximum a column: that of a row would not be vectorised
     largest_violation, largest_displacement = np.zeros(columns), np.zeros(columns)
     for i in range(height.shape[0]):
         load, moment, free_load = 0.0, 0.0, 0.0
@@ -162,7 +162,7 @@ def trial(
 
 @summing
 def load_above(trial: Array, shift: float, results: Array) -> None:
-    """Write for each row the load left of a pressure less a `shift`, and the number of cells with pressure."""
+    """Write for each row the load of a pressure less a `shift`, without tension, and its number of loaded cells."""
     for i in range(trial.shape[0]):
         carried, cells = 0.0, 0.0
         for j in range(trial.shape[1]):
@@ -254,7 +254,7 @@ def block_means_transposed(
 ) -> None:
     """Add to the pressure of each cell in contact its part of the pressure of its block, in place.
 
-    `contact` is 1 in the contact and 0 elsewhere, where the pressure is set to zero; `block_contact` are its means.
+    `contact` is 1 in the contact and 0 elsewhere, where the pressure becomes zero; `block_contact` are its block means.
     """
     columns = blocks.shape[1]
     line = np.empty(2 * columns, dtype=pressure.dtype)
@@ -278,7 +278,7 @@ def filled(
     """
     rows, columns = blocks.shape
     one, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
-    near = np.empty(columns + 2, dtype=displacement.dtype)  # one more at either end, once round
+    near = np.empty(columns + 2, dtype=displacement.dtype)  # and its periodic neighbours
     line = np.empty(2 * columns, dtype=displacement.dtype)
     for i in range(2 * begin, 2 * end):
         k = i // 2
@@ -299,7 +299,7 @@ def filled_transposed(pressure: Array, contact: Array, blocks: Array, begin: int
     """Gather the pressure outside the contact to blocks: the transpose of :func:`filled`."""
     rows, columns = blocks.shape
     one, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
-    line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # one more at either end, once round
+    line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # and its periodic neighbours
     for k in range(begin, end):
         first, last = 2 * k, 2 * k + 1
         above, below = (first - 1) % (2 * rows), (last + 1) % (2 * rows)

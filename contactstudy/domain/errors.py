@@ -55,8 +55,8 @@ class ErrorParts:
 class ErrorEstimate:
     """Relative errors of an answer, as upper estimates by quantity and cause.
 
-    The pressure in L1 is judged against the cell means of the true pressure, relative to its L1 norm: a cell of constant
-    pressure stands for such a mean.
+    The pressure in L1 is judged against the cell means of the true pressure, relative to its L1 norm: the pressure
+    of a cell is such a mean.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class ErrorEstimate:
     central_film, minimum_film, friction_coefficient
         Errors of the numbers of a film; None for a dry contact.
     contact_load_fraction, contact_area_fraction
-        Errors of what asperities bear in a film; None without a boundary film.
+        Errors of the load and the area of asperity contacts in a film; None without a boundary film.
     flash_temperature, film_temperature
         Errors of the temperatures of a film, as the model has them; None for a film of one temperature.
     rolling_resistance

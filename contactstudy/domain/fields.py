@@ -58,8 +58,8 @@ def equal(first: Array, second: Array) -> bool:
 def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     """Call `work` on one part of the rows of a field of that `shape` in each thread.
 
-    Every part but the last has an even number of rows. The part of this thread is larger, by as much as it does while
-    the others wake. `work` may only use compiled loops, since no device is set in other threads.
+    Every part but the last has an even number of rows. The part of this thread is larger, by its
+    work while the others wake. `work` may only use compiled loops, since no device is set in other threads.
     """
     rows, columns = shape
     count = min(threads(), rows * columns // CELLS_PER_THREAD)
@@ -146,8 +146,8 @@ MAX_FLAT_CELLS = 1024
 def inner(a: Array, b: Array) -> float:
     """Return the sum of ``a b`` over two fields (x, y).
 
-    It is taken row by row: BLAS would start threads for a whole large field, and on a busy machine they cost a hundred
-    times what they save.
+    It is taken row by row: BLAS would start threads for a whole large field, which on a busy machine cost a hundred
+    times the time they save.
     """
     return sum(in_blocks(dot, a, b))
 
@@ -180,6 +180,6 @@ def mean_over(cells: Array, field: Array) -> float:
 def product(a: Array, b: Array) -> Array:
     """Return the matrix product of two numpy arrays, row by row.
 
-    BLAS would start threads for it, and on a busy machine they cost a hundred times what they save.
+    BLAS would start threads for it, which on a busy machine cost a hundred times the time they save.
     """
     return np.asarray(np.matmul(a[:, None], b)[:, 0])

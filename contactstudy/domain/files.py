@@ -32,7 +32,7 @@ _msvcrt: Any = None if _fcntl else import_module("msvcrt")
 OPEN_FLAGS = sum(
     getattr(os, name, 0) for name in ("O_BINARY", "O_CLOEXEC", "O_NOFOLLOW", "O_NONBLOCK")
 )
-# the byte that is locked on Windows: far beyond what is written, which stays readable
+# the byte that is locked on Windows: far beyond the content, which stays readable
 LOCKED_BYTE = 2**30
 POLL_SECONDS = 0.1  # seconds between two tries of a lock on Windows
 NO_LOCK_ERRORS = frozenset({errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL})

@@ -154,7 +154,7 @@ class DuplicatedPadding:
 
 @dataclass(frozen=True)
 class _Counted:
-    """Padding with a number of images on each side; the subclass defines what they are counted from."""
+    """Padding with a number of images on each side; the subclass defines from where they count."""
 
     images: int
 

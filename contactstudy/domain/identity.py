@@ -94,7 +94,7 @@ TRANSPARENT = (
 
 
 def _content(value: object, memo: CanonicalMemo) -> Tree:
-    """Return what a number, a text, a path or a container shows, of whatever subclass; None for any other object."""
+    """Return the content of a number, a text, a path or a container, also of a subclass; None for any other object."""
     match value:
         case PurePath():
             return [repr(str(value))]
@@ -117,7 +117,7 @@ def _content(value: object, memo: CanonicalMemo) -> Tree:
 
 
 def _attributes(value: object) -> dict[str, object] | None:
-    """Return the attributes of an object beside its content; None where it may have hidden state."""
+    """Return the attributes of an object in addition to its content; None where it may have hidden state."""
     classes = (cls for cls in type(value).__mro__ if cls not in (*TRANSPARENT, object))
     if isinstance(value, PurePath):
         return {} if type(value).__module__.partition(".")[0] == "pathlib" else None
@@ -162,7 +162,7 @@ def _array(value: "np.ndarray | np.generic") -> Tree:
 
 
 def _has_own_attributes(value: object) -> bool:
-    """Return whether an array of a subclass has attributes that somebody has given it."""
+    """Return whether an array of a subclass has further attributes."""
     attributes = getattr(value, "__dict__", {})
     return bool(attributes.get("_optinfo")) or any(
         name not in MEMMAP_ATTRIBUTES and name[0] != "_" for name in attributes
@@ -170,7 +170,7 @@ def _has_own_attributes(value: object) -> bool:
 
 
 MEMMAP_ATTRIBUTES = ("filename", "offset", "mode")  # attributes of a memory-mapped array
-# arrays whose values say all; a memory-mapped one is known by its values, wherever they are stored
+# arrays that their values identify, wherever these are stored
 ARRAYS = (np.ndarray, np.ma.MaskedArray, np.memmap, np.matrix, np.recarray)
 
 
@@ -189,7 +189,7 @@ def _record(value: Any, memo: CanonicalMemo) -> Tree:
     for part, default in _compared_fields(type(value)):  # type: ignore[arg-type]
         content = canonical(getattr(value, part), memo)
         (defaults if content == default else tree)[part] = content
-    # what a subclass of a number or a list shows besides, and attributes that are no fields
+    # the content of a subclass of a number or a list, and attributes that are no fields
     if (content := _content(value, memo)) is not None:
         tree["+is"] = content
     names = {part.name for part in fields(value)}

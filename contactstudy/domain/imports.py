@@ -63,7 +63,7 @@ def names_on_first_use(
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """Return ``__getattr__``, ``__dir__`` and ``__all__`` of a `package` whose names are imported on first use.
 
-    The names are those that the stub beside its `file` imports.
+    The names are those that the stub of its `file` imports.
     """
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
     places: dict[str, tuple[str, str]] = {}

@@ -362,7 +362,7 @@ def mirrored_by_parity(
 
 
 def _to_half_period(coefficients: Array, points: int, axis: int) -> Array:
-    """Return `coefficients` from the offset zero to half the period of an axis of so many `points`.
+    """Return `coefficients` from the offset zero to half the period of an axis of this number of `points`.
 
     Offsets that no pair of cells has repeat the last known coefficient.
     """

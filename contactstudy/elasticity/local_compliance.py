@@ -1,4 +1,4 @@
-"""An operator beside a Winkler layer whose compliance differs from cell to cell."""
+"""An operator in series with a Winkler layer whose compliance differs from cell to cell."""
 
 from dataclasses import dataclass
 

@@ -108,8 +108,7 @@ class Ducc(Transforms):
     def _threads(self, size: int) -> int:
         """Return the threads for `size` numbers, and widen ducc0's pool the first time that there are more than one.
 
-        ducc0 takes no more than ``OMP_NUM_THREADS`` allows, whatever a call asks for, and says nothing. While threads of
-        its pool work, the pool must not change.
+        ducc0 silently takes no more than ``OMP_NUM_THREADS`` allows. The pool must not change while its threads work.
         """
         count = threads() if size > MIN_THREADED else 1
         if count > 1 and not self._widened:

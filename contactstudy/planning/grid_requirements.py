@@ -288,7 +288,7 @@ class GridRequirements:
         cell += f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.rough
         cell += f", for an error of {error:.1g}"
         is_for_slip = self.sticks and not self.varies
-        cell += f"{', so small that they show where slip begins' * is_for_slip}."
+        cell += f"{', so small that they resolve where slip begins' * is_for_slip}."
         if not self.varies:
             dimension = (
                 "dimension 1: nothing varies along the length, so one cell stands for all of it."
@@ -310,7 +310,7 @@ class GridRequirements:
         return width, cell, dimension, padding, *coatings, *filter(None, (self.shear,))
 
     def _coating(self, coating: Layered, grid: Grid) -> str:
-        """Return a sentence on what a coating does to the plan."""
+        """Return a sentence on the effect of a coating on the plan."""
         coating_modulus, substrate_compliance = 1 / coating.compliance, coating.substrate.compliance
         substrate = (
             f"{readable(1 / substrate_compliance, 'Pa', 3)}"

@@ -74,7 +74,7 @@ class Pilot:
     Attributes
     ----------
     seconds
-        Seconds of processor time; infinite where nothing says when the scene ends.
+        Seconds of processor time; infinite where the scene has no end.
     solves
         Number of solves on the planned grid.
     reason

@@ -114,7 +114,7 @@ def plan(
     period
         Length of the grid [m]; chosen if None.
     grid
-        Grid to keep. The plan then says what is wrong with it.
+        Grid to keep. The plan then warns of its faults.
     times
         Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`.
     on
@@ -123,8 +123,8 @@ def plan(
     Raises
     ------
     InvalidInput
-        If the scene leaves open what a plan needs: without a curved shape there is no width of contact, without a
-        roller's length no grid.
+        If the scene does not determine a grid: the width of the contact needs a curved shape, the length of a crowned
+        roller a FiniteLength.
     """
     planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, on=on)
     rolls = scene.rolling is not None
@@ -357,7 +357,7 @@ def _plan_of_film(
     if scene.changing is not None:
         assert scene.lubrication is not None
         speed = scene.lubrication.mean_speed
-        instants = 2  # at least, where nothing says when it ends
+        instants = 2  # at least, where the scene has no end
         with suppress(InvalidInput):
             recorded = _time_steps(times).instants_of(
                 scene.load, speed, getattr(scene.friction, "history", None)

@@ -153,7 +153,7 @@ def solve_to(
     Raises
     ------
     InvalidInput
-        If the scene leaves open what a grid needs, see :func:`~contactstudy.plan`.
+        If the scene does not determine a grid, see :func:`~contactstudy.plan`.
     """
     requirements = requirements_of(scene)
     refinement = GridRefinement(

@@ -88,7 +88,7 @@ class Yielding:
 def yielding(scene: Scene) -> Yielding | None:
     """Return the expected yielding under the largest load of `scene`.
 
-    None where nothing yields, or no curvature says how wide the contact is.
+    None where nothing yields, or no curvature determines the width of the contact.
     """
     limits = [
         float(getattr(body, "yield_stress", 0.0))
@@ -147,7 +147,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         Last time [s]; None ends where the load does.
     """
     load = LineLoad(scene.load.largest)
-    # forces in time would be compared with loads of other times, and do not change what the grid has to show
+    # forces in time would be compared with loads of other times, and do not change the grid that is needed
     friction = None if getattr(scene.friction, "times", None) else scene.friction
     elastic = replace(
         scene,

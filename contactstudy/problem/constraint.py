@@ -430,7 +430,7 @@ class PrescribedApproach:
         return constraint.clip(trial)
 
     def error(self, load: float) -> float:
-        """Return 0: no load is asked for."""
+        """Return 0: no load is given."""
         return 0.0
 
 

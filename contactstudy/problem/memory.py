@@ -55,7 +55,7 @@ def refuse_too_large(grid: Grid, paddings: Paddings) -> None:
 
 
 def refuse_solve(problem: Problem, precision: Precision) -> None:
-    """Refuse a solve whose arrays, beside those of the `problem` itself, this machine cannot hold.
+    """Refuse a solve whose arrays, in addition to those of the `problem` itself, this machine cannot hold.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Adhesion between the bodies of a scene: work, range and law, and the history that a state follows from."""
+"""Adhesion between the bodies of a scene: work, range and law, and the history that selects a state."""
 
 from dataclasses import dataclass
 from math import pi, sqrt
@@ -77,7 +77,7 @@ class Adhesion:
 
     The contact is pressed by its load and by the attraction, which also acts across the gap beside it: friction is the
     coefficient times that pressure (Derjaguin 1934), and a hardness limits what is left of it beside the attraction.
-    Several states may be in equilibrium under one load; the branch says which of them is meant.
+    Several states may be in equilibrium under one load; the branch selects one of them.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class Adhesion:
         Work of adhesion [J/m^2], to separate a unit of area; above zero.
     range
         Range of the attraction [m]: its work over its largest value. None takes the limit of short ranges (Johnson,
-        Kendall & Roberts 1971) as far as the grid can hold it, with six cells in the cohesive zone. The pull-off load of
+        Kendall & Roberts 1971) as far as the grid resolves it, with six cells in the cohesive zone. The pull-off load of
         a cylinder is then within 0.3 % of that limit on fine grids.
     law
         ``"exponential"``, or ``"dugdale"`` for a constant attraction within the range, which falls to zero between

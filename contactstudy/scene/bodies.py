@@ -66,10 +66,10 @@ class HalfSpace:
     poisson_ratio
         Poisson's ratio, above -1 and up to 0.5 (incompressible).
     yield_strength
-        Tensile stress [Pa] at which the material yields, infinite if it is not known. The body stays elastic: it is what
-        the largest von Mises stress is compared with.
+        Tensile stress [Pa] at which the material yields, infinite if it is not known. The body stays elastic: the
+        largest von Mises stress is compared with it.
     hardness
-        Indentation hardness [Pa], infinite if it is not known: what the peak pressure is compared with. It limits no
+        Indentation hardness [Pa], infinite if it is not known: the peak pressure is compared with it. It limits no
         pressure, as ``Scene.hardness`` does.
 
     Raises

@@ -110,7 +110,7 @@ class ShapesSource:
         )
 
     def row_lengths(self, grid: Grid) -> Array | None:
-        """Return the length of both bodies that each row of `grid` stands for, in cells; None where none ends."""
+        """Return the length of both bodies within each row of `grid`, in cells; None where none ends."""
         rollers = [
             shape.row_lengths(grid) for shape in self.shapes if hasattr(shape, "row_lengths")
         ]
@@ -157,7 +157,7 @@ MODULUS_ITERATIONS = 12
 class Scene:
     """Line contact of two bodies, and the effects in it.
 
-    What it names decides what :func:`~contactstudy.solve` computes: a contact at rest, in time, rolling, or lubricated.
+    Its effects determine what :func:`~contactstudy.solve` computes: a contact at rest, in time, rolling, or lubricated.
 
     Parameters
     ----------
@@ -315,7 +315,7 @@ class Scene:
 
     @property
     def reference_load(self) -> float:
-        """Load [N/m] that the scales follow from, the largest one, or more where the attraction adds to it."""
+        """Load [N/m] that determines the scales: the largest one, or more where the attraction adds to it."""
         largest = self.load.largest
         if isinstance(self.load, Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.radius, self.contact_modulus)
@@ -503,7 +503,7 @@ class Scene:
         )
 
     def _constraint(self, solver: "AdhesiveSolver | None") -> Constraint:
-        """Return the limits of the pressure; the hardness limits what is left of it beside the attraction."""
+        """Return the limits of the pressure; the hardness limits the pressure less the attraction."""
         if self.hardness == inf:
             return Compressive()
         attraction = 0.0 if solver is None else solver.law.strength

@@ -1,1 +1,1 @@
-"""Iterations for the dimensionless problem, and what they return. May import `problem` and below."""
+"""Iterations for the dimensionless problem, and their solutions. May import `problem` and below."""

@@ -37,7 +37,7 @@ CONSTANTS = LaggedConstants()
 
 @dataclass(frozen=True, eq=False)
 class LaggedSolution:
-    """Solution whose gap holds the lagged part of its own pressure.
+    """Solution with the lagged displacement under its own pressure.
 
     Parameters
     ----------

@@ -164,8 +164,8 @@ class ContactPreconditioner:
         """Return the preconditioned residual on the predicted active set.
 
         The set is the cells with pressure, and those that would penetrate after a step that closes the gap of these and
-        displaces the cells beside them. By its gap before the step, a contact slightly too high over a wide region would
-        take in every cell there whose gap is small.
+        displaces the cells beside them. The gap before the step would add every cell with a small gap where a contact
+        is slightly too high over a wide region.
 
         Returns
         -------

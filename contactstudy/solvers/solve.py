@@ -39,7 +39,7 @@ class Solver(Protocol):
 @suggest_fields
 @dataclass(frozen=True)
 class SolveOptions:
-    """Accuracy and method of a solve: all that an answer depends on beside the problem itself.
+    """Accuracy and method of a solve: with the problem, all that an answer depends on.
 
     Parameters
     ----------

@@ -215,7 +215,7 @@ class RemainderTables:
         """Return `edge` at distances `s` in order, by quadrature over k."""
         response = self.response
         if s[0] >= NEGLIGIBLE_EXPONENT / response.first_pole:
-            # along the imaginary axis, where J1 decays as K1; what is cut off is below rounding
+            # along the imaginary axis, where J1 decays as K1; the neglected part is below rounding
             tau, weight = self._imaginary(float(s[0]))
             even = np.real(response.remainder(1j * tau)) / tau
             far = k1(np.multiply.outer(s, tau)) @ (even * weight)

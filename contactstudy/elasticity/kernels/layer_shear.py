@@ -97,7 +97,7 @@ class ShearWaves:
         }
 
     def _responses(self, k: Numbers) -> list[Numbers]:
-        """Return what is added by shear along the wave, by shear across it, and to their coupling."""
+        """Return the responses to shear along the wave and across it, and their coupling, less those of a half-space."""
         decay, responses = np.exp(-2 * k), []
         remainders = _remainders(self.materials, k)
         for remainder, (constant, slope, curvature) in zip(remainders, self.terms, strict=True):
@@ -131,7 +131,7 @@ def _terms(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
     )
 
 
-# Potentials of a cell at a distance z from its plane, whose waves are 2 pi exp(-q z) times what each line begins with:
+# Potentials of a cell at a distance z from its plane, whose spectra are 2 pi exp(-q z) times the name of each:
 # the integrals over x and y of the derivatives of z ln(r + z) - r and of ln(r + z).
 def _xx_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     """Return the integral of the field ``qx^2 / q^3``."""

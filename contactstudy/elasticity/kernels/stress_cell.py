@@ -82,7 +82,7 @@ class Strip:
         x, z, dx, width = self.edges
         if width is None:
             return np.asarray(np.log1p(2 * x * dx / ((x - dx / 2) ** 2 + z * z)) / 2)
-        # |2 sin(u + i v)|^2 = 4 (sin(u)^2 + sinh(v)^2); both edges sink into rounding alike
+        # |2 sin(u + i v)|^2 = 4 (sin(u)^2 + sinh(v)^2); at depth both edges are lost in rounding alike
         deep = np.sinh(min(np.pi * z / width, 300.0)) ** 2
         ends = (np.sin(np.pi * (x + side * dx / 2) / width) ** 2 + deep for side in (1, -1))
         return np.asarray(np.log(np.divide(*ends)) / 2)

@@ -20,8 +20,7 @@ from contactstudy.elasticity.kernels.stress_cell import (
 
 # Distance from the axis, in periods, beyond which the stress does not vary along it: exp(-2 pi 6) ~ 1e-17.
 PLANE_STRAIN_PERIODS = 6.0
-# Positions that stand for the images at more than twice the distance from the axis: each gains a
-# factor of rho^2 = 8^2.
+# Nodes of the rule for images at more than twice the distance from the axis: each gains a factor of rho^2 = 8^2.
 TAIL_POINTS = 10
 # Points across and along that all of these are interpolated from: rho >= 6 and 13.
 INTERPOLATED = 22, 14

@@ -126,7 +126,7 @@ def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 # 2 pi times these are integrals over the cell of fields on the surface, z = 0: x / r^2 and y / r^2, the normal
 # displacement under shear (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
-# displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is what the second leaves of 1 / r.
+# displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is 1 / r less x^2 / r^3.
 SURFACE: dict[str, Component] = {}
 SURFACE["x"] = Component(
     "x / r^2",

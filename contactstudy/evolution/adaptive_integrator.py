@@ -17,36 +17,36 @@ from contactstudy.domain.fields import Array
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Frame
 from contactstudy.evolution.state_variables import HasDifference
-from contactstudy.evolution.steps import FIRST, Breakpoint, StepControl
-from contactstudy.evolution.time_stepper import Instant, TimeStepper
+from contactstudy.evolution.steps import INITIAL_STEP, Breakpoint, StepControl
+from contactstudy.evolution.time_stepper import Instant, TimeStepper, unloaded
 from contactstudy.solvers.solution import Solution, Status, worst
 
 # A pair of steps shorter than this, over the duration of the integration, is never rejected.
 SHORTEST = 1e-12
-# Parts of a jump of the load where a state depends on its path, in the doubled step: at first and at most.
-PARTS, MOST_PARTS = 4, 2**12
+# Load increments of a jump where a state depends on its path, in the doubled step: at first and at most.
+INCREMENTS, MAX_INCREMENTS = 4, 2**12
 # Largest number of halvings of a step in which bodies start to yield.
-ONSET = 6
+MAX_HALVINGS = 6
 # Errors of first order fall by 0.5 to 0.6 with every halving, so that a difference is up to 1.5 times too small.
-FIRST_ORDER = 1.5
+FIRST_ORDER_FACTOR = 1.5
 # Errors of wear are of order 1/2 where it begins, since the pressure changes at once: they fall by 2^-1/2, and a
 # difference is 2^1/2 - 1 of the error.
-WORN_FIRST_ORDER = 1 / (2**0.5 - 1)
-# Error by the cells of an integration over that of its last contact: with each state variable, which depends on earlier
-# pressures, and with plastic strain, whose cells below the surface add to it. Bounds by the cells held in 238 of 238
-# frames with creep, wear or both, and were 3 to 4 times too large in the median; with plastic strain the ratios were up
-# to 3.6.
-REMEMBERED, YIELDED = 1.2, 4.0
+HALF_ORDER_FACTOR = 1 / (2**0.5 - 1)
+# Discretisation error at the end of an integration over that of the last contact alone: with each state variable, which
+# depends on earlier pressures, and with plastic strain, whose cells below the surface add to it. Bounds by the cells
+# held in 238 of 238 frames with creep, wear or both, and were 3 to 4 times too large in the median; with plastic strain
+# the ratios were up to 3.6.
+GROWTH_PER_STATE_VARIABLE, GROWTH_PLASTIC = 1.2, 4.0
 # State of an integrator in its checkpoint.
-COUNTED = ("breakpoint", "arrived", "step_error", "carried_error", "pair", "rejected", "restarts", "steps", "iterations",
-           "convolutions")  # fmt: skip
+CHECKPOINTED = ("breakpoint", "arrived", "step_error", "largest_grid_error", "double_step", "rejected", "restarts",
+                "steps", "iterations", "convolutions")  # fmt: skip
 
 
 class _Outcome(Enum):
     """Outcome of the integration to a point."""
 
     REACHED = "the integration is there"
-    AGAIN = "the error grew too large: the integration starts again with shorter steps"
+    RESTART = "the error grew too large: the integration starts again with shorter steps"
     NO_SOLUTION = "a step has no solution to go on from"
 
 
@@ -89,18 +89,18 @@ class AdaptiveIntegrator:
         # frames whose step error is known once the doubled step reaches their time
         self.waiting: list[Frame] = []
         self.rejected = self.restarts = 0
-        self._count()
+        self._reset_counts()
         self._begin()
 
     def _begin(self) -> None:
         """Return to the first breakpoint, with a short pair of steps."""
         self.breakpoint, self.arrived = 0, False
-        self.main = self.doubled = self.stepper.start(self.breakpoints[0].time)
+        self.fine = self.coarse = self.stepper.start(self.breakpoints[0].time)
         self.solution: Solution | None = None
-        self.step_error = self.carried_error = 0.0
-        self.pair = FIRST * (self.breakpoints[-1].time - self.breakpoints[0].time)
+        self.step_error = self.largest_grid_error = 0.0
+        self.double_step = INITIAL_STEP * (self.breakpoints[-1].time - self.breakpoints[0].time)
 
-    def _count(self) -> None:
+    def _reset_counts(self) -> None:
         """Reset the counts of work since the last frame."""
         self.steps, self.iterations, self.convolutions = 0, 0, 0.0
         self.statuses: list[Status] = []
@@ -109,11 +109,11 @@ class AdaptiveIntegrator:
         """Integrate to the last breakpoint, or to a step that has no solution."""
         while self.breakpoint < len(self.breakpoints):
             point = self.breakpoints[self.breakpoint]
-            if self.main.time < point.time:
+            if self.fine.time < point.time:
                 outcome = self._integrate_to(point)
                 if outcome is _Outcome.NO_SOLUTION:
                     return
-                if outcome is _Outcome.AGAIN:
+                if outcome is _Outcome.RESTART:
                     continue
             if not self.arrived:
                 self.arrived = True
@@ -130,81 +130,89 @@ class AdaptiveIntegrator:
         """Integrate to `point`, which is later than the present time."""
         if self.control is None or not self.stepper.all_state_variables:
             return self._one_step(point)
-        return self._pairs_of_steps(point)
+        return self._step_adaptively(point)
 
     def _one_step(self, point: Breakpoint) -> _Outcome:
         """Integrate to `point` in one step; every second one is checked by one step of twice the length.
 
-        A last step that has no partner is taken in halves, or there would be nothing to compare.
+        A step that ends a doubled step alone is halved, so that the doubled step has two to be compared with.
         """
-        together = self.doubled.time == self.main.time
+        synchronised = self.coarse.time == self.fine.time
         after = self.breakpoints[self.breakpoint + 1] if point is not self.breakpoints[-1] else None
-        # both integrations agree where nothing presses, whatever their error before
-        last = point.breaks or after is None or point.records == 2 or after.before == 0
-        if self.step_doubling and together and last:
-            half = (self.main.time + point.time) / 2
-            self.main, _ = self._advance(self.main, half, self.stepper.load.at(half), ONSET)
-        onset = ONSET if self.step_doubling else 0
-        self.main, self.solution = self._advance(self.main, point.time, point.before, onset)
+        # without load both integrations have the same pressure: end the doubled step there
+        ends_double_step = point.breaks or after is None or point.records == 2 or after.before == 0
+        if self.step_doubling and synchronised and ends_double_step:
+            half = (self.fine.time + point.time) / 2
+            self.fine, _ = self._advance(self.fine, half, self.stepper.load.at(half), MAX_HALVINGS)
+        max_halvings = MAX_HALVINGS if self.step_doubling else 0
+        self.fine, self.solution = self._advance(self.fine, point.time, point.before, max_halvings)
         if not np.isfinite(self.solution.residual):
-            self._end(self.solution)
+            self._record_failure(self.solution)
             return _Outcome.NO_SOLUTION
-        if self.step_doubling and (last or not together):
-            self.doubled, _ = self._advance(self.doubled, point.time, point.before)
-            before, self.step_error = self.step_error, self._difference(self.main, self.doubled)
+        if self.step_doubling and (ends_double_step or not synchronised):
+            self.coarse, _ = self._advance(self.coarse, point.time, point.before)
+            before, self.step_error = self.step_error, self._difference(self.fine, self.coarse)
             # the frames that wait lie between two instants of the doubled step
             self._finish_frames(max(before, self.step_error))
         elif not self.step_doubling:
-            self.doubled = self.main
+            self.coarse = self.fine
         return _Outcome.REACHED
 
-    def _pairs_of_steps(self, point: Breakpoint) -> "_Outcome":
+    def _step_adaptively(self, point: Breakpoint) -> "_Outcome":
         """Integrate to `point` by pairs of steps, each checked by one step of twice the length."""
         control = self.control
         assert control is not None
-        while self.main.time < point.time:
-            remaining = point.time - self.main.time
-            pair = (
-                remaining if self.pair >= remaining * (1 - 1e-9) else min(self.pair, remaining / 2)
+        while self.fine.time < point.time:
+            remaining = point.time - self.fine.time
+            double_step = (
+                remaining
+                if self.double_step >= remaining * (1 - 1e-9)
+                else min(self.double_step, remaining / 2)
             )
-            reaches_point = pair == remaining
-            end = point.time if reaches_point else self.main.time + pair
+            reaches_point = double_step == remaining
+            end = point.time if reaches_point else self.fine.time + double_step
             load = point.before if reaches_point else self.stepper.load.at(end)
-            half = self.main.time + pair / 2
-            first, _ = self._advance(self.main, half, self.stepper.load.at(half), ONSET)
-            second, solution = self._advance(first, end, load, ONSET)
-            doubled, _ = self._advance(self.doubled, end, load)
+            half = self.fine.time + double_step / 2
+            first, _ = self._advance(self.fine, half, self.stepper.load.at(half), MAX_HALVINGS)
+            second, solution = self._advance(first, end, load, MAX_HALVINGS)
+            coarse, _ = self._advance(self.coarse, end, load)
             if not np.isfinite(solution.residual):
-                self._end(solution)
+                self._record_failure(solution)
                 return _Outcome.NO_SOLUTION
-            added = self._added(second, doubled)
-            if not control.accepts(added) and pair > SHORTEST * self.breakpoints[-1].time:
+            local_error = self._local_error(second, coarse)
+            if (
+                not control.accepts(local_error)
+                and double_step > SHORTEST * self.breakpoints[-1].time
+            ):
                 self.rejected += 1
-                self.pair = pair * min(control.factor(added), 0.5)
+                self.double_step = double_step * min(control.factor(local_error), 0.5)
                 continue
-            self.main, self.doubled, self.solution = second, doubled, solution
-            self.step_error = self._difference(second, doubled)
+            self.fine, self.coarse, self.solution = second, coarse, solution
+            self.step_error = self._difference(second, coarse)
             if self.step_error > control.error:
-                self._start_again(control.stricter(self.step_error))
-                return _Outcome.AGAIN
+                self._restart(control.stricter(self.step_error))
+                return _Outcome.RESTART
             # a pair cut short by a breakpoint is no measure of the allowed length
-            self.pair = max(pair * control.factor(added), self.pair if reaches_point else 0.0)
+            self.double_step = max(
+                double_step * control.factor(local_error),
+                self.double_step if reaches_point else 0.0,
+            )
             if self.records_all:
                 self._record()
             elif self.progress is not None:
-                self.progress(self.main.time, self.breakpoints[-1].time)
+                self.progress(self.fine.time, self.breakpoints[-1].time)
             self._save()
         return _Outcome.REACHED
 
-    def _added(self, main: Instant, doubled: Instant) -> float:
+    def _local_error(self, fine: Instant, coarse: Instant) -> float:
         """Return how much a pair of steps changes the relative L1 difference of the two integrations."""
-        before, after = self.main.pressure - self.doubled.pressure, main.pressure - doubled.pressure
-        grown = self._shear_difference(main, doubled) - self._shear_difference(
-            self.main, self.doubled
+        before, after = self.fine.pressure - self.coarse.pressure, fine.pressure - coarse.pressure
+        grown = self._shear_difference(fine, coarse) - self._shear_difference(
+            self.fine, self.coarse
         )
-        return max(self._relative(after - before, main, self.main), grown)
+        return max(self._relative(after - before, fine, self.fine), grown)
 
-    def _start_again(self, control: StepControl) -> None:
+    def _restart(self, control: StepControl) -> None:
         """Start the integration again with shorter steps; the work done so far stays counted."""
         self.control, self.frames, self.waiting = control, [], []
         self.restarts += 1
@@ -216,37 +224,39 @@ class AdaptiveIntegrator:
         Where a state depends on the path of the load, it changes by parts: twice as many as those of the doubled steps,
         and as many as the allowed error asks for.
         """
-        parts = 1 if self.stepper.coupled is None else 2 * PARTS
-        onset = ONSET if self.step_doubling else 0
+        increments = 1 if self.stepper.coupled is None else 2 * INCREMENTS
+        max_halvings = MAX_HALVINGS if self.step_doubling else 0
         while True:
-            main, solution = self._counted(*self.stepper.jump(self.main, load, parts, onset))
+            fine, solution = self._add_work(
+                *self.stepper.jump(self.fine, load, increments, max_halvings)
+            )
             if not np.isfinite(solution.residual):
-                self._end(solution)
+                self._record_failure(solution)
                 return False
             if not self.step_doubling:
-                self.main = self.doubled = main
+                self.fine = self.coarse = fine
                 break
-            doubled, _ = self._counted(
-                *self.stepper.jump(self.doubled, load, max(parts // 2, 1), 0)
+            coarse, _ = self._add_work(
+                *self.stepper.jump(self.coarse, load, max(increments // 2, 1), 0)
             )
-            added = self._added(main, doubled)
-            exact = self.control is None or self.control.accepts(added)
-            if self.stepper.coupled is None or exact or parts >= MOST_PARTS:
-                self.main, self.doubled = main, doubled
-                self.step_error = self._difference(main, doubled)
+            local_error = self._local_error(fine, coarse)
+            exact = self.control is None or self.control.accepts(local_error)
+            if self.stepper.coupled is None or exact or increments >= MAX_INCREMENTS:
+                self.fine, self.coarse = fine, coarse
+                self.step_error = self._difference(fine, coarse)
                 break
             self.rejected += 1
-            parts *= 2
+            increments *= 2
         self.solution = solution
         return True
 
     def _advance(
-        self, instant: Instant, end: float, load: float, onset: int = 0
+        self, instant: Instant, end: float, load: float, max_halvings: int = 0
     ) -> tuple[Instant, Solution]:
         """Advance one integration to the time `end` [s] and the load `load` [N/m], and count the work."""
-        return self._counted(*self.stepper.advance(instant, end, load, onset))
+        return self._add_work(*self.stepper.advance(instant, end, load, max_halvings))
 
-    def _counted(self, after: Instant, solutions: list[Solution]) -> tuple[Instant, Solution]:
+    def _add_work(self, after: Instant, solutions: list[Solution]) -> tuple[Instant, Solution]:
         """Count the work of `solutions`, and return the instant after them with the last of them."""
         for solution in solutions:
             self.steps += 1
@@ -255,20 +265,20 @@ class AdaptiveIntegrator:
             self.statuses.append(solution.status)
         return after, solutions[-1]
 
-    def _end(self, solution: Solution) -> None:
+    def _record_failure(self, solution: Solution) -> None:
         """Record the frame at which the integration has to stop, without a bound of its error."""
         self.solution, self.step_error = solution, inf
         self._record()
         self._finish_frames()
 
-    def _difference(self, main: Instant, doubled: Instant) -> float:
+    def _difference(self, fine: Instant, coarse: Instant) -> float:
         """Return the L1 difference of two instants' pressures, or of their shears, relative to the first."""
-        pressure = self._relative(main.pressure - doubled.pressure, main)
-        return max(pressure, self._shear_difference(main, doubled))
+        pressure = self._relative(fine.pressure - coarse.pressure, fine)
+        return max(pressure, self._shear_difference(fine, coarse))
 
-    def _shear_difference(self, main: Instant, doubled: Instant) -> float:
+    def _shear_difference(self, fine: Instant, coarse: Instant) -> float:
         """Return the largest difference of two instants' state variables that have an error of their own."""
-        variables = zip(self.stepper.all_state_variables, main.states, doubled.states, strict=True)
+        variables = zip(self.stepper.all_state_variables, fine.states, coarse.states, strict=True)
         return max(
             (
                 variable.difference(fine, coarse)
@@ -286,9 +296,9 @@ class AdaptiveIntegrator:
         """
         norm = float(np.abs(difference).sum())
         if self.stepper.coupled is not None:
-            return FIRST_ORDER * self._relative_to_largest_load(norm)
+            return FIRST_ORDER_FACTOR * self._relative_to_largest_load(norm)
         if self.stepper.is_first_order:
-            norm *= WORN_FIRST_ORDER
+            norm *= HALF_ORDER_FACTOR
         total = max(float(instant.pressure.sum()) for instant in instants)
         return norm / total if total else 0.0
 
@@ -312,11 +322,15 @@ class AdaptiveIntegrator:
         total = float(pressure.sum())
         # creep and wear keep the errors of earlier pressures, so that they enter later frames
         cells = estimate.l1.by_cause["discretisation"]
-        self.carried_error = max(self.carried_error, cells * total)
+        self.largest_grid_error = max(self.largest_grid_error, cells * total)
         if self.stepper.coupled is not None:
-            cells *= YIELDED
+            cells *= GROWTH_PLASTIC
         elif self.stepper.state_variables:
-            cells = REMEMBERED ** len(self.stepper.state_variables) * self.carried_error / total
+            cells = (
+                GROWTH_PER_STATE_VARIABLE ** len(self.stepper.state_variables)
+                * self.largest_grid_error
+                / total
+            )
         factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
         parts = ErrorParts(estimate.l1.truncation, cells, estimate.l1.residual)
         return parts.scaled(factor), estimate.warnings
@@ -330,40 +344,40 @@ class AdaptiveIntegrator:
         """Append a frame of the present contact to those that wait for their error."""
         solution = self.solution
         if solution is None:  # before the first load
-            solution = self.stepper.at_rest()
+            solution = unloaded(self.stepper.problem)
         shown = {
             name: field
             for state_variable, state in zip(
-                self.stepper.all_state_variables, self.main.states, strict=True
+                self.stepper.all_state_variables, self.fine.states, strict=True
             )
             for name, field in state_variable.fields(state).items()
         }
         parts, warnings = self._grid_error(solution)
         self.waiting.append(
             Frame(
-                time=self.main.time,
-                load=self.main.load,
+                time=self.fine.time,
+                load=self.fine.load,
                 pressure=solution.pressure,
                 gap=solution.gap,
                 approach=solution.approach,
                 fields=shown,
-                coupled_state={} if self.stepper.coupled is None else self.main.states[-1],
+                coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
                 status=worst(self.statuses),
                 residual=solution.residual,
                 step_error=0.0 if not self.stepper.all_state_variables else inf,
                 grid_error=parts.total,
                 grid_error_parts=parts,
                 warnings=warnings,
-                adhesion=self.main.adhesion,
+                adhesion=self.fine.adhesion,
                 steps=self.steps,
                 iterations=self.iterations,
                 convolutions=self.convolutions,
             )
         )
-        self._count()
+        self._reset_counts()
         if self.progress is not None:
-            self.progress(self.main.time, self.breakpoints[-1].time)
-        if not self.step_doubling or self.doubled.time == self.main.time:
+            self.progress(self.fine.time, self.breakpoints[-1].time)
+        if not self.step_doubling or self.coarse.time == self.fine.time:
             self._finish_frames()
 
     def _finish_frames(self, step_error: float | None = None) -> None:
@@ -378,14 +392,14 @@ class AdaptiveIntegrator:
 
     def _save(self) -> None:
         """Write the state of the integration to the checkpoint, unless a frame waits for its error."""
-        if self.checkpoint is None or self.waiting or self.doubled.time != self.main.time:
+        if self.checkpoint is None or self.waiting or self.coarse.time != self.fine.time:
             return
-        progress: dict[str, Any] = {name: getattr(self, name) for name in COUNTED}
+        progress: dict[str, Any] = {name: getattr(self, name) for name in CHECKPOINTED}
         progress["frames"] = len(self.frames)
         progress["statuses"] = [status.name for status in self.statuses]
         if self.control is not None:
-            progress["adds"] = self.control.adds
-        self.checkpoint.write_state(progress, {"main": self.main, "doubled": self.doubled})
+            progress["local_tolerance"] = self.control.local_tolerance
+        self.checkpoint.write_state(progress, {"fine": self.fine, "coarse": self.coarse})
 
     def restore(self) -> None:
         """Continue from the state in the checkpoint, if there is one."""
@@ -395,9 +409,9 @@ class AdaptiveIntegrator:
             return
         progress, instants = saved
         self.frames = [self.checkpoint.read_frame(number) for number in range(progress["frames"])]
-        self.main, self.doubled = instants["main"], instants["doubled"]
+        self.fine, self.coarse = instants["fine"], instants["coarse"]
         self.statuses = [Status[name] for name in progress["statuses"]]
         if self.control is not None:
-            self.control = replace(self.control, adds=progress["adds"])
-        for name in COUNTED:
+            self.control = replace(self.control, local_tolerance=progress["local_tolerance"])
+        for name in CHECKPOINTED:
             setattr(self, name, progress[name])

@@ -55,8 +55,8 @@ class Checkpoint:
             damaged files.
         """
         self.folder.mkdir(parents=True, exist_ok=True)
-        tree = {"request": canonical(request), "version": VERSION, "source": source_hash()}
-        self.request = key(tree)
+        identity = {"request": canonical(request), "version": VERSION, "source": source_hash()}
+        self.request = key(identity)
 
         def refuse(holder: str) -> None:
             raise InvalidInput(
@@ -67,31 +67,31 @@ class Checkpoint:
             remove_partial_files(self.folder)
             path = self.folder / "request.json"
             if path.exists():
-                self._check(tree)
+                self._check_identity(identity)
             elif any(not entry.name.startswith(".") for entry in self.folder.iterdir()):
                 raise InvalidInput(
                     f"evolve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
                 )
             else:
-                write_with_checksum(path, json.dumps(tree, indent=1).encode())
+                write_with_checksum(path, json.dumps(identity, indent=1).encode())
             yield
 
-    def _check(self, tree: Mapping[str, Any]) -> None:
+    def _check_identity(self, identity: Mapping[str, Any]) -> None:
         """Raise InvalidInput if the folder belongs to another request."""
-        with self._blamed():
+        with self._report_damage():
             content = read_verified(self.folder / "request.json")
             stored = json.loads(content or b"")
-            identity = [stored[name] for name in tree]
+            found = [stored[name] for name in identity]
         what = "an integration of another version of this program"
-        if identity[0] != tree["request"]:
+        if found[0] != identity["request"]:
             what = "the integration of another scene, grid or request"
-        if identity != list(tree.values()):
+        if found != list(identity.values()):
             raise InvalidInput(
                 f"evolve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
             )
 
     @contextmanager
-    def _blamed(self) -> Iterator[None]:
+    def _report_damage(self) -> Iterator[None]:
         """Convert an error that shows a damaged file into an InvalidInput that names the folder."""
         try:
             yield
@@ -137,19 +137,19 @@ class Checkpoint:
         """Replace a file by one with `value`: its arrays beside all else as JSON."""
         arrays: dict[str, Array] = {}
         tree = _converter(arrays).unstructure(value)
-        about = json.dumps({"request": self.request, "file": path.name, "value": tree})
+        header = json.dumps({"request": self.request, "file": path.name, "value": tree})
         content = BytesIO()
-        np.savez(content, about=np.array(about), **arrays)  # type: ignore[arg-type]
+        np.savez(content, header=np.array(header), **arrays)  # type: ignore[arg-type]
         write_with_checksum(path, content.getvalue())
 
     def _read(self, path: Path, kind: type[T]) -> T:
         """Return the value of that `kind` in a file."""
-        with self._blamed(), np.load(BytesIO(read_verified(path) or b"")) as file:
+        with self._report_damage(), np.load(BytesIO(read_verified(path) or b"")) as file:
             arrays = {name: file[name] for name in file.files}
-            about = json.loads(str(arrays.pop("about")))
-            if (about["request"], about["file"]) != (self.request, path.name):
+            header = json.loads(str(arrays.pop("header")))
+            if (header["request"], header["file"]) != (self.request, path.name):
                 raise ValueError("a file of another integration")
-            value: T = _converter(arrays).structure(about["value"], kind)
+            value: T = _converter(arrays).structure(header["value"], kind)
             return value
 
 

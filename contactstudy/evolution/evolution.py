@@ -108,7 +108,7 @@ class Trajectory:
     description
         The scene, grid and padding.
     coupled
-        StateVariable that derives fields from the frames' coupled states; None if there is none.
+        Coupled state variable that derives fields from the frames' coupled states; None if there is none.
     """
 
     problem: Problem

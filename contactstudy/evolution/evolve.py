@@ -30,8 +30,8 @@ from contactstudy.evolution.steps import (
     StepControl,
     StepError,
     schedule,
-    with_breaks,
-    within_periods,
+    with_breakpoints_at,
+    with_steps_within_quarter_period,
 )
 from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
 from contactstudy.problem.problem import Problem
@@ -165,10 +165,10 @@ def evolve(
     load = _load(scene, grid, times)
     breakpoints = schedule(load, times)
     if isinstance(scene.friction, Fretting) and scene.friction.times is not None:
-        breakpoints = with_breaks(breakpoints, load, scene.friction.times)
+        breakpoints = with_breakpoints_at(breakpoints, load, scene.friction.times)
     stepper = _time_stepper(scene, grid, padding, load, scheme, options)
     if stepper.all_state_variables:
-        breakpoints = within_periods(breakpoints, load)
+        breakpoints = with_steps_within_quarter_period(breakpoints, load)
     step_doubling = step_error is StepError.STEP_DOUBLING or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     integrator = AdaptiveIntegrator(

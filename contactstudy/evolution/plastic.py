@@ -91,12 +91,12 @@ def first_volume(
     near_yield = np.flatnonzero((ratio > NEAR_YIELD).any(axis=0))
     if near_yield.size:
         first, last = min(first, int(near_yield[0])), max(last, int(near_yield[-1]) + 1)
-    room = int(np.ceil(MARGIN * (last - first))) + 1
-    return replace(volume, first=max(first - room, 0), last=min(last + room, grid.cells[0]))
+    margin = int(np.ceil(MARGIN * (last - first))) + 1
+    return replace(volume, first=max(first - margin, 0), last=min(last + margin, grid.cells[0]))
 
 
 def enlarged(volume: Volume, length: float, flows: NDArray[np.bool_]) -> Volume:
-    """Return `volume` with more room on every side where plastic flow reaches its edge, within its grid.
+    """Return `volume` with more margin on every side where plastic flow reaches its edge, within its grid.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ class YieldingBody:
 
 @dataclass(eq=False)
 class PlasticState:
-    """StateVariable of plastic strain and equivalent plastic strain of each yielding body.
+    """State variable of plastic strain and equivalent plastic strain of each yielding body.
 
     They are kept in volumes of cells that grow as bodies yield.
 
@@ -234,16 +234,16 @@ class PlasticState:
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
             before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
-            step = self._converged(bodies, contact, before, equivalent, tolerance)
+            step = self._solve_with_friction(bodies, contact, before, equivalent, tolerance)
             if not self._grown(bodies.split(step.flow)):
                 break
         strains = bodies.split(step.strain)
         equivalents = bodies.split(equivalent + step.flow)
 
         # rounding may put a cell that is on the yield surface beyond it
-        flows = step.flow > tolerance * bodies.yield_strain
-        flow = float((step.flow * flows * bodies.volumes).sum())
-        after: dict[str, Array] = {"flow": state["flow"] + flow if flow else np.zeros(1)}
+        yields = step.flow > tolerance * bodies.yield_strain
+        integral = float((step.flow * yields * bodies.volumes).sum())
+        after: dict[str, Array] = {"flow": state["flow"] + integral if integral else np.zeros(1)}
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
         for body, operator, strain, hardened in parts:
             after |= _body_state(body, strain, hardened, operator.volume)
@@ -255,7 +255,7 @@ class PlasticState:
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
         return solution, after
 
-    def _converged(
+    def _solve_with_friction(
         self,
         bodies: YieldingBodies,
         contact: Contact,
@@ -265,21 +265,21 @@ class PlasticState:
     ) -> ElastoplasticStep:
         """Return pressure and plastic strain at the end of a step.
 
-        Shear by sliding makes the problem unsymmetric, so its stress is that of the pressure in the pass before, until
-        it stays: a plastic strain changes the pressure little.
+        Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous pass,
+        until it changes by less than the tolerance.
         """
         if not self.friction:
             return solve_elastoplastic_step(
                 bodies, contact, self._tangent, before, equivalent, tolerance
             )
         contacts = [contact(bodies.residual_displacement(before))]
-        shear, passes = self._sheared(bodies, contacts[0].pressure), 0
+        shear, passes = self._stress_of_friction(bodies, contacts[0].pressure), 0
         while True:
             step = solve_elastoplastic_step(
                 bodies, contact, self._tangent, before, equivalent, tolerance, shear
             )
             contacts += step.contacts
-            last, shear = shear, self._sheared(bodies, step.solution.pressure)
+            last, shear = shear, self._stress_of_friction(bodies, step.solution.pressure)
             change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))
             passes += 1
             if change <= tolerance or passes == PASSES or not np.isfinite(change):
@@ -287,7 +287,7 @@ class PlasticState:
         residual = max(step.residual, change)
         return replace(step, contacts=tuple(contacts), residual=residual)
 
-    def _sheared(self, bodies: YieldingBodies, pressure: Array) -> Array:
+    def _stress_of_friction(self, bodies: YieldingBodies, pressure: Array) -> Array:
         """Return the stress (C, cells) [Pa] by the shear that a `pressure` (x, y) [Pa] has while it slides."""
         parts = zip(self.bodies, self.operators, strict=True)
         return bodies.concatenated(
@@ -298,9 +298,9 @@ class PlasticState:
         self, body: YieldingBody, operator: EigenstrainOperator, pressure: Array
     ) -> Array:
         """Return the stress (C, layers, x, y) [Pa] in one body by the shear along x on it."""
-        return operator.stress_of_shear(self._drag(body) * pressure)
+        return operator.stress_of_shear(self._friction_ratio(body) * pressure)
 
-    def _drag(self, body: YieldingBody) -> float:
+    def _friction_ratio(self, body: YieldingBody) -> float:
         """Return the shear on a body over the pressure: the first body is dragged along x, the second against it."""
         return self.friction if body.place == 0 else -self.friction
 
@@ -315,7 +315,7 @@ class PlasticState:
         long_name = "residual displacement"
         return {"residual_displacement": Field(("x", "y"), displacement, "m", long_name)}
 
-    def abrupt(self, before: State, after: State) -> bool:
+    def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step made the plastic strain since the last unchanged load several times as large."""
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
@@ -342,7 +342,7 @@ class PlasticState:
             residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
             total = residual + np.stack([wide.tensor_of_pressure(p) for p in pressures])
             if self.friction:
-                shears = [self._drag(body) * p for p in pressures]
+                shears = [self._friction_ratio(body) * p for p in pressures]
                 total += np.stack([wide.tensor_of_shear(shear) for shear in shears])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
             layer = (f"z{suffix}",)
@@ -399,13 +399,13 @@ class PlasticState:
         return any_grown
 
 
-# A step is abrupt if it adds more than this multiple of the plastic strain before it. A step that doubles the load adds
-# about 3 times the plastic strain.
+# Yield sets in where a step adds more than this multiple of the plastic strain before it. A step that doubles the load
+# adds about 3 times the plastic strain.
 ABRUPT = 4.0
 # Passes over the shear of a step while bodies slide.
 PASSES = 50
 # Statuses of a contact that stopped before its tolerance.
-NEARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
+STOPPED_EARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
 # At the edge of the contact the stress has a logarithmic or stronger peak below the size of any cell.
 NEAR_EDGE = {
     "comment": "at the surface near the edge of the contact it does not converge with finer cells"
@@ -457,7 +457,7 @@ def step_solution(step: ElastoplasticStep, tolerance: float) -> Solution:
     """
     last = step.solution
     status, note = last.status, last.note
-    if status in NEARLY and last.residual <= tolerance:
+    if status in STOPPED_EARLY and last.residual <= tolerance:
         status = Status.CONVERGED  # the contact was asked for a smaller residual than the step
     if not step.residual <= tolerance:
         status = Status.NOT_CONVERGED

@@ -163,9 +163,9 @@ class RepeatedRolling:
 
 
 # Depth of the first layers, in lengths of the contact; they are made deeper where the last one yields.
-DEPTH = 2.0
+INITIAL_DEPTH = 2.0
 # The longest pass, in widths of the window.
-LONGEST = 20
+MAX_PASS_WIDTHS = 20
 
 
 def roll_repeatedly(
@@ -215,31 +215,31 @@ def roll_repeatedly(
     )
     _check_grid(problem)
     length, cell = problem.scales.length, grid.cell[0]
-    volume = Volume(grid, 0, grid.cells[0], layers(grid, length, DEPTH * length))
+    volume = Volume(grid, 0, grid.cells[0], layers(grid, length, INITIAL_DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
-    steps = _Rolling(
+    roller = _Rolling(
         rolling_contact(problem, options, rolling.pressure),
         options.tolerance,
         length,
         lag=max(round(length / cell), 1),
-        steps=None if rolling.distance is None else max(round(rolling.distance / cell), 1),
+        max_steps=None if rolling.distance is None else max(round(rolling.distance / cell), 1),
         steady=rolling.steady * body.hardening.yield_stress / body.moduli.youngs_modulus,
     )
-    track, pressed = steps.step(Track.fresh(operator, body.hardening))
+    track, pressed = roller.step(Track.virgin(operator, body.hardening))
     finished: list[RollingPass] = []
     for _ in range(rolling.passes):
         if finished:
-            track = replace(track, front=track.rear)
-        track, rolling_pass = steps.one_pass(track, () if finished else (pressed,))
+            track = replace(track, front=track.left_profile)
+        track, rolling_pass = roller.one_pass(track, () if finished else (pressed,))
         finished.append(rolling_pass)
     lifted, _ = track.solve_step(no_contact(problem), options.tolerance, length)
     return RepeatedRolling(tuple(finished), track, lifted, PosedScene(scene, grid, padding))
 
 
 # The strain behind the window is a mean over about half of its width: the distance from the contact to its edge.
-MEAN = 2
+AVERAGES_PER_WINDOW = 2
 # The contact at the end of a step, and the iterations of Newton's method that the step took.
-Step = tuple[Solution, int]
+SolvedStep = tuple[Solution, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,7 +256,7 @@ class _Rolling:
         Length of the contact [m].
     lag
         The same length in cells, over which changes of the plastic strain are judged.
-    steps
+    max_steps
         Steps of a pass; None takes as many as it needs to become steady.
     steady
         Largest change of plastic strain that counts as steady.
@@ -266,10 +266,10 @@ class _Rolling:
     tolerance: float
     length: float
     lag: int
-    steps: int | None
+    max_steps: int | None
     steady: float
 
-    def one_pass(self, track: Track, first: tuple[Step, ...]) -> tuple[Track, RollingPass]:
+    def one_pass(self, track: Track, first: tuple[SolvedStep, ...]) -> tuple[Track, RollingPass]:
         """Roll one pass from the present position of the contact.
 
         Parameters
@@ -280,20 +280,22 @@ class _Rolling:
             Steps that applied the load, which count as part of the pass.
         """
         grid = track.operator.volume.grid
-        steps, profiles, change = list(first), [track.rear], inf
-        max_profiles = LONGEST * grid.cells[0] if self.steps is None else self.steps
+        steps, profiles, change = list(first), [track.left_profile], inf
+        max_profiles = MAX_PASS_WIDTHS * grid.cells[0] if self.max_steps is None else self.max_steps
         while len(profiles) <= max_profiles:
-            before = track.rolled(MEAN / grid.cells[0])
+            before = track.rolled(AVERAGES_PER_WINDOW / grid.cells[0])
             track, step = self.step(before)
             steps.append(step)
-            profiles.append(track.rear)
-            if self.steps is None and len(profiles) > grid.cells[0] + self.lag:
-                change = _strain_change(profiles[-1 - self.lag].strain, track.rear.strain)
-                change = max(change, _strain_change(track.behind, track.rear.strain))
+            profiles.append(track.left_profile)
+            if self.max_steps is None and len(profiles) > grid.cells[0] + self.lag:
+                change = _strain_change(profiles[-1 - self.lag].strain, track.left_profile.strain)
+                change = max(
+                    change, _strain_change(track.mean_strain_behind, track.left_profile.strain)
+                )
                 if change < self.steady:
                     break
         statuses = [solution.status for solution, _ in steps]
-        if self.steps is None and change >= self.steady:
+        if self.max_steps is None and change >= self.steady:
             statuses.append(Status.NOT_CONVERGED)
         # checked at the end only: until the strain is steady, the mean strain behind differs from the strain that leaves
         # the window
@@ -301,7 +303,7 @@ class _Rolling:
         if flow[:, [0, -1]].max() > self.steady:
             statuses.append(Status.YIELD_AT_EDGE)
         return track, RollingPass(
-            track.rear,
+            track.left_profile,
             distance=(len(profiles) - 1) * grid.cell[0],
             solution=steps[-1][0],
             status=worst(statuses),
@@ -309,7 +311,7 @@ class _Rolling:
             iterations=sum(iterations for _, iterations in steps),
         )
 
-    def step(self, track: Track) -> tuple[Track, Step]:
+    def step(self, track: Track) -> tuple[Track, SolvedStep]:
         """Return the track after the contact and its plastic strain are solved, and that contact."""
         after, step = track.solve_step(self.contact, self.tolerance, self.length)
         solution = step_solution(step, self.tolerance)

@@ -26,11 +26,11 @@ from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 
 # Fine cells per cell, and the largest number of fine cells, for the delayed displacement under the pressure.
-FINE, MOST = 8, 2**17
+REFINEMENT, MAX_FINE_CELLS = 8, 2**17
 # Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
 # pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
 # passes end at the change COARSE_CHANGE.
-CHANGED, LEAST, COARSE_CHANGE = 2.0, 0.15, 1e-4
+CHANGE_FACTOR, PRESSURE_FACTOR, COARSE_CHANGE = 2.0, 0.15, 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +77,7 @@ class SteadyRolling:
         problem = self.solution.problem
         assert problem.paddings is not None
         (nx, ny), pressure = problem.grid.cells, self.solution.pressure
-        times = max(2, min(FINE, MOST // (nx * ny)))
+        times = max(2, min(REFINEMENT, MAX_FINE_CELLS // (nx * ny)))
         fine = Grid((times * nx, ny), problem.grid.extent)
         displacement = antisymmetric(self.antisymmetric_weights, fine, problem.paddings)(
             np.repeat(pressure, times, axis=0)
@@ -107,7 +107,10 @@ class SteadyRolling:
         if not self.resistance:
             return 0.0
         change = abs(self.coarse.resistance - self.resistance)
-        return CHANGED * change / abs(self.resistance) + LEAST * self._pressure_errors.l1.total
+        return (
+            CHANGE_FACTOR * change / abs(self.resistance)
+            + PRESSURE_FACTOR * self._pressure_errors.l1.total
+        )
 
     @cached_property
     def _pressure_errors(self) -> ErrorEstimate:
@@ -176,7 +179,7 @@ def solve_rolling(
     weights = Counter(response(elastic.solids, datum))
     weights.update(symmetric_weights)
 
-    def delayed(problem: Problem) -> Problem:
+    def with_retarded_operator(problem: Problem) -> Problem:
         return (
             replace(problem, operator=superposed(weights, problem.grid, padding))
             if symmetric_weights
@@ -185,9 +188,9 @@ def solve_rolling(
 
     assert isinstance(problem.source, ShapesSource)
     problem = replace(
-        delayed(problem),
+        with_retarded_operator(problem),
         description=PosedScene(scene, grid, padding),
-        source=problem.source.with_step(delayed),
+        source=problem.source.with_step(with_retarded_operator),
     )
     lagged = solve_lagged(
         problem,

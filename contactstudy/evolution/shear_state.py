@@ -16,11 +16,11 @@ from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step
 
 # Error of the shear over the difference of two integrations, where a rising pressure locks it in below a coating or slip
 # wears: at most 3.7 and 2.4 in twelve each, whose errors fall as the steps do or more slowly.
-SLOWLY = 4.0
-# Limit of a shear that nothing limits, over what a step adds.
-AMPLE = 1e3
-# Largest size of a sum of arrays that counts as none.
-NOTHING = 1e-300
+ERROR_OVER_DIFFERENCE = 4.0
+# Shear limit that is never reached, over the increment of a step.
+UNLIMITED = 1e3
+# Absolute sums below this are zero.
+TINY = 1e-300
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,11 @@ class ShearState:
 
     Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the shear before it and what
     a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953), with a
-    mean p of the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy. The mean is
-    that of both alike, with less of the pressure at the start where a cell would wear by more than its elastic
-    displacement: what the pressure at the end wears is a compliance of the step's contact, which is solved again until
-    it has the slip that it finds. Wear is then smooth for any step. A force that takes longer than half a `period`
-    stands for as many half cycles as have room in that time: their slip counts as often.
+    mean p of the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy. The mean
+    weights both alike. Where that would be unstable, because the wear of a step exceeds the elastic displacement of a
+    cell, the pressure at the start has less weight: a theta method. The implicit part enters the contact as a local
+    compliance; slip and contact are iterated to a fixed point. A force step that lasts n half periods counts its slip n
+    times (cycle jump).
 
     Attributes
     ----------
@@ -82,8 +82,8 @@ class ShearState:
         """Return no shear, slip or wear on `shape` cells (x, y)."""
         names = ["shear_x", "shear_y", "stick", "slip_distance", "energy"]
         names += ["worn_depth"] * (self.wear > 0)
-        names += ["guessed_slip"] * (self.wear > 0)
-        numbers = ["residual", *["guess_error"] * (self.wear > 0)]
+        names += ["slip_iterate"] * (self.wear > 0)
+        numbers = ["residual", *["slip_change"] * (self.wear > 0)]
         state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
 
@@ -91,18 +91,18 @@ class ShearState:
         """Return the depth worn so far as a gap, and what the step wears by the slip that it is guessed to have."""
         if not self.wear:
             return Contribution()
-        worn = self.wear * self._cycles(step) * state["guessed_slip"]
+        worn = self.wear * self._half_cycles(step) * state["slip_iterate"]
         explicit = self._fraction_at_start(worn)
         return Contribution(
             gap=state["worn_depth"] + explicit * worn * pressure,
             local_compliance=(1 - explicit) * worn,
         )
 
-    def guessed_again(self, state: State, found: State, tolerance: float) -> State:
+    def next_iterate(self, state: State, found: State, tolerance: float) -> State:
         """Return `state` with the slip that a step found as its guess, or itself if both wear alike."""
-        if not self.wear or found["guess_error"][0] <= tolerance:
+        if not self.wear or found["slip_change"][0] <= tolerance:
             return state
-        return dict(state) | {"guessed_slip": found["guessed_slip"]}
+        return dict(state) | {"slip_iterate": found["slip_iterate"]}
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return shear, slip, energy and worn depth at the end of the step."""
@@ -141,10 +141,12 @@ class ShearState:
         slip = np.where(step_of_slip.stick, 0.0, np.hypot(*step_of_slip.slip))
         released = (before > 0) & (after == 0)
         if released.any() and after.any():
-            outside = response(step_of_slip.shear - reference) - step_of_slip.rigid[:, None, None]
-            slip = np.where(released, np.hypot(*outside), slip)
-        cycles = self._cycles(step)
-        distance = cycles * slip
+            slip_at_release = (
+                response(step_of_slip.shear - reference) - step_of_slip.rigid[:, None, None]
+            )
+            slip = np.where(released, np.hypot(*slip_at_release), slip)
+        half_cycles = self._half_cycles(step)
+        distance = half_cycles * slip
         explicit = self._fraction_at_start(self.wear * distance)
         work = (explicit * before + (1 - explicit) * after) * distance
         state = dict(state) | {
@@ -159,37 +161,37 @@ class ShearState:
             start, end = np.stack([*shear, before]), np.stack([*step_of_slip.shear, after])
             state |= self.creep.update(state, start, end, step)
         if self.wear:
-            guess = cycles * state["guessed_slip"]
+            guess = half_cycles * state["slip_iterate"]
             error = self.wear * float((after * np.abs(distance - guess)).max())
             state["worn_depth"] = state["worn_depth"] + self.wear * work
-            state["guessed_slip"] = distance / cycles
-            state["guess_error"] = np.array([error / self.gap_scale])
+            state["slip_iterate"] = distance / half_cycles
+            state["slip_change"] = np.array([error / self.gap_scale])
         return state
 
     def _locked(self, shear: Array, before: Array, after: Array, slope: float) -> Array:
         """Return the shear that the step is counted from, with what a rising pressure locks in.
 
-        Below a coating shear is not locked in as pressure is: cells that touch from the start of the step on move all
-        by one distance, and only those that come to touch in it take a shear of `slope` times their pressure.
+        With a coating the locked-in shear is not proportional to the increment of the pressure: cells in contact
+        throughout the step share one rigid displacement, cells that enter contact take `slope` times their pressure.
         """
         reference = locked_shear(shear, before, after, slope)
         in_contact = before > 0
         if not self.coated or slope == 0 or not in_contact.any():
             return reference
         gained = slope * (after - before)
-        come = np.stack([np.where(in_contact, 0.0, gained), np.zeros_like(gained)])
-        stuck = slip_step(
+        entering = np.stack([np.where(in_contact, 0.0, gained), np.zeros_like(gained)])
+        locked = slip_step(
             self.response,
-            np.where(in_contact, AMPLE * np.abs(gained).max(), 0.0),
-            -come,
+            np.where(in_contact, UNLIMITED * np.abs(gained).max(), 0.0),
+            -entering,
             self.tolerance,
             self.max_applications,
             total=np.array([gained[in_contact].sum(), 0.0]),
         )
-        return np.asarray(shear + come + stuck.shear)
+        return np.asarray(shear + entering + locked.shear)
 
-    def _cycles(self, step: Step) -> float:
-        """Return how many times the slip of a step counts."""
+    def _half_cycles(self, step: Step) -> float:
+        """Return the number of half cycles that a step stands for, at least 1."""
         history = self.forces if self.forces is not None else self.displacements
         assert history is not None
         times = history.times
@@ -202,7 +204,7 @@ class ShearState:
 
         It is a half, and less where a half would turn back what the pressure at the end differs by.
         """
-        return np.asarray(np.minimum(0.5, self.cell_compliance / np.maximum(worn, NOTHING)))
+        return np.asarray(np.minimum(0.5, self.cell_compliance / np.maximum(worn, TINY)))
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return shear, stick, slip, energy and worn depth (x, y)."""
@@ -224,5 +226,5 @@ class ShearState:
         """Return the L1 difference of the shear of two states, relative to the first, scaled up to that error."""
         size = float(np.abs(state["shear_x"]).sum())
         changed = float(np.abs(state["shear_x"] - other["shear_x"]).sum())
-        factor = SLOWLY if self.coated or self.wear else 1.0
-        return factor * changed / size if size > NOTHING else 0.0
+        factor = ERROR_OVER_DIFFERENCE if self.coated or self.wear else 1.0
+        return factor * changed / size if size > TINY else 0.0

@@ -56,7 +56,7 @@ class Contribution:
     ----------
     gap
         Added to the undeformed gap (x, y) [m]; None adds nothing.
-    strained
+    convolved
         Fields (x, y) [-] to be convolved with their influence coefficients [m], then added to the gap.
     compliance
         Added to the weights [1/Pa] of coefficients in the operator.
@@ -65,7 +65,7 @@ class Contribution:
     """
 
     gap: Array | None = None
-    strained: Mapping[Coefficients, Array] = field(default_factory=dict)
+    convolved: Mapping[Coefficients, Array] = field(default_factory=dict)
     compliance: Mapping[Coefficients, float] = field(default_factory=dict)
     local_compliance: float | Array = 0.0
 
@@ -100,10 +100,10 @@ class HasDifference(Protocol):
 
 
 @runtime_checkable
-class HasGuess(Protocol):
+class IteratedStateVariable(Protocol):
     """Protocol of a state variable whose contribution to a step needs a guess of what the step will find."""
 
-    def guessed_again(self, state: State, found: State, tolerance: float) -> State:
+    def next_iterate(self, state: State, found: State, tolerance: float) -> State:
         """Return the `state` at the start of a step with what was `found` at its end as its guess.
 
         It is the same `state` where the guess was as good as the `tolerance`.
@@ -172,7 +172,7 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
         """
         ...
 
-    def abrupt(self, before: State, after: State) -> bool:
+    def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step between two states added far more than all steps before it."""
         ...
 
@@ -183,9 +183,9 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
 
 @dataclass(frozen=True)
 class CreepState:
-    """StateVariable of a viscoelastic body: its delayed pressures, and the impulse of the pressure where it is a fluid.
+    """Internal variables of a viscoelastic body: retarded pressures, and the time integral of the pressure of a fluid.
 
-    Delayed pressures follow ``c_i' = (p - c_i) / lambda_i``, the impulse ``b' = p``. The surface moves as under
+    Retarded pressures follow ``c_i' = (p - c_i) / lambda_i``, the impulse ``b' = p``. The surface moves as under
     ``J_0 p + sum(J_i c_i) + fluidity b``. Steps are exact for a pressure that is linear in time.
 
     Attributes
@@ -202,8 +202,8 @@ class CreepState:
     has_stages: ClassVar[bool] = False
 
     def start(self, shape: tuple[int, ...]) -> State:
-        """Return delayed pressures and impulse of zero on `shape` cells (x, y), or of several fields."""
-        names = [f"delayed{number}" for number in range(len(self.creep.terms))]
+        """Return retarded pressures and impulse of zero on `shape` cells (x, y), or of several fields."""
+        names = [f"retarded{number}" for number in range(len(self.creep.terms))]
         names += ["impulse"] * bool(self.creep.fluidity)
         return {name: np.zeros(shape) for name in names}
 
@@ -211,16 +211,16 @@ class CreepState:
         """Return the strain fixed by past pressures, and the compliance for the pressure at the end of the step."""
         strain, compliance = self.after(state, pressure, step.duration)
         return Contribution(
-            strained={self.coefficients: strain}, compliance={self.coefficients: compliance}
+            convolved={self.coefficients: strain}, compliance={self.coefficients: compliance}
         )
 
     def after(self, state: State, pressure: Array, duration: float) -> tuple[Array, float]:
-        """Return the delayed strain after a `duration` [s], and its compliance for the pressure at the end."""
+        """Return the retarded strain after a `duration` [s], and its compliance for the pressure at the end."""
         strain = np.zeros_like(pressure)
         compliance = 0.0
         for number, (size, time) in enumerate(self.creep.terms):
-            from_state, from_start, from_end = delay_weights(duration / time)
-            strain += (size * from_state) * state[f"delayed{number}"]
+            from_state, from_start, from_end = retardation_weights(duration / time)
+            strain += (size * from_state) * state[f"retarded{number}"]
             strain += (size * from_start) * pressure
             compliance += size * from_end
         if self.creep.fluidity:
@@ -230,24 +230,24 @@ class CreepState:
         return strain, compliance
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """Return the delayed pressures [Pa] and the impulse [Pa s] at the end of the step."""
-        delayed: dict[str, Array] = {}
+        """Return the retarded pressures [Pa] and the impulse [Pa s] at the end of the step."""
+        retarded: dict[str, Array] = {}
         for number, (_, time) in enumerate(self.creep.terms):
-            from_state, from_start, from_end = delay_weights(step.duration / time)
-            delayed[f"delayed{number}"] = (
-                from_state * state[f"delayed{number}"] + from_start * before + from_end * after
+            from_state, from_start, from_end = retardation_weights(step.duration / time)
+            retarded[f"retarded{number}"] = (
+                from_state * state[f"retarded{number}"] + from_start * before + from_end * after
             )
         if self.creep.fluidity:
-            delayed["impulse"] = state["impulse"] + step.duration / 2 * (before + after)
-        return delayed
+            retarded["impulse"] = state["impulse"] + step.duration / 2 * (before + after)
+        return retarded
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """Return no fields: delayed pressures are not shown to users."""
+        """Return no fields: retarded pressures are not shown to users."""
         return {}
 
 
-def delay_weights(ratio: float) -> tuple[float, float, float]:
-    """Return the weights of the delayed pressure, the pressure before and the pressure after, in a step of creep.
+def retardation_weights(ratio: float) -> tuple[float, float, float]:
+    """Return the weights of the retarded pressure, the pressure before and the pressure after, in a step of creep.
 
     They are ``e``, ``f - e`` and ``1 - f`` with ``e = exp(-ratio)`` and ``f = (1 - e) / ratio``. They add up to 1 and
     none is negative.
@@ -267,7 +267,7 @@ def delay_weights(ratio: float) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class WearState:
-    """StateVariable of wear: the worn depth w, with ``dw/dt = rate p`` (Archard 1953).
+    """State variable of wear: the worn depth w, with ``dw/dt = rate p`` (Archard 1953).
 
     The pressure at the start of a step acts in its explicit fraction, the pressure at its end in the remaining one,
     which adds a constant to the operator. The worn volume is exact: where the load changes within the step, both
@@ -289,23 +289,23 @@ class WearState:
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the depth worn so far as a gap, and the wear by the pressure at the end as a local compliance."""
-        before, after = self._fractions(step)
+        explicit, implicit = self._depths_per_pressure(step)
         worn = state["worn_depth"]
-        if before:
-            worn = worn + before * pressure
-        return Contribution(gap=worn, local_compliance=after)
+        if explicit:
+            worn = worn + explicit * pressure
+        return Contribution(gap=worn, local_compliance=implicit)
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the worn depth at the end of the step."""
-        first, last = self._fractions(step)
-        worn = state["worn_depth"] + last * after
-        return {"worn_depth": worn + first * before if first else worn}
+        explicit, implicit = self._depths_per_pressure(step)
+        worn = state["worn_depth"] + implicit * after
+        return {"worn_depth": worn + explicit * before if explicit else worn}
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the worn depth (x, y) [m]."""
         return {"worn_depth": Field(("x", "y"), state["worn_depth"], "m", "worn depth")}
 
-    def _fractions(self, step: Step) -> tuple[float, float]:
+    def _depths_per_pressure(self, step: Step) -> tuple[float, float]:
         """Return depth over pressure [m/Pa] worn in the step by the pressure at its start and by that at its end."""
         (first, last), mean, explicit = step.loads, step.mean_load, step.explicit
         depth = self.rate * step.duration

@@ -15,8 +15,8 @@ from contactstudy.domain.checks import InvalidInput, relative_error, suggest_fie
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 
-# The stage length at which a two-stage scheme of second order damps stiff changes entirely.
-STAGE = 1 - 1 / sqrt(2)
+# gamma of the L-stable two-stage SDIRK scheme of order 2.
+SDIRK_GAMMA = 1 - 1 / sqrt(2)
 
 
 class Scheme(Enum):
@@ -26,12 +26,13 @@ class Scheme(Enum):
     worn volume.
     """
 
-    #: Second order, stable however long the step, two solves.
+    #: Second order, L-stable, two solves.
     #: Source: Alexander (1977), SIAM J. Numer. Anal. 14, sect. 3.
-    TWO_STAGE = ((STAGE, 0.0), (1 - STAGE, (1 - 2 * STAGE) / (1 - STAGE)))
-    #: First order, stable however long the step, one solve.
+    TWO_STAGE = ((SDIRK_GAMMA, 0.0), (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA)))
+    #: Backward Euler: first order, L-stable, one solve.
     IMPLICIT = ((1.0, 0.0),)
-    #: First order, unstable beyond :func:`~contactstudy.evolution.state_variables.explicit_limit`: for comparison.
+    #: Forward Euler: first order, unstable beyond
+    #: :func:`~contactstudy.evolution.state_variables.explicit_limit`: for comparison.
     EXPLICIT = ((1.0, 1.0),)
 
     @property
@@ -179,7 +180,7 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
     )
 
 
-def with_breaks(
+def with_breakpoints_at(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
 ) -> tuple[Breakpoint, ...]:
     """Return `breakpoints` and more at `times` [s] between them, where something else than the `load` breaks."""
@@ -198,7 +199,7 @@ def with_breaks(
 PER_PERIOD = 4
 
 
-def within_periods(
+def with_steps_within_quarter_period(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad
 ) -> tuple[Breakpoint, ...]:
     """Return `breakpoints` with more between them, so that no step is longer than a quarter of the period of `load`.
@@ -236,34 +237,34 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
 
 # In the first integration, a pair of steps may add this fraction of the allowed error to the difference of two
 # integrations.
-FIRST_FRACTION = 0.5
+INITIAL_TOLERANCE_FRACTION = 0.5
 # Smallest and largest factor on the length of a step, and the fraction of the allowed length that is aimed at.
-SHRINK, GROW, AIM = 0.2, 2.0, 0.9
-# What one pair adds grows with its length to this power; what all pairs add, to this power minus 1.
+MIN_FACTOR, MAX_FACTOR, SAFETY = 0.2, 2.0, 0.9
+# The local error of a pair grows with its length to this power; that of all pairs, to this power minus 1.
 ORDER = 2
 # Duration of the first pair of steps over that of the integration: if it is too long, it is rejected.
-FIRST = 1e-2
+INITIAL_STEP = 1e-2
 # The least ratio of the error to the solver's tolerance, so that the solver's error does not count.
-ABOVE_TOLERANCE = 100
+MIN_ERROR_OVER_TOLERANCE = 100
 
 
 @dataclass(frozen=True)
 class StepControl:
-    """Control of the step length by what a pair of steps adds to the error of the pressure.
+    """Control of the step length by the local error, what a pair of steps adds to the error of the pressure.
 
-    How much of that error the contact forgets later cannot be known beforehand: where the sum gets too large, the
-    integration starts again with a :meth:`stricter` control.
+    How far later steps damp that error is not known in advance: if the accumulated error exceeds the allowed one, the
+    integration restarts with a :meth:`stricter` control.
 
     Attributes
     ----------
     error
         Allowed relative L1 error of the pressure.
-    adds
+    local_tolerance
         What one pair of steps may add to it.
     """
 
     error: float
-    adds: float
+    local_tolerance: float
 
     @classmethod
     def for_error(cls, error: float, tolerance: float) -> "StepControl":
@@ -282,25 +283,25 @@ class StepControl:
             If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
         """
         error = relative_error("evolve.error", error)
-        if error < ABOVE_TOLERANCE * tolerance:
+        if error < MIN_ERROR_OVER_TOLERANCE * tolerance:
             raise InvalidInput(
-                f"evolve.error is {error!r}: give {ABOVE_TOLERANCE} times the tolerance of evolve.options or more, or a "
-                "smaller tolerance."
+                f"evolve.error is {error!r}: give at least {MIN_ERROR_OVER_TOLERANCE} times the tolerance of the "
+                "contacts, or a smaller tolerance."
             )
-        return cls(error, FIRST_FRACTION * error)
+        return cls(error, INITIAL_TOLERANCE_FRACTION * error)
 
-    def accepts(self, added: float) -> bool:
-        """Return whether a pair of steps that has `added` this much to the error is short enough."""
-        return added <= self.adds
+    def accepts(self, local_error: float) -> bool:
+        """Return whether a pair of steps with this `local_error` is short enough."""
+        return local_error <= self.local_tolerance
 
-    def factor(self, added: float) -> float:
-        """Return the factor on the length of the next pair, after one that has `added` this much to the error."""
-        if added <= 0:
-            return GROW
-        longer: float = (self.adds / added) ** (1 / ORDER)
-        return min(max(AIM * longer, SHRINK), GROW)
+    def factor(self, local_error: float) -> float:
+        """Return the factor on the length of the next pair, after one with this `local_error`."""
+        if local_error <= 0:
+            return MAX_FACTOR
+        longer: float = (self.local_tolerance / local_error) ** (1 / ORDER)
+        return min(max(SAFETY * longer, MIN_FACTOR), MAX_FACTOR)
 
     def stricter(self, excessive_error: float) -> "StepControl":
         """Return the control of the next integration, after one whose error is above the allowed one."""
-        shorter = min(AIM * self.error / excessive_error, 0.7) ** (ORDER / (ORDER - 1))
-        return StepControl(self.error, self.adds * shorter)
+        shorter = min(SAFETY * self.error / excessive_error, 0.7) ** (ORDER / (ORDER - 1))
+        return StepControl(self.error, self.local_tolerance * shorter)

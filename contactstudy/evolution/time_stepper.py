@@ -18,7 +18,7 @@ from contactstudy.evolution.state_variables import (
     AnyStateVariable,
     Contribution,
     CoupledStateVariable,
-    HasGuess,
+    IteratedStateVariable,
     State,
     StateVariable,
     Step,
@@ -33,11 +33,11 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
 # error.
-CLOSER = 0.01
+COUPLED_TOLERANCE_FACTOR = 0.01
 # Solves of a step whose state variables guess what it finds.
-MOST_GUESSES = 30
+MAX_FIXED_POINT_ITERATIONS = 30
 # The single, implicit stage of a step that has no stages.
-WHOLE = ((1.0, 0.0),)
+SINGLE_STAGE = ((1.0, 0.0),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +103,10 @@ class WarmStartedContact:
     def __call__(self, added_gap: Array) -> Solution:
         """Return the contact with `added_gap` (x, y) [m] added to its gap."""
         solution = solved_or_unloaded(
-            self.options, with_added_gap(self.problem, added_gap), self.last, CLOSER
+            self.options,
+            with_added_gap(self.problem, added_gap),
+            self.last,
+            COUPLED_TOLERANCE_FACTOR,
         )
         self.last = solution.pressure
         return solution
@@ -124,7 +127,7 @@ class TimeStepper:
     state_variables
         State variables whose update follows from the pressures at both ends of a step.
     coupled
-        StateVariable that is solved for together with the pressure; None if there is none.
+        State variable that is solved for together with the pressure; None if there is none.
     scheme
         Stages of a step.
     options
@@ -151,7 +154,7 @@ class TimeStepper:
         """True if the error of a step falls only in proportion to its duration."""
         in_one_stage = len(self.scheme.stages) == 1
         return any(
-            (variable.has_stages and in_one_stage) or isinstance(variable, HasGuess)
+            (variable.has_stages and in_one_stage) or isinstance(variable, IteratedStateVariable)
             for variable in self.state_variables
         )
 
@@ -161,12 +164,8 @@ class TimeStepper:
         states = tuple(state_variable.start(shape) for state_variable in self.all_state_variables)
         return Instant(time, 0.0, np.zeros(shape), states)
 
-    def at_rest(self) -> Solution:
-        """Return the bodies as they just touch, before the first load."""
-        return unloaded(self.problem)
-
     def jump(
-        self, instant: Instant, load: float, parts: int, onset: int
+        self, instant: Instant, load: float, increments: int, max_halvings: int
     ) -> tuple[Instant, list[Solution]]:
         """Change the load at one instant.
 
@@ -176,31 +175,34 @@ class TimeStepper:
             The contact before the jump.
         load
             Load [N/m] after the jump.
-        parts
-            Number of equal parts in which the load changes.
-        onset
+        increments
+            Number of equal load increments.
+        max_halvings
             See :meth:`advance`.
 
         Returns
         -------
         tuple of Instant and list of Solution
-            The contact after the jump, and the solutions of all parts.
+            The contact after the jump, and the solutions of all increments.
         """
         solutions: list[Solution] = []
         first = instant.load
-        for part in range(1, parts + 1):
-            target = load if part == parts else first + (load - first) * part / parts
-            instant, part_solutions = self.advance(instant, instant.time, target, onset)
-            solutions += part_solutions
+        for increment in range(1, increments + 1):
+            target = (
+                load if increment == increments else first + (load - first) * increment / increments
+            )
+            instant, increment_solutions = self.advance(instant, instant.time, target, max_halvings)
+            solutions += increment_solutions
         return instant, solutions
 
     def advance(
-        self, instant: Instant, end: float, load: float, onset: int = 0
+        self, instant: Instant, end: float, load: float, max_halvings: int = 0
     ) -> tuple[Instant, list[Solution]]:
         """Advance to the time `end` [s], where the load is `load` [N/m].
 
         A step in which bodies start to yield may have an error that a step twice as long does not show, because they
-        hardly yield in its first half. So an abrupt step is halved, and its halves again, up to `onset` times.
+        hardly yield in its first half. So such a step is halved, and its halves again, up to
+        `max_halvings` times.
 
         Returns
         -------
@@ -209,12 +211,16 @@ class TimeStepper:
         """
         after, solutions = self._step(instant, end, load)
         coupled = self.coupled
-        if not onset or coupled is None or not coupled.abrupt(instant.states[-1], after.states[-1]):
+        if (
+            not max_halvings
+            or coupled is None
+            or not coupled.has_onset_of_yield(instant.states[-1], after.states[-1])
+        ):
             return after, solutions
         time = (instant.time + end) / 2
         half = self.load.at(time) if instant.time < end else (instant.load + load) / 2
-        middle, first = self.advance(instant, time, half, onset - 1)
-        after, second = self.advance(middle, end, load, onset - 1)
+        middle, first = self.advance(instant, time, half, max_halvings - 1)
+        after, second = self.advance(middle, end, load, max_halvings - 1)
         return after, solutions + first + second
 
     def _step(self, instant: Instant, end: float, load: float) -> tuple[Instant, list[Solution]]:
@@ -226,7 +232,7 @@ class TimeStepper:
         stages = (
             self.scheme.stages
             if any(state_variable.has_stages for state_variable in self.all_state_variables)
-            else WHOLE
+            else SINGLE_STAGE
         )
         fraction = 0.0
         for part, explicit in stages:
@@ -260,26 +266,26 @@ class TimeStepper:
                 state_variable.update(state, instant.pressure, after, step)
                 for state_variable, state in zip(self.state_variables, instant.states, strict=False)
             )
-            guessed = self._guessed_again(instant, states + coupled)
-            if guessed is instant or len(solutions) == MOST_GUESSES:
+            guessed = self._next_iterate(instant, states + coupled)
+            if guessed is instant or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
                 break
             instant = guessed
         if guessed is not instant and solution.status is Status.CONVERGED:
             solution = replace(solution, status=Status.STALLED)
-        unsettled = max(
+        state_residual = max(
             (float(state["residual"][0]) for state in states if "residual" in state), default=0.0
         )
-        if unsettled > self.options.tolerance and solution.status is Status.CONVERGED:
-            solution = replace(solution, status=Status.STALLED, residual=unsettled)
+        if state_residual > self.options.tolerance and solution.status is Status.CONVERGED:
+            solution = replace(solution, status=Status.STALLED, residual=state_residual)
         solutions[-1] = solution
         instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)
         return instant, solutions
 
-    def _guessed_again(self, instant: Instant, found: tuple[State, ...]) -> Instant:
+    def _next_iterate(self, instant: Instant, found: tuple[State, ...]) -> Instant:
         """Return `instant` with better guesses of what a step from it finds, the same one if they are good enough."""
         states = tuple(
-            variable.guessed_again(state, after, self.options.tolerance)
-            if isinstance(variable, HasGuess)
+            variable.next_iterate(state, after, self.options.tolerance)
+            if isinstance(variable, IteratedStateVariable)
             else state
             for variable, state, after in zip(
                 self.all_state_variables, instant.states, found, strict=True
@@ -299,17 +305,17 @@ class TimeStepper:
         for contribution in contributions:
             weights.update(contribution.compliance)
         local = sum(contribution.local_compliance for contribution in contributions)
-        problem = self._with(weights, local, step.loads[1], self.problem)
+        problem = self._problem_under(weights, local, step.loads[1], self.problem)
         source = self.problem.source
         if isinstance(source, ShapesSource):
-            source = source.with_step(partial(self._with, weights, local, step.loads[1]))
+            source = source.with_step(partial(self._problem_under, weights, local, step.loads[1]))
         adhesion = self.problem.adhesion
         if adhesion is not None and instant.adhesion is not None:
             adhesion = adhesion.continued(instant.adhesion.traction)
         gap = self._gap(contributions)
         return replace(problem, undeformed_gap=gap, source=source, adhesion=adhesion)
 
-    def _with(
+    def _problem_under(
         self,
         weights: Mapping[Coefficients, float],
         local: float | Array,
@@ -330,26 +336,26 @@ class TimeStepper:
             The scene's problem, on any grid.
         """
         grid = problem.grid
-        softer = sum(weights.values()) / sum(self.weights.values())
+        compliance_ratio = sum(weights.values()) / sum(self.weights.values())
         return replace(
             problem,
             operator=self._operator(problem, weights, local),
             resultant=PrescribedLoad(load * grid.period / grid.cell_area),
-            scales=self._scales(load, softer) if load > 0 else problem.scales,
+            scales=self._scales(load, compliance_ratio) if load > 0 else problem.scales,
         )
 
     def _gap(self, contributions: Iterable[Contribution]) -> Array:
         """Return the undeformed gap (x, y) [m] plus the contributions of all state variables."""
         gap = self.problem.undeformed_gap
-        strains: dict[Coefficients, Array] = {}
+        convolved: dict[Coefficients, Array] = {}
         for contribution in contributions:
             if contribution.gap is not None:
                 gap = gap + contribution.gap
-            for coefficients, field in contribution.strained.items():
-                strains[coefficients] = strains.get(coefficients, 0.0) + field
-        for coefficients, strain in strains.items():
+            for coefficients, field in contribution.convolved.items():
+                convolved[coefficients] = convolved.get(coefficients, 0.0) + field
+        for coefficients, strain in convolved.items():
             if strain.any():
-                gap = gap + self._units[coefficients](strain)
+                gap = gap + self._unit_operators[coefficients](strain)
         return gap
 
     def _operator(
@@ -364,11 +370,11 @@ class TimeStepper:
             return WithWinklerLayer(elastic, on_cells(local, problem.grid.cells))
         if weights == self.weights:
             return weighted_sum([(1.0, operator)], local) if local else operator
-        units = self._units if problem is self.problem else self._units_of(problem)
+        units = self._unit_operators if problem is self.problem else self._units_of(problem)
         return weighted_sum(((weight, units[kind]) for kind, weight in weights.items()), local)
 
     @cached_property
-    def _units(self) -> Mapping[Coefficients, Convolution]:
+    def _unit_operators(self) -> Mapping[Coefficients, Convolution]:
         """Operators on the grid of the integration for each kind of coefficients [m]."""
         return self._units_of(self.problem)
 
@@ -385,19 +391,19 @@ class TimeStepper:
             for coefficients in self.weights
         }
 
-    def _scales(self, load: float, softer: float) -> Scales:
-        """Return the scales of a contact under `load` [N/m] with `softer` times the compliance of the integration.
+    def _scales(self, load: float, compliance_ratio: float) -> Scales:
+        """Return the scales of a contact under `load` [N/m] with that ratio to the compliance of the integration.
 
         The width of a curved contact grows with the square root of load and compliance; a flat contact keeps its width.
         """
         scales = self.problem.scales
         ratio = load / self.load.largest
         if scales.length < self.problem.grid.extent[0]:
-            length, pressure = sqrt(ratio * softer), sqrt(ratio / softer)
+            length, pressure = sqrt(ratio * compliance_ratio), sqrt(ratio / compliance_ratio)
         else:
             length, pressure = 1.0, ratio
         pressure = 2.0 ** round(log2(scales.pressure * pressure))
-        return Scales(scales.length * length, pressure, scales.gap * ratio * softer)
+        return Scales(scales.length * length, pressure, scales.gap * ratio * compliance_ratio)
 
 
 def with_added_gap(problem: Problem, added_gap: Array) -> Problem:

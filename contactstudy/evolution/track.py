@@ -122,7 +122,7 @@ class Track:
 
     Attributes
     ----------
-    surroundings
+    outer_strain
         Influence of the half-space outside the window.
     hardening
         Yield stress and hardening moduli [Pa].
@@ -130,22 +130,22 @@ class Track:
         Plastic strain (component, layers, x, 1) in the window.
     equivalent
         Equivalent plastic strain (layers, x, 1) in the window.
-    behind
+    mean_strain_behind
         Plastic strain (component, layers) from the left edge of the window to infinity. It is a running mean of the
         strain that left the window: with the last strain alone it would swing from one window to the next.
     front
         The half-space on the right of the window.
     """
 
-    surroundings: OuterStrain
+    outer_strain: OuterStrain
     hardening: Hardening
     strain: Array
     equivalent: Array
-    behind: Array
+    mean_strain_behind: Array
     front: DepthProfile
 
     @classmethod
-    def fresh(cls, operator: PlaneStrainOperator, hardening: Hardening) -> "Track":
+    def virgin(cls, operator: PlaneStrainOperator, hardening: Hardening) -> "Track":
         """Return a track that has not yielded."""
         cells = operator.volume.shape
         strain, equivalent = np.zeros((len(operator.basis), *cells)), np.zeros(cells)
@@ -155,10 +155,10 @@ class Track:
     @property
     def operator(self) -> PlaneStrainOperator:
         """Operator on plastic strain in the window."""
-        return self.surroundings.operator
+        return self.outer_strain.operator
 
     @property
-    def rear(self) -> DepthProfile:
+    def left_profile(self) -> DepthProfile:
         """Profile at the left edge of the window, which leaves it in the next step."""
         return DepthProfile(self.strain[:, :, 0, 0], self.equivalent[:, 0, 0])
 
@@ -172,8 +172,12 @@ class Track:
         """
         strain, equivalent = np.roll(self.strain, -1, axis=2), np.roll(self.equivalent, -1, axis=1)
         strain[:, :, -1, 0], equivalent[:, -1, 0] = self.front.strain, self.front.equivalent
-        behind = self.behind + weight * (self.rear.strain - self.behind)
-        return replace(self, strain=strain, equivalent=equivalent, behind=behind)
+        mean_strain_behind = self.mean_strain_behind + weight * (
+            self.left_profile.strain - self.mean_strain_behind
+        )
+        return replace(
+            self, strain=strain, equivalent=equivalent, mean_strain_behind=mean_strain_behind
+        )
 
     def solve_step(
         self, contact: ContactWithAddedGap, tolerance: float, length: float
@@ -198,20 +202,24 @@ class Track:
         """
         track = self
         while True:
-            operator, surroundings = track.operator, track.surroundings
+            operator, outer_strain = track.operator, track.outer_strain
             bodies = YieldingBodies((operator,), (track.hardening,))
             step = solve_elastoplastic_step(
                 bodies,
                 partial(
                     _with_both_gaps,
                     contact,
-                    surroundings.residual_displacement(track.behind, track.front.strain),
+                    outer_strain.residual_displacement(
+                        track.mean_strain_behind, track.front.strain
+                    ),
                 ),
                 contact.tangent,
                 bodies.concatenated([track.strain]),
                 bodies.concatenated([track.equivalent]),
                 tolerance,
-                bodies.concatenated([surroundings.stress(track.behind, track.front.strain)]),
+                bodies.concatenated(
+                    [outer_strain.stress(track.mean_strain_behind, track.front.strain)]
+                ),
             )
             (flow,) = bodies.split(step.flow)
             volume = operator.volume
@@ -232,13 +240,13 @@ class Track:
             self.hardening,
             embedded(self.strain, 0, volume),
             embedded(self.equivalent, 0, volume),
-            with_zero_layers(self.behind, layers),
+            with_zero_layers(self.mean_strain_behind, layers),
             self.front.deeper(layers),
         )
 
     def residual_stress(self) -> Array:
         """Return all stresses (6, layers, x, 1) [Pa] in the window without pressure, tension positive."""
-        around = self.surroundings.tensor(self.behind, self.front.strain)
+        around = self.outer_strain.tensor(self.mean_strain_behind, self.front.strain)
         return self.operator.tensor_of_strain(self.strain) + around
 
 

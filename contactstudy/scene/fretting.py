@@ -1,4 +1,4 @@
-"""Fretting: an oscillating tangential force."""
+"""Fretting: partial slip under a sequence of tangential forces or displacements."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -21,9 +21,9 @@ from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction import (
     SAMPLES,
     FrictionContact,
-    check_alike,
-    check_sheared,
-    check_still,
+    check_similar,
+    check_static,
+    check_tangential_response,
     coefficient,
     sheared,
 )
@@ -59,22 +59,22 @@ class Fretting:
     coefficient
         Coefficient of friction, above 0 and below 1.
     forces
-        Forces along x on the first body [N/m], of either sign and less than the coefficient times the load, from none
-        on; see :meth:`cycle`.
+        Tangential forces along x on the first body [N/m], one after the other, starting from 0; each smaller in
+        magnitude than the coefficient times the load. See :meth:`cycle`.
     times
         Instants [s] of the forces, which are linear in between; None under a constant load.
     period
-        Duration of one cycle [s], with `times`: a force that takes longer than half of it stands for as many half cycles
-        as have room in that time, so that cycles are stepped over in jumps; None follows each force once.
+        Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
+        and wear of one are counted n times (cycle jump). None counts each force once.
     displacements
         Rigid displacements along x [m] of the first against the second body in place of the forces, with `times` and
-        under a constant load. Beyond some size all of the contact slides: its ``stick_fraction`` is 0. They count from
-        the distance of Hertz's half-width where nothing else says how far the bodies reach.
+        under a constant load. Above a limit the contact slides fully (gross slip, ``stick_fraction`` 0). They are
+        relative to a point at the distance of Hertz's half-width (the datum).
 
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that are unlike in shear, creep or yield, or that roll.
+        For other values; in a scene with elastically dissimilar bodies, with one that yields, or that roll.
     """
 
     sticks: ClassVar[bool] = True
@@ -100,7 +100,8 @@ class Fretting:
         if self.times is not None:
             if len(self.times) != len(values):
                 raise InvalidInput(
-                    f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give as many."
+                    f"Fretting.times has {len(self.times)} instants and Fretting.{name} {len(values)}: give one time "
+                    "for each."
                 )
             set_fields(self, times=checked_times("Fretting.times", self.times))
         elif self.displacements is not None:
@@ -112,7 +113,7 @@ class Fretting:
             positive("Fretting.period", self.period, "give the duration of a cycle above 0 s")
             if self.times is None:
                 raise InvalidInput(
-                    "Fretting.times is None together with period: give times [s], in which cycles have room."
+                    "Fretting.period is given without times: give the times [s] of the forces, or leave period out."
                 )
 
     @property
@@ -138,8 +139,8 @@ class Fretting:
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         self._check_motion(scene)
-        check_sheared(scene, "Fretting", creeping=True)
-        check_alike(scene, "Fretting")
+        check_tangential_response(scene, "Fretting", creeping=True)
+        check_similar(scene, "Fretting")
         if self.times is not None:
             self._check_forces(scene)
             return
@@ -147,18 +148,18 @@ class Fretting:
         for number, force in enumerate(self.forces or ()):
             if not abs(force) < limit:
                 raise InvalidInput(
-                    f"Fretting.forces[{number}] is {force!r}: friction bears less than {readable(limit, 'N m-1')}, "
-                    "beyond which the bodies slide without end, give less."
+                    f"Fretting.forces[{number}] is {force!r}: friction transmits less than "
+                    f"{readable(limit, 'N m-1')}, above which the contact slides fully: give a smaller force."
                 )
 
     def _check_motion(self, scene: FrictionContact) -> None:
         """Raise InvalidInput for another motion, or changes while the forces name no times."""
         if self.times is None or scene.rolling is not None:
-            check_still(scene, "Fretting", "give Fretting.times [s] to its forces")
+            check_static(scene, "Fretting", "give Fretting.times [s] to its forces")
         if scene.wear is not None and scene.wear.speed != 0:
             raise InvalidInput(
-                f"Wear.speed is {scene.wear.speed!r} together with Fretting, whose slip is the sliding that "
-                "wears: give 0 m/s."
+                f"Wear.speed is {scene.wear.speed!r} together with Fretting: wear then follows from the slip of "
+                "the contact, give a speed of 0 m/s."
             )
         load = scene.load
         if self.displacements is not None and isinstance(load, ChangingLoad):
@@ -178,9 +179,9 @@ class Fretting:
             force = history.at(time)
             if abs(force) > 0 and not abs(force) < self.coefficient * pressed:
                 raise InvalidInput(
-                    f"Fretting.forces are {readable(force, 'N m-1')} at {time:g} s, where friction bears less than "
-                    f"{readable(self.coefficient * pressed, 'N m-1')}: the bodies would slide without end, give less, "
-                    "or displacements."
+                    f"Fretting.forces are {readable(force, 'N m-1')} at {time:g} s, where friction transmits less than "
+                    f"{readable(self.coefficient * pressed, 'N m-1')}: the contact would slide fully, give "
+                    "smaller forces, or displacements."
                 )
 
     def law(

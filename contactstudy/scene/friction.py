@@ -111,7 +111,7 @@ class Friction(Protocol):
 class Sliding:
     """Full sliding: the first body is dragged along +x, shear is the coefficient times the pressure.
 
-    Between bodies that are unlike in shear (Dundurs' beta) shear makes the pressure asymmetric; between like bodies the
+    Between elastically dissimilar bodies (Dundurs' beta) shear makes the pressure asymmetric; between similar ones the
     pressure is that without friction.
 
     Parameters
@@ -122,7 +122,7 @@ class Sliding:
     Raises
     ------
     InvalidInput
-        For other coefficients; in a scene with unlike bodies one of which creeps, or that roll.
+        For other coefficients; in a scene with dissimilar bodies one of which creeps, or that roll.
     """
 
     coefficient: Number
@@ -136,20 +136,21 @@ class Sliding:
         if scene.rolling is not None and scene.rolling.passes is not None:
             raise InvalidInput(
                 f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: shear by repeated rolling is "
-                "not supported, leave one of both out."
+                "not supported, leave one of them out."
             )
-        if are_alike(scene.solids) or self.coefficient == 0:
+        if are_similar(scene.solids) or self.coefficient == 0:
             return
         if any(getattr(solid, "creeps", False) for solid in scene.solids):
             raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with Sliding, and one creeps: "
-                "creep of their coupling is not supported, give equal bodies, or an incompressible one on a rigid one."
+                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding, and one "
+                "creeps: creep of their coupling is not supported, give equal bodies, or an incompressible one on a "
+                "rigid one."
             )
         if scene.rolling is not None:
             raise InvalidInput(
-                f"Scene.solids are unlike in shear (Dundurs' beta {beta:.3g}) together with Sliding and Scene.rolling: "
-                "both move the pressure forwards, which is not supported, give bodies of one material, or "
-                "TractiveRolling."
+                f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding and "
+                "Scene.rolling: both make the pressure asymmetric, and the combination is not supported: give bodies of "
+                "one material, or TractiveRolling."
             )
 
     def law(
@@ -162,16 +163,16 @@ class Sliding:
         return FullSliding(self.coefficient, coupling[0] if coupling else None)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on the solves: one if the bodies are alike in shear, else a sequence of them."""
+        """Return a sentence on the solves: one if the bodies are elastically similar, else a sequence of them."""
         beta = dundurs(scene.solids)
-        if are_alike(scene.solids) or self.coefficient == 0:
+        if are_similar(scene.solids) or self.coefficient == 0:
             return (
-                "friction: full sliding of bodies that are alike in shear, so the pressure is that without "
+                "friction: full sliding of elastically similar bodies, so the pressure is that without "
                 "friction, in one solve."
             )
         return (
-            f"friction: full sliding of unlike bodies (Dundurs' beta {beta:.3g}), solved again with the shear of "
-            f"the last pass until it stays, of the order of {_passes(abs(beta) * self.coefficient)} passes."
+            f"friction: full sliding of dissimilar bodies (Dundurs' beta {beta:.3g}), iterated with the shear of "
+            f"the previous pass until it converges, in about {_passes(abs(beta) * self.coefficient)} passes."
         )
 
 
@@ -194,7 +195,7 @@ class PartialSlip:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with bodies that are unlike in shear, or a change in time.
+        For other values; in a scene with elastically dissimilar bodies, or a change in time.
     """
 
     sticks: ClassVar[bool] = True
@@ -212,14 +213,14 @@ class PartialSlip:
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
-        check_still(scene, "PartialSlip")
-        check_sheared(scene, "PartialSlip", ", or Sliding")
-        check_alike(scene, "PartialSlip", ", or Sliding")
+        check_static(scene, "PartialSlip")
+        check_tangential_response(scene, "PartialSlip", ", or Sliding")
+        check_similar(scene, "PartialSlip", ", or Sliding")
         limit = self.coefficient * scene.load.largest
         if not abs(self.tangential) < limit:
             raise InvalidInput(
-                f"PartialSlip.tangential is {self.tangential!r}: friction bears less than {readable(limit, 'N m-1')}, "
-                "give less, or Sliding."
+                f"PartialSlip.tangential is {self.tangential!r}: friction transmits less than "
+                f"{readable(limit, 'N m-1')}: give a smaller force, or Sliding."
             )
 
     def law(
@@ -246,7 +247,7 @@ class PartialSlip:
                 if scene.hardness != inf
                 else "adhesion adds to the pressure;"
                 if scene.adhesion is not None
-                else "a coating is not as soft along its surface as across it;"
+                else "the tangential compliance of a coating differs from its normal one;"
                 if any(map(is_layered, scene.solids))
                 else "something varies along the length and Poisson's ratio is not 0;"
             )
@@ -275,8 +276,9 @@ class PartialSlip:
 def dundurs(solids: tuple[Body, ...]) -> float:
     """Return Dundurs' beta of two bodies under a sudden load, 0 for two equal bodies of any kind.
 
-    That of a coated body is the largest, in size, by its coating and by its substrate. Source: Dundurs (1969); Johnson
-    (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to shear is not known.
+    That of a coated body is the largest in magnitude, by its coating and by its substrate. Source: Dundurs
+    (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to shear is
+    not known.
     """
     first, second = solids
     if first == second:
@@ -286,13 +288,13 @@ def dundurs(solids: tuple[Body, ...]) -> float:
 
 
 def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
-    """Return Dundurs' beta of two materials."""
-    (soft1, hard1), (soft2, hard2) = (
+    """Return Dundurs' beta of two materials, ``(a1 - a2) / (2 (b1 + b2))`` by (1 - 2 nu) / G and (1 - nu) / G."""
+    (a1, b1), (a2, b2) = (
         ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
         for solid in (first, second)
         for shear in (solid.youngs_modulus / (2 * (1 + solid.poisson_ratio)),)
     )
-    return float((soft1 - soft2) / (2 * (hard1 + hard2)))
+    return float((a1 - a2) / (2 * (b1 + b2)))
 
 
 def _materials(solid: Body) -> tuple[Homogeneous, ...]:
@@ -302,12 +304,12 @@ def _materials(solid: Body) -> tuple[Homogeneous, ...]:
     if isinstance(solid, Homogeneous) and not is_layered(solid):
         return (solid,)
     raise InvalidInput(
-        "Scene.solids are unlike together with friction, and the response to shear of a "
+        "Scene.solids are dissimilar together with friction, and the response to shear of a "
         f"{type(solid).__name__} is not known: give two equal bodies, or HalfSpace and CoatedHalfSpace."
     )
 
 
-def are_alike(solids: tuple[Body, ...]) -> bool:
+def are_similar(solids: tuple[Body, ...]) -> bool:
     """Return whether shear between two bodies does not change the gap."""
     first, second = solids
     if first == second:
@@ -325,8 +327,8 @@ def sheared(solids: tuple[Body, ...]) -> tuple[Sheared, ...]:
 def shear_coupling(
     solids: tuple[Body, ...], axes: str, grid: Grid, paddings: Paddings, datum: float
 ) -> list[GeneralConvolution]:
-    """Return the change of the gap by shear along each of the `axes`, none for bodies that are alike in shear."""
-    if are_alike(solids):
+    """Return the change of the gap by shear along each of the `axes`, none for elastically similar bodies."""
+    if are_similar(solids):
         return []
     first, second = sheared(solids)
     return normal_displacement(first, second, axes, grid, paddings, datum)
@@ -347,8 +349,8 @@ def coefficient(name: str, value: object, *, zero: bool) -> float:
     return number if number == 0 else in_range(field, number, remedy)
 
 
-def check_sheared(
-    scene: FrictionContact, name: str, otherwise: str = "", *, creeping: bool = False
+def check_tangential_response(
+    scene: FrictionContact, name: str, alternative: str = "", *, creeping: bool = False
 ) -> None:
     """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
@@ -362,20 +364,20 @@ def check_sheared(
             reason = "it keeps shear from before, which is not computed"
         raise InvalidInput(
             f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: {reason}, give a HalfSpace or a "
-            f"CoatedHalfSpace{otherwise}."
+            f"CoatedHalfSpace{alternative}."
         )
 
 
-def check_alike(scene: FrictionContact, name: str, otherwise: str = "") -> None:
+def check_similar(scene: FrictionContact, name: str, alternative: str = "") -> None:
     """Raise InvalidInput for bodies that slip when they are pressed, which the law of friction `name` excludes."""
-    if not are_alike(scene.solids):
+    if not are_similar(scene.solids):
         raise InvalidInput(
-            f"Scene.solids are unlike in shear (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
-            f"pressing them makes them slip already, give bodies of one material{otherwise}."
+            f"Scene.solids are elastically dissimilar (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
+            f"pressing them makes them slip already, give bodies of one material{alternative}."
         )
 
 
-def check_still(scene: FrictionContact, name: str, remedy: str = "") -> None:
+def check_static(scene: FrictionContact, name: str, remedy: str = "") -> None:
     """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
     if scene.rolling is not None:
         raise InvalidInput(

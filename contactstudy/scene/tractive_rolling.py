@@ -22,9 +22,9 @@ from contactstudy.scene.friction import (
     SAMPLES,
     FrictionContact,
     Load,
-    are_alike,
-    check_sheared,
-    check_still,
+    are_similar,
+    check_static,
+    check_tangential_response,
     coefficient,
     shear_coupling,
     sheared,
@@ -47,10 +47,10 @@ MIN_WIDTHS = 10.0
 class TractiveRolling:
     """Steady rolling with creepage: a part of the contact sticks, the rest slips.
 
-    The contact moves to larger x over both bodies, and material enters it at the largest x. Heights stand still in the
-    contact, as those of profiles, roller ends and a lay along the circumference do. Creepage is the rigid slip of the
+    The contact moves to larger x over both bodies, and material enters it at the largest x. Heights are fixed in the
+    frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid slip of the
     second body against the first, over the distance rolled, so that a positive creepage makes a positive shear on the
-    first body. Between unlike bodies shear changes the pressure, and pressing them makes them slip.
+    first body. Between dissimilar bodies shear changes the pressure, and pressing them makes them slip.
 
     Parameters
     ----------
@@ -109,11 +109,11 @@ class TractiveRolling:
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        check_sheared(scene, "TractiveRolling")
+        check_tangential_response(scene, "TractiveRolling")
         if isinstance(scene.load, ChangingLoad) and scene.wear is None and scene.rolling is None:
             self._check_slow(scene, scene.load)
         else:
-            check_still(
+            check_static(
                 scene,
                 "TractiveRolling",
                 "and steady rolling has none: leave one of them out, wear follows from the frictional power",
@@ -127,7 +127,7 @@ class TractiveRolling:
         limit = self.coefficient * _least(scene.load)
         if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(
-                f"TractiveRolling.tangential is {self.tangential!r}: friction bears less than "
+                f"TractiveRolling.tangential is {self.tangential!r}: friction transmits less than "
                 f"{readable(limit, 'N m-1')}, give less, or a longitudinal creepage."
             )
 
@@ -156,8 +156,8 @@ class TractiveRolling:
         """
         if paddings[0].wraps:
             raise InvalidInput(
-                f"padding[0] is {paddings[0]!r} together with TractiveRolling: what leaves the contact would enter it "
-                "again, give ZeroPadding across."
+                f"padding[0] is {paddings[0]!r} together with TractiveRolling: material that leaves the contact would "
+                "enter it again one period later: give ZeroPadding across."
             )
         coupling = shear_coupling(scene.solids, "xy", grid, paddings, datum)
         return TractiveShear(
@@ -167,11 +167,11 @@ class TractiveRolling:
             self.speed,
             partial(_response, sheared(scene.solids), paddings, datum),
             Coupling(*coupling) if coupling else None,
-            STATIONARY_HEIGHTS if self._travels(scene) else "",
+            STATIONARY_HEIGHTS if self._has_moving_roughness(scene) else "",
         )
 
     @staticmethod
-    def _travels(scene: FrictionContact) -> bool:
+    def _has_moving_roughness(scene: FrictionContact) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
         length_scales = [
             shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
@@ -181,9 +181,11 @@ class TractiveRolling:
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
-        if not are_alike(scene.solids):
+        if not are_similar(scene.solids):
             sentence += ", and again with the pressure under this shear until neither changes"
-        return f"{sentence}." + (f" {STATIONARY_HEIGHTS}" if self._travels(scene) else "")
+        return f"{sentence}." + (
+            f" {STATIONARY_HEIGHTS}" if self._has_moving_roughness(scene) else ""
+        )
 
 
 def _response(

@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.state_variables import delay_weights
+from contactstudy.evolution.state_variables import retardation_weights
 from tests.contactstudy.evolution.creeping import (
     LOAD,
     RIGID,
@@ -187,7 +187,7 @@ def test_a_period_may_be_counted_twice() -> None:
 
 @pytest.mark.parametrize("ratio", [0.0, 1e-12, 1e-4, 9.9e-4, 1.1e-3, 0.1, 1.0, 50.0, 1e9])
 def test_a_step_weighs_the_past_and_both_pressures_and_they_add_up(ratio: float) -> None:
-    kept, before, after = delay_weights(ratio)
+    kept, before, after = retardation_weights(ratio)
     assert min(kept, before, after) >= 0
     assert kept + before + after == pytest.approx(1, rel=1e-15)
     nodes, gauss = np.polynomial.legendre.leggauss(20)

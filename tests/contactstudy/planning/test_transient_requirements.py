@@ -120,7 +120,7 @@ def test_a_plan_says_how_friction_is_solved() -> None:
     rough = replace(PLAIN, shapes=(*PLAIN.shapes, ROUGH))
     slip = cs.PartialSlip(0.3, 1e4)
     for scene, words in (
-        (replace(PLAIN, friction=cs.Sliding(0.2)), "alike in shear"),
+        (replace(PLAIN, friction=cs.Sliding(0.2)), "elastically similar"),
         (replace(PLAIN, friction=slip), "superposition"),
         (replace(rough, friction=slip), "both components"),
     ):

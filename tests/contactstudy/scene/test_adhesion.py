@@ -165,7 +165,7 @@ def test_an_approach_is_for_elastic_bodies_at_rest(effect: Any, name: str) -> No
 
 
 WITH_RANGE = replace(SCENE, adhesion=cs.Adhesion(work=0.05, range=2e-6))
-# incompressible on rigid: alike in shear
+# incompressible on rigid: elastically similar
 FRICTIONS = [
     cs.Sliding(0.3),
     cs.PartialSlip(0.3, 0.4),

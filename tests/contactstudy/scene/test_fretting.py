@@ -159,7 +159,7 @@ def test_a_rough_contact_closes_its_loop() -> None:
             lambda: replace(
                 LINE, friction=cs.Fretting(MU, (0.1,)), solids=(BODY, cs.HalfSpace(1.0, 0.1))
             ),
-            "unlike",
+            "dissimilar",
         ),
         (
             lambda: replace(LINE, friction=cs.Fretting(MU, (0.1,)), wear=cs.Wear(1e-9, 1.0)),

@@ -25,7 +25,7 @@ FAMILIES = {
     "settings": ("padding", "period", "images", "grid", "pareto", "paper"),
     "effects": ("coating", "friction", "creep", "wear", "plastic"),
     "trust": ("stability", "accuracy"),
-    "cost": ("solvers", "speed", "effect_cost", "peers"),
+    "cost": ("solvers", "speed", "peers"),
     "": ("roughness", "lubrication"),
 }
 OPTIONAL = ("peers",)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import log, prod
+from math import inf, log, prod
 from time import perf_counter, process_time
 
 import contactstudy as cs
@@ -14,6 +14,7 @@ from studies.advice.subject import (
     bounds_of,
     failure_of,
     pressure_of,
+    steps_of,
 )
 from studies.reference.line_contact import relative_l1
 
@@ -204,7 +205,12 @@ class Climb:
         """Return whether the finest possible reference so far has a bound far below the request."""
         if not any(map(is_reference, self.solved)):
             return False
-        return self.bounds(self._finest)["pressure_l1"] <= FINE_ENOUGH_FRACTION * self.error
+        return self._bound_by_cells(self._finest) <= FINE_ENOUGH_FRACTION * self.error
+
+    def _bound_by_cells(self, multiple: int) -> float:
+        """Return the bound on the error of the pressure without that by steps in time, which no cells make smaller."""
+        steps = steps_of(self.solved[multiple])
+        return self.bounds(multiple)["pressure_l1"] - steps if steps < inf else 0.0
 
     def _is_too_coarse(self) -> bool:
         """Return whether a reference's bound leaves too little of the request to the finest setting judged by it.
@@ -212,7 +218,7 @@ class Climb:
         Its error, on cells three times as large, lies between those on cells twice and four times as large.
         """
         reference = self._finest
-        bound, true = self.bounds(reference)["pressure_l1"], pressure_of(self.solved[reference])
+        bound, true = self._bound_by_cells(reference), pressure_of(self.solved[reference])
         errors = [
             relative_l1(pressure_of(self.solved[reference // part]), true)
             for part in (2, 4)

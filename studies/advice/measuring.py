@@ -395,20 +395,11 @@ class _Comparing:
         """Return the comparison with the times of its best settings, taken in turns."""
         meeting = measured.meeting(self.error)
         quickest = measured.quickest(self.error).values()
-        close = [
-            setting for setting in meeting if setting.time <= MAX_TIME_FACTOR * meeting[0].time
-        ]
         front = [*measured.front(measured.own_label), *measured.front(LINE)]
-        if meeting:
-            front = [
-                setting for setting in front if setting.time <= MAX_FRONT_FACTOR * meeting[0].time
-            ]
-        ordered = {id(setting): setting for setting in (*quickest, *close)}
-        chosen = list(
-            {
-                id(setting): setting for setting in (*list(ordered.values())[:MAX_SETTINGS], *front)
-            }.values()
-        )
+        close = [item for item in meeting if item.time <= MAX_TIME_FACTOR * meeting[0].time]
+        longest = MAX_FRONT_FACTOR * meeting[0].time if meeting else inf
+        best = list({id(item): item for item in (*quickest, *close)}.values())[:MAX_SETTINGS]
+        chosen = list({id(item): item for item in (*best, *front) if item.time <= longest}.values())
         if not chosen:
             return measured
         round_time = sum(setting.time for setting in chosen)

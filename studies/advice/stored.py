@@ -1,9 +1,10 @@
 """A comparison as a netCDF file: written once, read by the report and by recommendations."""
 
 import json
-from collections.abc import Mapping
-from math import inf, isfinite
+from collections.abc import Sequence
+from math import isfinite
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,6 +19,19 @@ from studies.store.provenance import provenance
 NAME = "settings"
 # Attributes that must be equal for stored times and errors to be those of a scene, here and now.
 MATCHED_ATTRIBUTES = ("cpu", "source", "git_revision", "key")
+ERROR, TIME = (
+    {"units": "1", "long_name": "relative L1 error"},
+    {"units": "s", "long_name": "processor time"},
+)
+# Variables of a setting in the order in which it is made.
+SETTING = (
+    "padding", "cells_across", "cells_along", "solver_tolerance", "label", "pressure_error_l1", "is_bounded", "time_all",
+    "time_in_rounds",
+)  # fmt: skip
+# Fields of a comparison that are kept as JSON.
+AS_JSON = (
+    "name", "text", "extent", "error", "floor", "reference", "paddings_on", "bounds", "notes", "spent"
+)  # fmt: skip
 
 
 def path_in(out: Path) -> Path:
@@ -44,124 +58,75 @@ def stored(key: str, out: Path) -> Comparison | None:
 
 
 def to_dataset(measured: Comparison) -> xr.Dataset:
-    """Return a comparison as a Dataset."""
-    settings = measured.settings
-    changes = sorted({name for item in measured.paddings for name in item.changes})
-    bounds = list(measured.bounds)
-
-    def dimensionless(dims: str | tuple[str, ...], values: object, what: str) -> xr.Variable:
-        return xr.Variable(dims, values, {"units": "1", "long_name": what})
-
+    """Return a comparison as a Dataset: settings, what each padding and tolerance does alone, the rest as JSON."""
+    settings, paddings = measured.settings, measured.paddings
+    quantities = sorted({name for item in paddings for name in item.changes})
+    changes = [[item.changes.get(name, np.nan) for name in quantities] for item in paddings]
     data = {
         "padding": ("setting", [as_text(item.setting.padding) for item in settings]),
         "label": ("setting", [item.label for item in settings]),
         "cells_across": ("setting", [item.setting.cells[0] for item in settings]),
         "cells_along": ("setting", [item.setting.cells[1] for item in settings]),
         "solver_tolerance": ("setting", [item.setting.tolerance for item in settings]),
-        "pressure_error_l1": dimensionless(
-            "setting", [item.error for item in settings], "relative L1 error of the pressure"
-        ),
+        "pressure_error_l1": ("setting", [item.error for item in settings], ERROR),
         "is_bounded": ("setting", [int(item.is_bounded) for item in settings]),
-        "time_all": _times([item.seconds for item in settings], "repeat"),
-        "time_in_rounds": _times([item.rounds for item in settings], "round"),
-        "padding_alone": ("alone", [as_text(item.padding) for item in measured.paddings]),
-        "padding_error_l1": dimensionless(
-            "alone",
-            [item.l1 for item in measured.paddings],
-            "relative L1 error of the pressure by the padding alone",
-        ),
-        "padding_change": dimensionless(
+        "time_all": (("setting", "repeat"), _padded([item.seconds for item in settings]), TIME),
+        "time_in_rounds": (("setting", "round"), _padded([item.rounds for item in settings]), TIME),
+        "padding_alone": ("alone", [as_text(item.padding) for item in paddings]),
+        "padding_error_l1": ("alone", [item.l1 for item in paddings], ERROR),
+        "padding_change": (
             ("alone", "quantity"),
-            np.array(
-                [[item.changes.get(name, np.nan) for name in changes] for item in measured.paddings]
-            ).reshape(len(measured.paddings), len(changes)),
-            "relative change by the padding alone",
+            np.array(changes).reshape(len(paddings), len(quantities)),
         ),
-        "tolerance_error_l1": dimensionless(
-            "tolerance",
-            list(measured.tolerances.values()),
-            "relative L1 error of the pressure by the tolerance",
-        ),
-        "reference_bound": dimensionless(
-            "bound", [measured.bounds[name] for name in bounds], "bound on the reference's error"
-        ),
+        "tolerance_error_l1": ("tolerance", list(measured.tolerances.values()), ERROR),
     }
     coords = {
-        "quantity": ("quantity", np.array(changes, dtype=object)),
-        "tolerance": ("tolerance", list(measured.tolerances)),
-        "bound": ("bound", np.array(bounds, dtype=object)),
+        "quantity": np.array(quantities, dtype=object),
+        "tolerance": list(measured.tolerances),
     }
+    rest = {name: getattr(measured, name) for name in AS_JSON}
     attributes = {
-        "title": f"Settings of {measured.name}",
-        "scene_name": measured.name,
-        "scene": measured.text,
-        "extent": list(measured.extent),
-        "own": as_text(measured.own),
-        "requested_error": measured.error,
-        "floor": measured.floor,
-        "reference_cells": list(measured.reference or (0, 0)),
-        "paddings_on": list(measured.paddings_on),
-        "notes": json.dumps(measured.notes),
-        "seconds": measured.spent,
-    }
+        "title": f"Settings of {measured.name}", "scene": measured.text, "own": as_text(measured.own),
+        "comparison": json.dumps(rest),
+    }  # fmt: skip
     return xr.Dataset(data, coords, attributes)
 
 
 def from_dataset(dataset: xr.Dataset) -> Comparison:
     """Return the comparison in a Dataset."""
-    attributes = dataset.attrs
+    values: dict[str, list[Any]] = {
+        str(name): dataset[name].values.tolist() for name in dataset.variables
+    }
+    rows = zip(*(values[name] for name in SETTING), strict=True)
     settings = tuple(
         Measured(
-            Setting(
-                from_text(str(row["padding"].values)),
-                (int(row["cells_across"]), int(row["cells_along"])),
-                float(row["solver_tolerance"]),
-            ),
-            str(row["label"].values),
-            float(row["pressure_error_l1"]),
-            bool(row["is_bounded"]),
-            _known(row["time_all"]),
-            _known(row["time_in_rounds"]),
+            Setting(from_text(padding), (across, along), tolerance),
+            label, error, bool(bounded), _known(times), _known(rounds),
         )
-        for row in (dataset.isel(setting=k) for k in range(dataset.sizes["setting"]))
+        for padding, across, along, tolerance, label, error, bounded, times, rounds in rows
+    )  # fmt: skip
+    alone = zip(
+        values["padding_alone"], values["padding_error_l1"], values["padding_change"], strict=True
     )
-    quantities = [str(name) for name in dataset["quantity"].values]
-    paddings = tuple(
-        PaddingError(
-            from_text(str(row["padding_alone"].values)),
-            float(row["padding_error_l1"]),
-            _changes(quantities, row["padding_change"].values),
-        )
-        for row in (dataset.isel(alone=k) for k in range(dataset.sizes["alone"]))
-    )
-    reference = tuple(int(cells) for cells in attributes["reference_cells"])
-    width, length = map(float, attributes["extent"])
-    across, along = map(int, attributes["paddings_on"])
+    rest = json.loads(dataset.attrs["comparison"])
+    tuples = {name: tuple(value) for name, value in rest.items() if isinstance(value, list)}
     return Comparison(
-        name=str(attributes["scene_name"]),
-        text=str(attributes["scene"]),
-        extent=(width, length),
-        own=from_text(attributes["own"]),
-        error=float(attributes["requested_error"]),
-        floor=float(attributes["floor"]),
-        reference=(reference[0], reference[1]) if reference[0] else None,
-        bounds={
-            str(name): float(value)
-            for name, value in zip(
-                dataset["bound"].values, dataset["reference_bound"].values, strict=True
+        **rest | tuples,
+        own=from_text(dataset.attrs["own"]),
+        paddings=tuple(
+            PaddingError(
+                from_text(text),
+                error,
+                {
+                    name: change
+                    for name, change in zip(values["quantity"], changes, strict=True)
+                    if isfinite(change)
+                },
             )
-        },
-        paddings=paddings,
-        paddings_on=(across, along),
-        tolerances={
-            float(tolerance): float(error)
-            for tolerance, error in zip(
-                dataset["tolerance"].values, dataset["tolerance_error_l1"].values, strict=True
-            )
-        },
+            for text, error, changes in alone
+        ),
+        tolerances=dict(zip(values["tolerance"], values["tolerance_error_l1"], strict=True)),
         settings=settings,
-        notes=tuple(json.loads(attributes["notes"])),
-        spent=float(attributes["seconds"]),
     )
 
 
@@ -175,28 +140,18 @@ def as_text(padding: cs.Padding | cs.Paddings) -> str:
 
 def from_text(text: str) -> cs.Padding | cs.Paddings:
     """Return the padding of a text."""
-    paddings = [padding_at(*_split(part)) for part in text.split(", ")]
+    parts = [part.split(" ") for part in text.split(", ")]
+    paddings = [padding_at(name, int(images)) for name, images in parts]
     return paddings[0] if len(paddings) == 1 else (paddings[0], paddings[1])
 
 
-def _split(text: str) -> tuple[str, int]:
-    name, _, images = text.partition(" ")
-    return name, int(images)
+def _padded(rows: Sequence[tuple[float, ...]]) -> np.ndarray:
+    """Return times of all settings in rows of one length, filled with nan."""
+    length = max((len(row) for row in rows), default=1)
+    return np.array([[*row, *[np.nan] * (max(length, 1) - len(row))] for row in rows]).reshape(
+        len(rows), max(length, 1)
+    )
 
 
-def _times(rows: list[tuple[float, ...]], dim: str) -> xr.Variable:
-    """Return times of all settings, filled with nan."""
-    length = max((len(row) for row in rows), default=0)
-    values = np.full((len(rows), max(length, 1)), np.nan)
-    for index, row in enumerate(rows):
-        values[index, : len(row)] = row
-    return xr.Variable(("setting", dim), values, {"units": "s", "long_name": "processor time"})
-
-
-def _known(times: xr.DataArray) -> tuple[float, ...]:
-    return tuple(float(second) for second in times.values if isfinite(second))
-
-
-def _changes(names: list[str], values: np.ndarray) -> Mapping[str, float]:
-    pairs = zip(names, values.tolist(), strict=True)
-    return {name: value for name, value in pairs if -inf < value < inf}
+def _known(times: Sequence[float]) -> tuple[float, ...]:
+    return tuple(second for second in times if isfinite(second))

@@ -10,7 +10,7 @@ from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
 from contactstudy.domain.checks import positive, whole
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
-from studies.model.axis import Axis, one_of
+from studies.model.axis import one_of
 from studies.model.case import Case, error_estimates, numbers
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
@@ -36,22 +36,6 @@ PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
 
 # paddings with a number n of images
 COUNTS_IMAGES = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
-
-
-def axes(
-    *,
-    padding: tuple[str, ...] = tuple(PADDINGS),
-    images: tuple[int, ...] = (6,),
-    period: tuple[float, ...] = (2.4,),
-    grid: tuple[int, ...] = (128,),
-) -> tuple[Axis, ...]:
-    """Return the four axes of a sweep, by default at the paper's setting."""
-    return (
-        Axis("padding", padding, "representation of the periodic direction"),
-        Axis("images", images, "periods superposed on each side"),
-        Axis("period", period, "period length over Hertz half-width"),
-        Axis("grid", grid, "cells across the width and along one period"),
-    )
 
 
 def padding_at(padding: str, images: int) -> cs.Padding:

@@ -15,7 +15,7 @@ SETTINGS = "settings"
 SECONDS = {
     "padding": 3, "period": 4, "images": 3, "grid": 1, "paper": 2, "settings": 12, "pareto": 12, "stability": 4,
     "roughness": 2, "coating": 2, "friction": 3, "creep": 3, "wear": 3, "plastic": 2, "accuracy": 10, "lubrication": 4,
-    "solvers": 9, "speed": 9, "effect_cost": 8, "peers": 120,
+    "solvers": 9, "speed": 9, "peers": 120,
 }  # fmt: skip
 
 
@@ -98,8 +98,8 @@ CHAPTERS = {
         Chapter("trust", "Trust: error bounds beside true errors", (Part("accuracy"),)),
         Chapter(
             "cost",
-            "Cost: solvers, grids and effects",
-            tuple(Part(name, repeats=2) for name in ("solvers", "speed", "effect_cost")),
+            "Cost: solvers and grids",
+            tuple(Part(name, repeats=2) for name in ("solvers", "speed")),
         ),
     )
 }

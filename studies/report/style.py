@@ -17,7 +17,7 @@ from matplotlib.ticker import LogLocator
 
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from studies.model.drawing import CaptionedFigure
-from studies.reference.line_contact import COUNTS_IMAGES, padding_label
+from studies.reference.line_contact import padding_label
 
 __all__ = ["LAW_STYLE", "add_legend", "panels"]
 
@@ -43,11 +43,6 @@ PADDING_STYLES = {
 def padding_style(padding: str) -> dict[str, Any]:
     """Return colour and marker as keywords for matplotlib; a padding without a style is ochre."""
     return dict(PADDING_STYLES.get(padding, {"color": "#E69F00", "marker": "D"}))
-
-
-def style_over_images(padding: str) -> dict[str, Any]:
-    """Return the style in a figure against n, where a padding without an n is a line without markers."""
-    return padding_style(padding) | ({} if padding in COUNTS_IMAGES else {"marker": "none"})
 
 
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:

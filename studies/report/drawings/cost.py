@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.definitions.effect_cost import COARSER, IN_TIME, PERIOD, WIDTH, YIELD
 from studies.definitions.solvers import SOLVERS
 from studies.definitions.speed import LINE, ROUGH, SELF_AFFINE
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
@@ -241,76 +240,6 @@ def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
 
 
 speed = Drawing(_speed_figures, _speed_findings, axes=("surface", *FAMILY, *WAYS, "grid"))
-
-
-# effect_cost
-
-
-# Beginnings of the names of scenes that do not have all effects of the rows above.
-ALONE = ("smooth", "one step", "two steps")
-
-
-def _effect_cost_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw a bar for each scene: time, iterations, transforms and memory."""
-    finest = dataset.isel(grid=-1)
-    names = [str(name) for name in finest["effect"].values]
-    positions = np.arange(float(len(names)))
-    fig, axes = panels(4, columns=2, width=3.6, height=0.6 + 0.32 * len(names), share="y")
-    setup = finest["setup_time"].values
-    axes[0].barh(positions, setup, color="#E69F00", label="set-up")
-    for ax, values, start, form, label in (
-        (axes[0], finest["solve_time"], setup, "{:.2g}", "wall time [s]"),
-        (axes[1], finest["memory"], 0 * setup, "{:.3g}", "peak memory [MB]"),
-        (axes[2], finest["iterations"], 0 * setup, "{:.0f}", "iterations"),
-        (axes[3], finest["convolutions"], 0 * setup, "{:.0f}", "transform pairs of the solve"),
-    ):
-        ax.barh(positions, values, left=start, color=COLORS[0], label="solve and outputs")
-        for y, end in zip(positions, start + values.values, strict=True):
-            ax.text(end, y, " " + form.format(end), va="center", fontsize="small")
-        ax.margins(x=0.18)
-        ax.set_xlabel(label)
-        ax.grid(visible=False, axis="y")
-    labels = [name if name.startswith(ALONE) else f"+ {name}" for name in names]
-    axes[0].set_yticks(positions, labels)
-    axes[0].invert_yaxis()
-    return (captioned("effects", fig, _effect_cost_caption(finest)),)
-
-
-def _effect_cost_caption(dataset: xr.Dataset) -> str:
-    cells = int(dataset["grid"])
-    text = (
-        f"Cost of each effect: every scene has all effects above it and one more, but the sliding one has no "
-        f"coating. {cells} x {cells // 4} "
-        f"cells over {WIDTH:g} a x {PERIOD:g} a ({cells} x 1 for the first), exact periodicity, a residual of "
-        "1e-8, one thread. Time and memory include set-up, solve and outputs."
-    )
-    both = ["smooth, 1-D", "smooth, 2-D"]
-    if set(both) <= set(dataset["effect"].values.tolist()):
-        time = total_time(dataset).sel(effect=both).values
-        text += (
-            " If nothing varies along the length, one cell along it gives the same pressure in "
-            f"{percent(time[0] / time[1])} of the time. All heights are added to one field, so no shape needs "
-            "more memory or longer transforms: a shape costs iterations. Stress adds no iterations, "
-            "but it needs influence coefficients and transforms of its own, "
-            "one for each of six components at each depth (here one depth), and as many again under shear. A coating "
-            "costs set-up alone."
-        )
-    if YIELD in dataset["effect"].values.tolist():
-        text += (
-            " Yield is alone on the smooth cylinder, in plane strain, one cell along and "
-            f"{cells // COARSER} across: the load comes in two steps, of which a solution of the contact is "
-            "sought together with the plastic strain, and all contacts on the way count."
-        )
-    if set(IN_TIME) & set(dataset["effect"].values.tolist()):
-        text += (
-            " Creep and wear are alone on the wavy cylinder, a sudden load and one step in time: iterations and "
-            "transform pairs are those of the step, which starts from the pressure before, while time "
-            "and memory count both. A step adds at most one convolution to a solve."
-        )
-    return text
-
-
-effect_cost = Drawing(_effect_cost_figures, axes=("effect", "grid"))
 
 
 # peers

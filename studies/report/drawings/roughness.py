@@ -12,7 +12,6 @@ from studies.model.drawing import CaptionedFigure, Finding
 from studies.reference.line_contact import covers, padding_at
 from studies.report.style import (
     COLORS,
-    LAW_STYLE,
     WIDTH,
     captioned,
     padding_style,
@@ -26,9 +25,9 @@ KNOWN_AXES = ("rms", "hurst", "peklenik", "seed", "images", "period", "grid")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw the effect of roughness, the error of each padding, and the law of the window."""
+    """Draw the effect of roughness, and the error of each padding."""
     finest = dataset.isel(images=-1, period=-1, grid=-1)
-    return _shift(finest.sel(padding="exact")), _paddings(finest), _law(finest)
+    return _shift(finest.sel(padding="exact")), _paddings(finest)
 
 
 LINES = ("-", "--", "-.", ":")
@@ -91,28 +90,6 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
         f"L = {float(dataset['period']):g} a. The dashed line is the difference between the rough and the smooth "
         "contact's pressure: a padding is accurate enough if its error is well below this line. The "
         "largest error grows with the roughness, since asperities in light contact appear and disappear.",
-    )
-
-
-def _law(dataset: xr.Dataset) -> CaptionedFigure:
-    fig, (ratio, after) = panels(2, width=3.6, height=2.9)
-    for name in ("duplicated", "superposed", "circular"):
-        part, style = dataset.sel(padding=name), padding_style(name)
-        _over_rms(ratio, -part["half_width_error"] / law_of(part), setting_label(part), **style)
-        remaining = part["curved_difference"] / part["pressure_error_l1"]
-        _over_rms(after, remaining, setting_label(part), **style)
-    ratio.axhline(1, label="law a²/(8D²)", **LAW_STYLE)
-    ratio.set(ylabel="half-width error / law")
-    ratio.set_ylim(bottom=0)
-    after.set(ylabel="fraction of L1 error left", yscale="log")
-    return captioned(
-        "law",
-        fig,
-        "A window that reaches D to each side makes the cylinder more curved by a²/(4D²), which reduces the "
-        "half-width by a²/(8D²). Left: the error divided by this law. Right: the fraction of the L1 error that "
-        "remains when the solution is compared with exact periodicity on a cylinder of this curvature with the "
-        "same roughness. Little remains for circular windows. Superposition also has an error along the length, since "
-        "its window does not move with the observer; the law does not include this.",
     )
 
 

@@ -13,7 +13,6 @@ from scipy.special import erf
 
 import contactstudy as cs
 from studies.definitions import stability
-from studies.definitions.effect_cost import P_H, YIELD, scene_at
 from studies.definitions.speed import SLOPE, self_affine
 from studies.engine.run import run
 from studies.model.case import OperatorCase
@@ -46,13 +45,6 @@ TOUCHING = replace(
     cs.solve(SCENE.problem(LINE, cs.ExactPeriodicity())),
     pressure=np.where(np.arange(64 * 4).reshape(64, 4) % 4 == 0, 1e9, 0.0),
 )
-
-
-def test_memory_of_an_effect_is_in_megabytes() -> None:
-    found = load("effect_cost").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
-    assert float(found["memory"]) == pytest.approx(40, rel=1e-2)
-    assert found["memory"].attrs["units"] == "MB"
-    assert float(found["contact_fraction"]) == 0.25
 
 
 def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
@@ -95,16 +87,6 @@ def test_answers_of_a_smooth_contact_are_hertz_s() -> None:
     assert float(exact["peak_pressure"]) == pytest.approx(1, abs=cell**2)
     assert float(exact["load_spread"]) == pytest.approx(0, abs=1e-7)
     assert float(exact["smooth_difference"]) == pytest.approx(0, abs=1e-6)
-
-
-def test_the_row_of_yield_yields_on_a_quarter_of_the_cells() -> None:
-    whole = scene_at({"effect": YIELD, "grid": 128})
-    assert whole.grid.cells == (32, 1)
-    half, full = whole.run(whole.prepare()).frames
-    # Hertz's peak is 1.77 and 2.5 times the yield stress: first yield is at 1.794
-    assert not (half.coupled_state["equivalent0"] > 0).any()
-    assert (full.coupled_state["equivalent0"] > 0).any()
-    assert full.peak_pressure < P_H
 
 
 @pytest.mark.whole

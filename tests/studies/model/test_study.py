@@ -9,10 +9,15 @@ FILE = '''"""Two grids, nothing else."""
 
 import xarray as xr
 
-from studies.reference import line_contact
+from studies.model.axis import Axis
 from studies.reference.line_contact import scene_at
 
-points = line_contact.axes(padding=("exact",), grid=(16, 24))
+points = (
+    Axis("padding", ("exact",), "representation of the periodic direction"),
+    Axis("images", (6,), "periods superposed on each side"),
+    Axis("period", (2.4,), "period length over Hertz half-width"),
+    Axis("grid", (16, 24), "cells across the width and along one period"),
+)
 
 
 def measures(case, solution):
@@ -57,7 +62,7 @@ def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str
         ("paddin", "did you mean 'padding'"),
         (
             "xyz",
-            "choose from accuracy, coating, creep, effect_cost, friction, grid, images, lubrication, "
+            "choose from accuracy, coating, creep, friction, grid, images, lubrication, "
             "padding, paper, pareto, peers, period, plastic, roughness, solvers, speed, stability, wear",
         ),
         ("nowhere.py", "cannot be read"),

@@ -49,7 +49,6 @@ OWN: Mapping[str, Mapping[str, str]] = {
     # one grid: of two, wear would want two marches with short steps to compare with
     "wear": {"grid": "16"},
     "lubrication": {"load": "20,100", "viscosity": "0,5", "grid": "64,128"},
-    "effect_cost": {"grid": "24"},
     "plastic": {"pressure": "2,3", "steps": "2,4", "grid": "24"},
     "friction": {"poisson_ratio": "0,0.3", "grid": "65", "rough_grid": "24"},
 }

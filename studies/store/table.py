@@ -192,8 +192,8 @@ def _about_cases(
 def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
     """Return the points of `dataset` that `study` requests; for numbers, those nearest to its values."""
     for axis in study.points:
-        method = None if axis.kind is str else "nearest"
-        dataset = dataset.sel({axis.name: list(axis.values)}, method=method)
+        method = None if axis.kind is str else "nearest"  # which is found among sorted values
+        dataset = dataset.sortby(axis.name).sel({axis.name: list(axis.values)}, method=method)
     return dataset
 
 

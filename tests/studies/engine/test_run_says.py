@@ -32,6 +32,15 @@ def test_a_run_says_how_many_cases_are_stored_and_how_many_are_to_compute(tmp_pa
     assert third[-1] == f"wrote {tmp_path / 'trouble.nc'}"
 
 
+def test_of_values_in_any_order_those_that_failed_are_counted_where_they_are_requested(
+    tmp_path: Path,
+) -> None:
+    said([5, RAISES, 1], tmp_path)
+    assert said([0.5, 5, 2], tmp_path)[-1] == f"wrote {tmp_path / 'trouble.nc'}"
+    again = said([0.5, 5, RAISES], tmp_path)
+    assert any(line.startswith("1 of 3 cases failed, the first with Arith") for line in again)
+
+
 def test_a_dry_run_counts_the_timed_runs_that_are_missing(tmp_path: Path) -> None:
     """Of two good cases with one of three, and of three cases that are not computed yet; none of what failed."""
     said([1, 2, RAISES], tmp_path, replace(ONE, repeats=1))

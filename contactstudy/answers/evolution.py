@@ -123,7 +123,7 @@ class Evolution(Answer):
             [frame.quantities for frame in self.frames],
             [float(time) for time in self.times],
             last_frame,
-            own_length(self.posed.scene),
+            own_length(self.posed),
             (self.grid.cell_area, self.grid.period),
             plastic_fields,
             self.error.l1,

@@ -38,7 +38,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import instantaneous, is_layered, response
 from contactstudy.scene.fretting import Fretting
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, ConstantLoad, LineLoad, LoadHistory
+from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
@@ -162,7 +162,7 @@ def evolve(
     if times is None and error is None:
         raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
     control = None if error is None else StepControl.for_error(error, options.tolerance)
-    load = _load(scene, grid, times)
+    load = _load(scene, grid, padding, times)
     breakpoints = schedule(load, times)
     if isinstance(scene.friction, Fretting) and scene.friction.times is not None:
         breakpoints = with_breakpoints_at(breakpoints, load, scene.friction.times)
@@ -266,13 +266,14 @@ def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     return CreepState(Creep(1.0, terms, fluidity), Displacement(datum)) if creeps else None
 
 
-def _load(scene: Scene, grid: Grid, times: ArrayLike | None) -> ChangingLoad:
+def _load(
+    scene: Scene, grid: Grid, padding: Padding | Paddings, times: ArrayLike | None
+) -> ChangingLoad:
     """Return the load of `scene` over time; a constant load is applied suddenly."""
     if isinstance(scene.load, ChangingLoad):
         return scene.load
     if times is None:
         raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
     moments = np.asarray(times, dtype=np.float64)
-    assert isinstance(scene.load, ConstantLoad)  # others are for scenes that stay the same
     start = np.min(moments, initial=0.0, where=np.isfinite(moments))
-    return LoadHistory((float(start),), (scene.load.over(grid.period),))
+    return LoadHistory((float(start),), (scene.mean_load(grid, padding),))

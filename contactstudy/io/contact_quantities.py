@@ -66,7 +66,8 @@ def contact_quantities(
     if not np.isfinite(pressure).all():
         return {}
     scene, touching, why = scene_of(solution), pressure > 0, estimate.warnings
-    length = own_length(scene)
+    posed = solution.problem.description
+    length = own_length(posed if isinstance(posed, PosedScene) else None)
     area = float(np.count_nonzero(touching) * grid.cell_area)
     total = float(pressure.sum() * grid.cell_area)
     peak, peak_position = _largest(pressure, {"x": grid.x, "y": grid.y})

@@ -7,7 +7,7 @@ from math import inf, isfinite
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.load import TotalLoad
-from contactstudy.scene.scene import Scene
+from contactstudy.scene.scene import PosedScene
 
 NO_ESTIMATE = "no estimate is known for it"
 FORMULA = "it is the value of a formula"
@@ -77,12 +77,15 @@ def bounded(quantity: Quantity, parts: ErrorParts | None, why: Sequence[str] = (
     return replace(quantity, reason=parts.reason or next(iter(why), NO_ESTIMATE))
 
 
-def own_length(scene: Scene | None) -> float | None:
-    """Return the length [m] of the roller in `scene`; None for an endless contact."""
-    if scene is None:
+def own_length(posed: PosedScene | None) -> float | None:
+    """Return the length [m] of the roller of a scene on a grid; None for an endless one, of which that is a period."""
+    if posed is None:
         return None
+    scene = posed.scene
     if isinstance(scene.load, TotalLoad):
-        return scene.load.length
+        length = scene.load.length
+        is_period = length != posed.grid.period and scene.repeats(posed.padding)
+        return None if is_period else length
     length_scales = (
         shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
     )

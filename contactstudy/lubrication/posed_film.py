@@ -174,7 +174,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         deflection=deflection,
         cell=(grid.cell[0] / hertz.half_width, grid.cell[1] / hertz.half_width),
         resistance=scales.resistance,
-        load=scene.load.over(grid.period) / (hertz.half_width * peak),
+        load=scene.mean_load(grid, paddings) / (hertz.half_width * peak),
         log_viscosity=log_viscosity,
         density=density,
         cavitation=scales.lubrication.cavitation,

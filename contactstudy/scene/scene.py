@@ -416,7 +416,7 @@ class Scene:
             undeformed_gap=gap,
             operator=superposed(response(self.solids, self.datum(scales, grid)), grid, paddings),
             constraint=self._constraint(solver),
-            resultant=self._resultant(grid),
+            resultant=self._resultant(grid, padding),
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
@@ -437,12 +437,25 @@ class Scene:
             return self.load.datum_on(grid.extent[0])
         return scales.length
 
-    def _resultant(self, grid: Grid) -> Resultant:
+    def repeats(self, padding: Padding | Paddings) -> bool:
+        """Return whether `padding` repeats a roller along which no shape ends or is crowned: an endless one."""
+        scales = [getattr(shape, "length_scales", None) for shape in self.shapes]
+        is_free = _is_free(across_and_along(padding)[1])
+        return not is_free and all(of_shape and not of_shape.roller for of_shape in scales)
+
+    def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
+        """Return the constant load over the period of `grid` [N/m]; a total one on an endless roller over its length."""
+        load = self.load
+        if isinstance(load, TotalLoad) and self.repeats(padding):
+            return load.per_length
+        assert not isinstance(load, ChangingLoad | Approach)
+        return load.over(grid.period)
+
+    def _resultant(self, grid: Grid, padding: Padding | Paddings) -> Resultant:
         """Return the condition on the pressures of all cells of `grid`."""
         if isinstance(self.load, Approach):
             return PrescribedApproach(self.load.approach)
-        assert not isinstance(self.load, ChangingLoad)
-        return PrescribedLoad(self.load.over(grid.period) * grid.period / grid.cell_area)
+        return PrescribedLoad(self.mean_load(grid, padding) * grid.period / grid.cell_area)
 
     def _adhesion_law(self, solver: "AdhesiveSolver | None") -> AdhesionLaw | None:
         """Return the law that the problem is solved with: the attraction, or the search for the pull-off with it."""

@@ -174,6 +174,21 @@ def test_a_total_load_is_a_load_per_length_of_the_grid() -> None:
     np.testing.assert_allclose(total.pressure, line.pressure, atol=1e-6 * scale)
 
 
+def test_a_total_load_on_an_endless_roller_is_spread_over_its_length_at_any_period() -> None:
+    endless = scene(cs.TotalLoad(1500.0, length=0.01), cs.Cylinder(0.005))
+    line = replace(endless, load=cs.LineLoad(1.5e5))
+    peak = line.hertz.peak_pressure
+    wears = cs.Wear(1e-18, 1.0)
+    for period in (2e-4, 2e-2):
+        grid = cs.Grid((48, 1), (4e-4, period))
+        answer = cs.solve(endless, grid, cs.ExactPeriodicity())
+        assert answer.quantities["peak_pressure"].value == pytest.approx(peak, rel=0.02)
+        assert answer.quantities["contact_area"].unit == "m2 m-1"
+        marched = evolve(replace(endless, wear=wears), grid, cs.ExactPeriodicity(), times=[0.0])
+        assert marched.pressure[-1].max() == pytest.approx(peak, rel=0.02)
+    assert cs.solve(endless).quantities["peak_pressure"].value == pytest.approx(peak, rel=0.02)
+
+
 def test_the_length_is_that_of_the_shortest_roller() -> None:
     load = scene(cs.TotalLoad(100.0), *ROLLER, cs.LundbergProfile(1e-6, 2e-6, 2 * LENGTH)).load
     assert load == cs.TotalLoad(100.0, length=LENGTH)

@@ -157,17 +157,17 @@ def solve(
             return request.time_dependent_film()
         request.refuse_unless("a steady film", "start")
         return request.film()
+    if scene.takes_times:
+        if scene.is_quasi_static:
+            request.refuse_unless("a load history with adhesion or rolling", "times")
+            return request.quasi_static()
+        request.refuse_unless("a scene that changes in time", "times", "folder")
+        return request.time_dependent()
     if scene.rolling is not None:
         request.refuse_unless("a contact that rolls")
         return (
             request.steady_rolling() if scene.rolling.passes is None else request.repeated_rolling()
         )
-    if scene.changing is not None:
-        if scene.is_quasi_static:
-            request.refuse_unless("a load history with adhesion or tractive rolling", "times")
-            return request.quasi_static()
-        request.refuse_unless("a scene that changes in time", "times", "folder")
-        return request.time_dependent()
     request.refuse_unless("a static contact", "start", "on")
     return request.contact()
 

@@ -212,7 +212,9 @@ def evolution_of(trajectory: "Trajectory", requested: float | None = None) -> Ev
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     """Return one recorded instant as an answer, whose heights include what was worn away."""
     if frame.solution is not None:
-        return contact_of(frame.solution, time=frame.time, state=frame.fields)
+        return contact_of(
+            frame.solution, time=frame.time, state=frame.fields, rolling=frame.rolling
+        )
     problem = trajectory.problem
     parts = frame.grid_error_parts
     steps = replace(parts, steps=frame.step_error)

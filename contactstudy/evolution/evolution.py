@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.friction.laws import FullSliding
 from contactstudy.solvers.solution import CohesiveTraction, Solution, Status, Traction, worst
+
+if TYPE_CHECKING:
+    from contactstudy.evolution.rolling import SteadyRolling
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
@@ -60,6 +64,8 @@ class Frame:
         Adhesive traction; None without adhesion.
     solution
         Solution of a frame that is in equilibrium by itself; None for others.
+    rolling
+        Rolling resistance and centroid of a steadily rolling contact; None for others.
     grid_error_parts
         The error on this grid by cause.
     warnings
@@ -84,6 +90,7 @@ class Frame:
     warnings: tuple[str, ...] = ()
     adhesion: CohesiveTraction | None = None
     solution: Solution | None = None
+    rolling: "SteadyRolling | None" = None
 
     @property
     def peak_pressure(self) -> float:

@@ -1,4 +1,4 @@
-"""Contacts in equilibrium under a load that changes: adhesive bodies, and steady rolling with traction.
+"""Contacts in equilibrium under a load that changes: adhesive bodies, and steady rolling.
 
 An adhesive contact begins with the state before it. Between two turning points of the load the state does not depend on
 the number of recorded instants, because the fixed-point map is monotone: a larger initial traction gives a larger final
@@ -15,11 +15,14 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.evolution import Frame, Trajectory
+from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.steps import schedule
 from contactstudy.evolution.time_stepper import unloaded
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
+from contactstudy.scene.bodies import instantaneous
 from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.motion import check_slow
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.solution import Solution, Status
@@ -40,7 +43,7 @@ def follow_load(
     Parameters
     ----------
     scene
-        The scene, with adhesion or tractive rolling.
+        The scene, with adhesion or steady rolling.
     grid, padding
         Cells and boundary conditions.
     times
@@ -58,7 +61,7 @@ def follow_load(
     Raises
     ------
     InvalidInput
-        If times decrease, or begin before the load.
+        If times decrease, or begin before the load; if the load of a body that creeps changes too fast to roll steadily.
     """
     load = scene.load
     if not isinstance(load, ChangingLoad):
@@ -67,19 +70,29 @@ def follow_load(
     first = load.at(breakpoints[0].time)
     law = None if scene.adhesion is None else _under(scene, first).problem(grid, padding).adhesion
     assert law is None or isinstance(law, AdhesiveSolver)
-    largest = replace(scene, load=LineLoad(load.largest)).problem(grid, padding)
+    elastic = scene
+    if scene.rolling is not None:
+        assert scene.rolling.speed is not None
+        if any(getattr(solid, "creeps", False) for solid in scene.solids):
+            check_slow("Scene.rolling", scene.rolling.speed, load, scene.hertz)
+        elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
+    largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
     last: Solution | None = None
     for point in breakpoints:
         loads = (point.before, point.after) if point.jumps and last is not None else (point.after,)
         for number, value in enumerate(loads):
+            rolling = None
             if value == 0 and law is None:
                 last = unloaded(largest)
+            elif scene.rolling is not None:
+                rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
+                last = rolling.solution
             else:
                 last = _solved(_posed(largest, scene, value, law), last, options)
             records = times is None or point.records > len(loads) - 1 - number
             if records:
-                frames.append(_frame(point.time, value, last))
+                frames.append(_frame(point.time, value, last, rolling))
         if progress is not None:
             progress(point.time, breakpoints[-1].time)
     return Trajectory(largest, tuple(frames), 0, 0, PosedScene(scene, grid, padding))
@@ -115,7 +128,7 @@ def _solved(problem: Problem, last: Solution | None, options: SolveOptions) -> S
     return solve_contact(problem, options, start)
 
 
-def _frame(time: float, load: float, solution: Solution) -> Frame:
+def _frame(time: float, load: float, solution: Solution, rolling: SteadyRolling | None) -> Frame:
     """Return a solution as a recorded instant."""
     fields = {}
     steps, adhesion = 1, solution.adhesion
@@ -137,6 +150,7 @@ def _frame(time: float, load: float, solution: Solution) -> Frame:
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         solution=solution,
+        rolling=rolling,
     )
 
 

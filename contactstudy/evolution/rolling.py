@@ -19,7 +19,6 @@ from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import instantaneous, response
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene, ShapesSource
 from contactstudy.solvers.lagged import LaggedSolution, solve_lagged
 from contactstudy.solvers.solution import Solution
@@ -166,11 +165,6 @@ def solve_rolling(
         raise InvalidInput(
             "Scene.wear changes in time together with Scene.rolling: a body that rolls wears alike all round, leave "
             "rolling out and multiply Wear.coefficient by the contact's width over the circumference."
-        )
-    if not isinstance(scene.load, ConstantLoad):
-        raise InvalidInput(
-            "Scene.load changes in time together with Scene.rolling, which needs a steady load: give a LineLoad, or "
-            "leave rolling out, which does not change elastic bodies."
         )
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)

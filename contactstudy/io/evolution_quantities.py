@@ -55,6 +55,7 @@ def evolution_quantities(
         ("friction_coefficient", max, "largest friction force over load in time"),
         ("traction_coefficient", max, "largest tangential force over load in time"),
         ("frictional_power", max, "largest frictional power in time"),
+        ("rolling_resistance", max, "largest rolling resistance in time"),
     )
     for name, extreme, words in extremes:
         if name in frames[0]:
@@ -63,10 +64,16 @@ def evolution_quantities(
             position = {"time": float(times[number])}
             numbers[name] = replace(frames[number][name], label=words, position=position, detail="")
     reported = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
-    sheared = "traction_coefficient", "stick_fraction", "creepage", "frictional_power"
+    moving = (
+        "traction_coefficient",
+        "stick_fraction",
+        "creepage",
+        "frictional_power",
+        "rolling_resistance",
+    )
     peak = frames[-1].get("peak_pressure")
     is_apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
-    for name in (*reported, "friction_coefficient", *sheared):
+    for name in (*reported, "friction_coefficient", *moving):
         if name in frames[-1] and not (is_apart and name == "approach"):
             final = frames[-1][name]
             numbers[f"final_{name}"] = replace(

@@ -1,8 +1,10 @@
 """Seconds of a contact in time, or of one that rolls: a pilot on coarse cells counts the steps, one solve is timed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from time import process_time
+
+import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
@@ -12,6 +14,7 @@ from contactstudy.evolution.steps import TimeSteps
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CELL_FRACTION
 from contactstudy.planning.transient_requirements import transient_requirements
+from contactstudy.scene.load import LineLoad
 from contactstudy.scene.scene import Scene
 
 
@@ -165,10 +168,15 @@ def _work(
         passes = roll_repeatedly(scene, grid, padding).passes
         return process_time() - begin, sum(each_pass.steps for each_pass in passes)
     if scene.rolling is not None:
+        instants, steady = 1, scene
+        if scene.takes_times:
+            instants = np.size(steps.instants_of(scene.load) or 1)
+            steady = replace(scene, load=LineLoad(scene.load.largest))
         begin = process_time()
-        rolling = solve_rolling(scene, grid, padding)
+        rolling = solve_rolling(steady, grid, padding)
         rolling.error_estimate()
-        return process_time() - begin, rolling.lagged.outer_iterations
+        seconds = instants * (process_time() - begin)
+        return seconds, instants * rolling.lagged.outer_iterations
     times, larger = steps.instants_of(scene.load, getattr(scene.friction, "history", None)), 1.0
     while True:
         begin, reached, pairs = process_time(), 0.0, 0

@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 from math import inf
 
+from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
     body_index,
@@ -14,6 +16,7 @@ from contactstudy.domain.checks import (
     whole,
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, Number, PerPascal
+from contactstudy.scene.load import ChangingLoad, PiecewiseLinear
 
 
 class RollingPressure(Enum):
@@ -73,6 +76,27 @@ class Rolling:
         if self.distance is not None:
             positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")
         positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")
+
+
+# Fewest widths of the contact by which it rolls while the load changes: what it rolls over is steady after one or two.
+MIN_WIDTHS = 10.0
+
+
+def check_slow(name: str, speed: float, load: ChangingLoad, hertz: HertzLine | None) -> None:
+    """Raise InvalidInput for a `load` that changes too fast for rolling by `name` to be steady at each instant."""
+    if hertz is None:
+        return
+    duration = getattr(load, "period", inf) / 4
+    if isinstance(load, PiecewiseLinear):
+        steps = zip(pairwise(load.times), pairwise(load.values), strict=True)
+        duration = min((end - start for (start, end), (a, b) in steps if a != b), default=inf)
+    widths = abs(speed) * duration / (2 * hertz.half_width)
+    if widths < MIN_WIDTHS:
+        raise InvalidInput(
+            f"Scene.load changes within {duration:g} s together with {name}, while the contact rolls by {widths:.2g} of "
+            f"its widths: rolling is steady under a load that changes over {MIN_WIDTHS:g} or more, give slower changes, "
+            "or a higher speed."
+        )
 
 
 @suggest_fields

@@ -483,11 +483,18 @@ class Scene:
         return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
 
     @property
+    def takes_times(self) -> bool:
+        """True if it is solved at several instants: it changes in time, or rolls steadily under a load that does."""
+        if self.rolling is None:
+            return self.changing is not None
+        return self.rolling.passes is None and isinstance(self.load, ChangingLoad)
+
+    @property
     def is_quasi_static(self) -> bool:
-        """True if each instant is in equilibrium by itself, as with adhesion and in steady rolling with traction."""
+        """True if each instant is in equilibrium by itself, as with adhesion and in steady rolling."""
         creeps = any(getattr(solid, "creeps", False) for solid in self.solids)
         adheres = self.adhesion is not None and not creeps
-        return adheres or getattr(self.friction, "is_steady", False)
+        return adheres or self.rolling is not None or getattr(self.friction, "is_steady", False)
 
     @property
     def keeps_frames(self) -> bool:

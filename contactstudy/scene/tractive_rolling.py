@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
-from itertools import pairwise
-from math import inf, isinf
+from math import isinf
 from typing import ClassVar
 
 import numpy as np
@@ -29,17 +28,14 @@ from contactstudy.scene.friction import (
     shear_coupling,
     sheared,
 )
-from contactstudy.scene.load import ChangingLoad, PiecewiseLinear
+from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.motion import check_slow
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import Coupling, TractiveShear
 
 STATIONARY_HEIGHTS = (
     "The heights stand still in the contact: shear under moving roughness is not computed."
 )
-
-
-# Fewest widths of the contact by which it rolls while the load changes: shear is steady after one or two.
-MIN_WIDTHS = 10.0
 
 
 @suggest_fields
@@ -111,7 +107,7 @@ class TractiveRolling:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         check_tangential_response(scene, "TractiveRolling")
         if isinstance(scene.load, ChangingLoad) and scene.wear is None and scene.rolling is None:
-            self._check_slow(scene, scene.load)
+            check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         else:
             check_static(
                 scene,
@@ -129,19 +125,6 @@ class TractiveRolling:
             raise InvalidInput(
                 f"TractiveRolling.tangential is {self.tangential!r}: friction transmits less than "
                 f"{readable(limit, 'N m-1')}, give less, or a longitudinal creepage."
-            )
-
-    def _check_slow(self, scene: FrictionContact, load: ChangingLoad) -> None:
-        """Raise InvalidInput for a load that changes too fast for rolling to be steady at each instant."""
-        if scene.hertz is None:
-            return
-        duration = _shortest_change(load)
-        widths = abs(self.speed) * duration / (2 * scene.hertz.half_width)
-        if widths < MIN_WIDTHS:
-            raise InvalidInput(
-                f"Scene.load changes within {duration:g} s together with TractiveRolling, while the contact rolls by "
-                f"{widths:.2g} of its widths: rolling is steady under a load that changes over {MIN_WIDTHS:g} or more, "
-                "give slower changes, or a higher speed."
             )
 
     def law(
@@ -193,14 +176,6 @@ def _response(
 ) -> ShearResponse:
     """Return the response of `bodies` to shear on `grid`, the argument that is given last."""
     return shear_response(bodies, grid, paddings, datum)
-
-
-def _shortest_change(load: ChangingLoad) -> float:
-    """Return the shortest time [s] in which a load changes between two instants, or by a quarter of its period."""
-    if isinstance(load, PiecewiseLinear):
-        steps = zip(pairwise(load.times), pairwise(load.values), strict=True)
-        return min((end - start for (start, end), (a, b) in steps if a != b), default=inf)
-    return getattr(load, "period", inf) / 4
 
 
 def _least(load: Load | ChangingLoad) -> float:

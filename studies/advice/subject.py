@@ -299,7 +299,7 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
         padding,
         unit_of(_less_slender(grid.cells)),
         described.settings,
-        described.time_steps if scene.changing and not scene.rolling else None,
+        described.time_steps if scene.takes_times else None,
         text,
         tuple(notes),
     )

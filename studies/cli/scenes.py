@@ -166,7 +166,7 @@ def _notes(described: cs.SceneFile) -> list[str]:
         for number, shape in enumerate(scene.shapes)
         if isinstance(shape, cs.MeasuredSurface)
     ]
-    if described.time_steps != cs.TimeSteps() and (scene.rolling or not scene.changing):
+    if described.time_steps != cs.TimeSteps() and not scene.takes_times:
         notes.append(
             "evolve is not used, since no load, speed or body changes in time: leave it out"
         )

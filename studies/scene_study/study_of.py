@@ -338,6 +338,6 @@ def _computation(case: Case, file: SceneFile) -> ReferencedCase:
 
     Where the file gives its grid, and no error, none is asked for, and each step goes from one instant to the next.
     """
-    steps = file.time_steps if case.scene.changing and case.scene.rolling is None else None
+    steps = file.time_steps if case.scene.takes_times else None
     error = file.plan_settings.error or (DEFAULT_ERROR if file.grid is None else None)
     return ReferencedCase(case.scene, case.grid, case.padding, case.options, steps, error)

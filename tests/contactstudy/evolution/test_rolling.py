@@ -204,3 +204,19 @@ def test_two_bodies_roll_as_one_that_is_twice_as_compliant() -> None:
     scale = one.solution.pressure.max()
     np.testing.assert_allclose(both.solution.pressure, one.solution.pressure, atol=1e-5 * scale)
     assert both.shift == pytest.approx(one.shift, abs=1e-5 * A)
+
+
+def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant() -> None:
+    load = cs.LoadHistory((0.0, 100.0, 300.0), (0.01 * pi / 4, 0.004 * pi / 4, 0.008 * pi / 4))
+    scene, grid = replace(rolling(SOLID, A), load=load), cs.Grid((64, 1), (0.6, 1.0))
+    found = cs.solve(scene, grid, EXACT, times=[0.0, 100.0, 200.0])
+    assert isinstance(found, cs.Evolution)
+    for frame, part in zip(found.frames, (0.01, 0.004, 0.006), strict=True):
+        alone = cs.solve(replace(scene, load=cs.LineLoad(part * pi / 4)), grid, EXACT)
+        np.testing.assert_allclose(frame.pressure, alone.pressure, atol=1e-9 * P)
+        resistance = alone.quantities["rolling_resistance"].value
+        assert frame.quantities["rolling_resistance"].value == pytest.approx(resistance)
+    assert found.quantities["rolling_resistance"].position == {"time": 0.0}
+    fast = replace(load, times=(0.0, 1.0, 3.0))
+    with pytest.raises(cs.InvalidInput, match=r"rolls by .* of its widths"):
+        cs.solve(replace(scene, load=fast), grid, EXACT, times=[0.0, 3.0])

@@ -122,7 +122,9 @@ def in_range_from_zero(field: str, value: object, remedy: str) -> float:
     return in_range_or_zero(field, non_negative(field, value, remedy), remedy)
 
 
-def whole(field: str, value: object, at_least: int, remedy: str, at_most: float = math.inf) -> int:
+def whole_number(
+    field: str, value: object, at_least: int, remedy: str, at_most: float = math.inf
+) -> int:
     """Return `value` as an int within the limits, or raise :class:`InvalidInput` with `field` and `remedy`."""
     if isinstance(value, bool) or not isinstance(value, Integral):
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
@@ -133,7 +135,7 @@ def whole(field: str, value: object, at_least: int, remedy: str, at_most: float 
 
 def body_index(field: str, value: object) -> int:
     """Return `value` as the index of a body in ``Scene.solids``, or raise :class:`InvalidInput`."""
-    return whole(field, value, 0, "give 0 or 1, the body's place in Scene.solids", at_most=1)
+    return whole_number(field, value, 0, "give 0 or 1, the body's place in Scene.solids", at_most=1)
 
 
 def each(

@@ -269,7 +269,7 @@ def block_means_transposed(
 
 
 @exact
-def filled(
+def interpolated_outside(
     blocks: Array, contact: Array, displacement: Array, extended: Array, begin: int, end: int
 ) -> None:
     """Write the displacement of the contact, and elsewhere that of blocks, linear between their middles.
@@ -295,8 +295,10 @@ def filled(
 
 
 @exact
-def filled_transposed(pressure: Array, contact: Array, blocks: Array, begin: int, end: int) -> None:
-    """Gather the pressure outside the contact to blocks: the transpose of :func:`filled`."""
+def interpolated_outside_transposed(
+    pressure: Array, contact: Array, blocks: Array, begin: int, end: int
+) -> None:
+    """Gather the pressure outside the contact to blocks: the transpose of :func:`interpolated_outside`."""
     rows, columns = blocks.shape
     one, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
     line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # and its periodic neighbours

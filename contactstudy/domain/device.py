@@ -14,7 +14,7 @@ from typing import Any, Protocol, cast, runtime_checkable
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from contactstudy.domain.checks import InvalidInput, set_fields, whole
+from contactstudy.domain.checks import InvalidInput, set_fields, whole_number
 
 # During a solve these are arrays of the device's library: of floats, of any numbers, of one element.
 Array = NDArray[np.floating[Any]]
@@ -160,7 +160,9 @@ class Cpu:
     threads: int = 1
 
     def __post_init__(self) -> None:
-        threads = whole("Cpu.threads", self.threads, 1, "it must be a whole number of at least 1")
+        threads = whole_number(
+            "Cpu.threads", self.threads, 1, "it must be a whole number of at least 1"
+        )
         set_fields(self, threads=threads)
 
     @property

@@ -39,7 +39,7 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
         return [work(*(field[block, :] for field in fields)) for block in blocks]
 
     blocks = _blocks(*fields[0].shape)
-    return [result for part in _shared(in_turn, blocks, fields[0].size) for result in part]
+    return [result for part in _distributed(in_turn, blocks, fields[0].size) for result in part]
 
 
 def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float, ...]:
@@ -77,7 +77,7 @@ def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
         future.result()
 
 
-def replaced(field: Array, new: Callable[[Array], Array]) -> Array:
+def replace_blocks(field: Array, new: Callable[[Array], Array]) -> Array:
     """Replace every block of `field` (x, y) by what `new` returns for it, in place, and return the field."""
 
     def replace(block: Array) -> None:
@@ -93,7 +93,7 @@ def _blocks(rows: int, columns: int) -> list[slice]:
     return [slice(begin, min(begin + step, rows)) for begin in range(0, rows, step)]
 
 
-def _shared(work: Callable[[list[slice]], T], blocks: list[slice], cells: int) -> list[T]:
+def _distributed(work: Callable[[list[slice]], T], blocks: list[slice], cells: int) -> list[T]:
     """Give each thread a part of the `blocks` of a field of that many `cells`, and return all results in order."""
     count = min(threads(), len(blocks), cells // CELLS_PER_THREAD)
     if count <= 1:
@@ -101,12 +101,12 @@ def _shared(work: Callable[[list[slice]], T], blocks: list[slice], cells: int) -
     size = -(-len(blocks) // count)
     parts = [blocks[begin : begin + size] for begin in range(0, len(blocks), size)]
     futures = [
-        _pool(count - 1).submit(copy_context().run, _alone, work, part) for part in parts[1:]
+        _pool(count - 1).submit(copy_context().run, _in_thread, work, part) for part in parts[1:]
     ]
     return [work(parts[0]), *(future.result() for future in futures)]
 
 
-def _alone(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
+def _in_thread(work: Callable[[list[slice]], T], blocks: list[slice]) -> T:
     """Call `work` on `blocks` in a thread of the pool.
 
     It uses no further threads and gives no floating-point warnings, like the solve itself.

@@ -17,7 +17,7 @@ from contactstudy.domain.checks import (
     pair,
     set_fields,
     suggest_fields,
-    whole,
+    whole_number,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
@@ -54,8 +54,8 @@ class Grid:
         nx, ny = pair("Grid.cells", self.cells, "give two whole numbers, (across, along)")
         width, period = pair("Grid.extent", self.extent, "give two lengths, (width, period) [m]")
         cells = (
-            whole("Grid.cells[0]", nx, 2, "give at least 2 cells across the width"),
-            whole("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
+            whole_number("Grid.cells[0]", nx, 2, "give at least 2 cells across the width"),
+            whole_number("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
         )
         extent = (
             in_range("Grid.extent[0]", width, "give a width above 0 m"),
@@ -161,7 +161,7 @@ class _Counted:
     def __post_init__(self) -> None:
         field = f"{type(self).__name__}.images"
         remedy = "it must be a whole number of periods of at least 0"
-        set_fields(self, images=whole(field, self.images, 0, remedy))
+        set_fields(self, images=whole_number(field, self.images, 0, remedy))
 
     @property
     def window(self) -> range:

@@ -262,13 +262,15 @@ class BlockExtension(CoveringExtension):
         """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
         blocks = self._extension(self._means(displacement))
         extended = np.empty_like(displacement)
-        self._in_parts(self._loops.filled, blocks, self.contact, displacement, extended)
+        self._in_parts(
+            self._loops.interpolated_outside, blocks, self.contact, displacement, extended
+        )
         return extended
 
     def transposed(self, pressure: Array) -> Array:
         """Restrict a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
         blocks = self._blocks(pressure)
-        self._in_parts(self._loops.filled_transposed, pressure, self.contact, blocks)
+        self._in_parts(self._loops.interpolated_outside_transposed, pressure, self.contact, blocks)
         blocks = self._extension.transposed(blocks)
         weights = self._block_contact, self.contact
         self._in_parts(self._loops.block_means_transposed, blocks, *weights, pressure)

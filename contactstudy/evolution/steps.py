@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, relative_error, suggest_fields, whole
+from contactstudy.domain.checks import InvalidInput, relative_error, suggest_fields, whole_number
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 
@@ -112,7 +112,7 @@ class TimeSteps:
         if self.instants is None and self.end is None and self.error is not None:
             return None
         count = 41 if self.instants is None else self.instants
-        whole("evolve.instants", count, 2, "give at least 2 instants")
+        whole_number("evolve.instants", count, 2, "give at least 2 instants")
         start = min(history.start for history in histories) if histories else 0.0
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)

@@ -5,7 +5,7 @@ from math import ceil, inf, sqrt
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, positive, whole
+from contactstudy.domain.checks import InvalidInput, positive, whole_number
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
@@ -116,7 +116,12 @@ def solve_lubricated(
         For a scene without lubrication, or with an effect that is not supported with a film.
     """
     positive("solve_lubricated.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
-    whole("solve_lubricated.max_iterations", max_iterations, 0, "give a whole number of at least 0")
+    whole_number(
+        "solve_lubricated.max_iterations",
+        max_iterations,
+        0,
+        "give a whole number of at least 0",
+    )
     if isinstance(scene, Scene) and (changing := scene.changing) is not None:
         raise InvalidInput(
             f"{changing} changes in time, and this film is a steady one: call contactstudy.evolve."

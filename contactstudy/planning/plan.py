@@ -15,18 +15,19 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, speedup
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
-from contactstudy.planning.forecast import forecast_of_grid, forecast_of_refinement
+from contactstudy.planning.forecast import (
+    GridForecast,
+    forecast_of_grid,
+    forecast_of_refinement,
+    with_width,
+    within_memory,
+)
 from contactstudy.planning.grid_requirements import (
     CELL_FRACTION,
     GridRequirements,
     grid_of_flat,
     measured_length_scales,
     requirements_of,
-)
-from contactstudy.planning.grid_search import (
-    GridForecast,
-    affordable,
-    with_width,
 )
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
@@ -234,7 +235,7 @@ def _plan_static(
             grid = with_width(grid, width)
     else:
         target = inf
-        prediction = forecast_of_grid(scene, requirements, affordable(grid, padding, limit))
+        prediction = forecast_of_grid(scene, requirements, within_memory(grid, padding, limit))
     predicted = prediction.error_of(grid.cell)
     return Plan(
         grid=grid,

@@ -19,7 +19,6 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.planning.grid_requirements import WIDTH_FACTOR, GridRequirements, requirements_of
-from contactstudy.planning.grid_search import contact_width
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -284,7 +283,7 @@ class GridRefinement:
         # random heights depend on the extent
         if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
             return None
-        needed = WIDTH_FACTOR * contact_width(solution)
+        needed = WIDTH_FACTOR * _contact_width(solution)
         return needed if needed < CONSTANTS.narrowing * width else None
 
     def _with_width(self, grid: Grid, width: float) -> Grid:
@@ -402,6 +401,13 @@ class GridRefinement:
         )
         cells = f"{prod(last.grid.cells) * grown:.1g}"
         return f"it would take about {cells} cells, and {self.most_cells:,} are allowed."
+
+
+def _contact_width(solution: Solution) -> float:
+    """Return the width [m] about the axis within which all cells in contact lie."""
+    grid = solution.problem.grid
+    touching = np.abs(grid.x[solution.pressure.any(axis=1)])
+    return float(2 * touching.max(initial=0.0)) + grid.cell[0]
 
 
 def _end_misfit(count: int, fraction: float) -> float:

@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol, Self
 import numpy as np
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, dot, in_blocks, inner, replaced
+from contactstudy.domain.fields import Array, dot, in_blocks, inner, replace_blocks
 from contactstudy.domain.fields import total as sum_of
 
 
@@ -188,7 +188,7 @@ class Compressive:
 
     def clip(self, trial: Array) -> Array:
         """Set tension in a `trial` pressure to zero, in place."""
-        return replaced(trial, lambda block: arrays().maximum(block, 0))
+        return replace_blocks(trial, lambda block: arrays().maximum(block, 0))
 
     def scale_to_load(self, trial: Array, total: float) -> Array:
         """Set tension to zero and scale the pressure to the sum `total`, in place."""
@@ -222,7 +222,7 @@ class Compressive:
 
         epsilon = float(xp.finfo(trial.dtype).eps)
         shift, factor = load_multiplier(total, carried, loaded.shape[0], load_above, epsilon)
-        return replaced(trial, lambda block: xp.maximum(block - shift, 0) * factor)
+        return replace_blocks(trial, lambda block: xp.maximum(block - shift, 0) * factor)
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells without pressure that penetrate, and 0 for the others."""
@@ -298,12 +298,12 @@ class HardnessLimited:
 
     def clip(self, trial: Array) -> Array:
         """Cut a `trial` pressure off at zero and at the hardness, in place."""
-        return replaced(trial, lambda block: arrays().clip(block, 0.0, self.hardness))
+        return replace_blocks(trial, lambda block: arrays().clip(block, 0.0, self.hardness))
 
     def scale_to_load(self, trial: Array, total: float) -> Array:
         """Scale a `trial` pressure and cut it off at the hardness such that it has the sum `total`, in place."""
         xp = arrays()
-        replaced(trial, lambda block: xp.maximum(block, 0))
+        replace_blocks(trial, lambda block: xp.maximum(block, 0))
         loaded = trial > 0
         count = int(xp.count_nonzero(loaded))
         if count * self.hardness <= total:
@@ -326,7 +326,7 @@ class HardnessLimited:
             if not (below > 0 and remaining / below > factor):
                 break
             factor = remaining / below
-        return replaced(trial, lambda block: xp.minimum(block * factor, self.hardness))
+        return replace_blocks(trial, lambda block: xp.minimum(block * factor, self.hardness))
 
     def project(self, trial: Array, total: float) -> Array:
         """Shift a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place."""

@@ -12,7 +12,7 @@ from contactstudy.domain.checks import (
     positive,
     set_fields,
     suggest_fields,
-    whole,
+    whole_number,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
@@ -131,7 +131,9 @@ class Fretting:
 
         Each half cycle takes equal `steps`. One is exact where nothing varies along the length.
         """
-        count = whole("Fretting.cycle.steps", steps, 1, "give at least one step a half cycle")
+        count = whole_number(
+            "Fretting.cycle.steps", steps, 1, "give at least one step a half cycle"
+        )
         down = [amplitude * (1 - 2 * (n + 1) / count) for n in range(count)]
         down[-1] = -amplitude
         return cls(coefficient, (amplitude, *down, *(-force for force in down)))

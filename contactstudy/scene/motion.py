@@ -13,7 +13,7 @@ from contactstudy.domain.checks import (
     positive,
     set_fields,
     suggest_fields,
-    whole,
+    whole_number,
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, Number, PerPascal
 from contactstudy.scene.load import ChangingLoad, PiecewiseLinear
@@ -72,7 +72,12 @@ class Rolling:
             )
             set_fields(self, speed=speed)
         if self.passes is not None:
-            whole("Rolling.passes", self.passes, 1, "give a whole number of passes of at least 1")
+            whole_number(
+                "Rolling.passes",
+                self.passes,
+                1,
+                "give a whole number of passes of at least 1",
+            )
         if self.distance is not None:
             positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")
         positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")

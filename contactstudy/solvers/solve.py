@@ -7,7 +7,13 @@ from typing import Protocol
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, positive, set_fields, suggest_fields, whole
+from contactstudy.domain.checks import (
+    InvalidInput,
+    positive,
+    set_fields,
+    suggest_fields,
+    whole_number,
+)
 from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number, readable
@@ -70,7 +76,7 @@ class SolveOptions:
             "give a dimensionless tolerance above 0, such as 1e-8",
         )
         set_fields(self, precision=Precision.named(self.precision))
-        whole(
+        whole_number(
             "solve.max_iterations",
             self.max_iterations,
             0,

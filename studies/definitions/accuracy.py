@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.checks import whole
+from contactstudy.domain.checks import whole_number
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, number
@@ -73,7 +73,9 @@ class AccuracyRun:
 def scene_at(point: Point) -> AccuracyRun:
     """Return a case by its name and seed."""
     name = one_of("case", point["case"], (*matrix(), *NAMES))
-    return AccuracyRun(name, whole("seed", point["seed"], 0, "must be a whole number, at least 0"))
+    return AccuracyRun(
+        name, whole_number("seed", point["seed"], 0, "must be a whole number, at least 0")
+    )
 
 
 def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:

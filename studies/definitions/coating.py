@@ -10,7 +10,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
-from contactstudy.domain.checks import positive, whole
+from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coating import CoatingDisplacement
 from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
@@ -61,7 +61,7 @@ def scene_at(point: Point) -> Case:
     """Return a rigid cylinder on coated steel, in plane strain."""
     ratio = positive("ratio", point["ratio"], "give a ratio of moduli above 0")
     thickness = positive("thickness", point["thickness"], "give a thickness above 0 half-widths")
-    cells = whole("grid", point["grid"], 32, "give at least 32 cells across the width")
+    cells = whole_number("grid", point["grid"], 32, "give at least 32 cells across the width")
     solids = coated(ratio, thickness * A), RIGID
     scene = cs.Scene(cs.LineLoad(LOAD), solids, (cs.Cylinder(RADIUS),))
     width = 2 * ROOM * A * max(1.0, 1 / sqrt(ratio))

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.checks import whole
+from contactstudy.domain.checks import whole_number
 from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis
 from studies.model.case import EvolutionCase, number
@@ -34,8 +34,8 @@ times = "none"
 
 def scene_at(point: Point) -> EvolutionCase:
     """Return an evolution under the constant load, with equal steps."""
-    steps = whole("steps", point["steps"], 2, "give at least 2 steps")
-    cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
+    steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
+    cells = whole_number("grid", point["grid"], 4, "give at least 4 cells across the width")
     times = tuple(np.linspace(0, END, steps + 1).tolist())
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
     return EvolutionCase(SCENE, grid, cs.ExactPeriodicity(), times)

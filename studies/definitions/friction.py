@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.checks import finite, whole
+from contactstudy.domain.checks import finite, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.scene.friction import PartialSlip
 from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
@@ -40,8 +40,8 @@ class Rough(Case):
 def scene_at(point: Point) -> Case:
     """Return the sweeps' line contact between bodies of this Poisson's ratio and one contact modulus."""
     ratio = finite("poisson_ratio", point["poisson_ratio"], "give a ratio from 0 to 0.5")
-    cells = whole("grid", point["grid"], 32, "give at least 32 cells across the width")
-    whole("rough_grid", point["rough_grid"], 16, "give at least 16 cells along each axis")
+    cells = whole_number("grid", point["grid"], 32, "give at least 32 cells across the width")
+    whole_number("rough_grid", point["rough_grid"], 16, "give at least 16 cells along each axis")
     modulus = (1 - ratio**2) / STEEL.compliance
     solid = cs.HalfSpace(modulus, ratio)
     scene = replace(SCENE, solids=(solid, solid))

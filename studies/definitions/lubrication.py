@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.analytic import moes_film
-from contactstudy.domain.checks import non_negative, positive, whole
+from contactstudy.domain.checks import non_negative, positive, whole_number
 from studies.model.axis import Axis
 from studies.model.case import SceneCase, Solved, number
 from studies.model.study import Point
@@ -50,7 +50,7 @@ def scene_at(point: Point) -> SceneCase:
         raise cs.InvalidInput(
             f"cavitation is {cavitation!r}: give {' or '.join(map(str, CAVITATION))}."
         )
-    cells = whole("grid", point["grid"], 16, "give at least 16 cells across the width")
+    cells = whole_number("grid", point["grid"], 16, "give at least 16 cells across the width")
     a = HERTZ.half_width
     film = moes_film(load, viscosity) * pi / (8 * load)
     speed = 3 * pi**2 / (8 * load**2) * a**3 * HERTZ.peak_pressure / (12 * VISCOSITY * RADIUS**2)

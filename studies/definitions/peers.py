@@ -15,7 +15,7 @@ import xarray as xr
 from threadpoolctl import ThreadpoolController
 
 import contactstudy as cs
-from contactstudy.domain.checks import whole
+from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis, one_of
 from studies.model.case import number
@@ -204,8 +204,10 @@ points = (
 
 def scene_at(point: Point) -> ProgramRun:
     """Return a program on a problem, with a grid and a number of threads."""
-    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
-    threads = whole("threads", point["threads"], 1, "must be a whole number of threads, at least 1")
+    cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
+    threads = whole_number(
+        "threads", point["threads"], 1, "must be a whole number of threads, at least 1"
+    )
     program = one_of("program", point["program"], PROGRAMS)
     return ProgramRun(program, one_of("boundary", point["boundary"], PADDINGS), cells, threads)
 

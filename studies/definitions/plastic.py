@@ -9,7 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
-from contactstudy.domain.checks import non_negative, positive, whole
+from contactstudy.domain.checks import non_negative, positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis
@@ -51,8 +51,8 @@ def scene_at(point: Point) -> EvolutionCase:
     """Return an evolution that loads in equal steps and unloads in one step."""
     peak = positive("pressure", point["pressure"], "give a peak pressure above 0 yield stresses")
     hardening = non_negative("hardening", point["hardening"], "must be at least 0")
-    steps = whole("steps", point["steps"], 2, "give at least 2 steps")
-    cells = whole("grid", point["grid"], 16, "give at least 16 cells across the width")
+    steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
+    cells = whole_number("grid", point["grid"], 16, "give at least 16 cells across the width")
     body = cs.ElasticPlasticHalfSpace(MODULUS, POISSON, 1.0, hardening * MODULUS)
     scene = cs.Scene(
         cs.LoadHistory(times=(0, 1, 2), per_length=(0, pi * peak / 2, 0)),

@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.analytic import truncation_error
-from contactstudy.domain.checks import divides, non_negative, positive, whole
+from contactstudy.domain.checks import divides, non_negative, positive, whole_number
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis
 from studies.model.case import Case
@@ -58,7 +58,7 @@ class PaddingComparison(Case):
 def scene_at(point: Point) -> PaddingComparison:
     """Return the sweeps' cylinder with a rough surface; with zero rms all surfaces are one case."""
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
-    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
     divides("the rough surface's length", LENGTH * A, period * A)
     shape = cs.Roughness(
@@ -74,7 +74,7 @@ def scene_at(point: Point) -> PaddingComparison:
         scene=replace(SCENE, shapes=SCENE.shapes + ((shape,) if rms else ())),
         grid=cs.Grid((cells, max(1, round(cells * period / WIDTH))), (WIDTH * A, period * A)),
         padding=cs.ExactPeriodicity(),
-        images=whole("images", point["images"], 0, "must be a whole number, at least 0"),
+        images=whole_number("images", point["images"], 0, "must be a whole number, at least 0"),
     )
 
 

@@ -10,7 +10,7 @@ from math import prod
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.checks import positive, whole
+from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.grid import on_cells
 from studies.advice.ladder import MULTIPLES, cells_at, is_reference
 from studies.advice.reference_error import ReferencedCase, answer_of, pressure_error
@@ -131,7 +131,7 @@ class _SettingAt:
             subject.own if mode == FREE and subject.is_free
             else padding_at(mode, int(point["images"]))
         )  # fmt: skip
-        across = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+        across = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
         grid, periods = self._grid(across, point["period"])
         return ReferencedCase(
             scene=subject.scene,
@@ -152,7 +152,9 @@ class _SettingAt:
                 "period", period, "give a period above 0 half-widths"
             )
             return cs.Grid((across, max(2, round(across * length / width))), (width, length)), 1
-        periods = whole("period", period, 1, "give a whole number of the scene's own periods")
+        periods = whole_number(
+            "period", period, 1, "give a whole number of the scene's own periods"
+        )
         if periods > 1 and any(
             isinstance(shape, cs.MeasuredSurface) for shape in subject.scene.shapes
         ):

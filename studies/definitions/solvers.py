@@ -8,7 +8,7 @@ from math import prod
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.checks import whole
+from contactstudy.domain.checks import whole_number
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, contact_fraction, number
 from studies.model.study import Point
@@ -38,7 +38,7 @@ def scene_at(point: Point) -> Case:
     """Return a line contact, exactly periodic, to the default tolerance."""
     solver = one_of("solver", point["solver"], SOLVERS)
     surface = one_of("surface", point["surface"], SURFACES)
-    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     return Case(
         scene=replace(SCENE, shapes=SCENE.shapes + SURFACES[surface]),
         grid=cs.Grid(cells=(cells, cells), extent=(WIDTH * A, PERIOD * A)),

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.special import erfinv
 
 import contactstudy as cs
-from contactstudy.domain.checks import in_range, positive, whole
+from contactstudy.domain.checks import in_range, positive, whole_number
 from contactstudy.domain.device import Device, using
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
@@ -84,8 +84,10 @@ def clock_of(on: Device) -> Callable[[], float]:
 def scene_at(point: Point) -> CaseOnDevice:
     """Return a contact on a device: a line contact, or a flat self-affine surface periodic along both axes."""
     surface = one_of("surface", point["surface"], SURFACES)
-    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
-    threads = whole("threads", point["threads"], 1, "must be a whole number of threads, at least 1")
+    cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
+    threads = whole_number(
+        "threads", point["threads"], 1, "must be a whole number of threads, at least 1"
+    )
     precision = cs.Precision.named(str(point["precision"]))
     if surface != SELF_AFFINE:
         shape = SMOOTH if surface == LINE else surface

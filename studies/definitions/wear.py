@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.checks import whole
+from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis, one_of
@@ -44,8 +44,8 @@ times = "none"
 def scene_at(point: Point) -> EvolutionCase:
     """Return an evolution in equal steps from the unworn cylinder."""
     scheme = one_of("scheme", point["scheme"], SCHEMES)
-    steps = whole("steps", point["steps"], 2, "give at least 2 steps")
-    cells = whole("grid", point["grid"], 4, "give at least 4 cells across the width")
+    steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
+    cells = whole_number("grid", point["grid"], 4, "give at least 4 cells across the width")
     return _case(cells, steps, SCHEMES[scheme])
 
 

@@ -7,7 +7,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.contact_edge import corrected_pressure, half_widths
-from contactstudy.domain.checks import positive, whole
+from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from studies.model.axis import one_of
@@ -41,12 +41,12 @@ COUNTS_IMAGES = frozenset(name for name, make in PADDINGS.items() if make(0) != 
 def padding_at(padding: str, images: int) -> cs.Padding:
     """Return the padding of a name, with a number of images where it has one."""
     make = PADDINGS[one_of("padding", padding, PADDINGS)]
-    return make(whole("images", images, 0, "must be a whole number, at least 0"))
+    return make(whole_number("images", images, 0, "must be a whole number, at least 0"))
 
 
 def scene_at(point: Point) -> Case:
     """Return a steel cylinder on a steel flat, with as many cells across as along, and the period in half-widths."""
-    cells = whole("grid", point["grid"], 2, "give at least 2 cells across the width")
+    cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
     a = HERTZ.half_width
     return Case(

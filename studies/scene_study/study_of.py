@@ -14,8 +14,8 @@ from contactstudy.domain.device import available_bytes
 from contactstudy.domain.units import readable
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
+from contactstudy.planning.forecast import within_memory
 from contactstudy.planning.grid_requirements import GridRequirements, halvable, requirements_of
-from contactstudy.planning.grid_search import affordable
 from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.advice.reference_error import ReferencedCase
@@ -177,7 +177,7 @@ def _grid_of_plan(point: SceneFile) -> cs.Grid:
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
     """Return `grid`, or the finest grid of its extent that the machine's memory holds."""
     padding = point.padding or requirements_of(point.scene).padding()
-    return affordable(grid, padding, MEMORY_FRACTION * available_bytes())
+    return within_memory(grid, padding, MEMORY_FRACTION * available_bytes())
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:

@@ -67,7 +67,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
         result *= 4 * half_x * (half_y / diagonal)
     if close.any():
         places = (np.broadcast_to(a, close.shape)[close] for a in (x, y))
-        result[close] = _close(*places, *(_selected(a, close) for a in (half_x, half_y)))
+        result[close] = _near_and_middle(*places, *(_selected(a, close) for a in (half_x, half_y)))
     return result
 
 
@@ -146,7 +146,7 @@ def _polynomial(coefficients: list[float], t: Any) -> Any:
     return total
 
 
-def _close(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
+def _near_and_middle(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     """Return the integral of 1/r over cells that are too near, or too long, for an expansion in four multipoles."""
     across, along = x / half_x, y / half_y
     near = np.maximum(across, along) < 2 * NEAR_DISTANCE
@@ -261,17 +261,17 @@ def boussinesq_cell_periodic(
     x, y, *cell = arguments
     shape = np.broadcast_shapes(*(a.shape for a in arguments))
     if all(a.size == 1 for a in cell):
-        return _repeated(x, y, *(float(a.item()) for a in cell)).reshape(shape)
+        return _row_of_cells(x, y, *(float(a.item()) for a in cell)).reshape(shape)
     x, y, *cell = (a.ravel() for a in np.broadcast_arrays(*arguments))
     result = np.empty(x.shape)
     kinds, which = np.unique(np.stack(cell), axis=1, return_inverse=True)
     for kind, values in enumerate(kinds.T.tolist()):
         chosen = which.ravel() == kind
-        result[chosen] = _repeated(x[chosen], y[chosen], *values)
+        result[chosen] = _row_of_cells(x[chosen], y[chosen], *values)
     return result.reshape(shape)
 
 
-def _repeated(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
+def _row_of_cells(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     """Return the sum S of :func:`boussinesq_cell_periodic` for one size of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
     # fmod is exact; rounding a quotient y / period would move the observer by many cells, where these are smallest

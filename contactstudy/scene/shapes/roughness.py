@@ -15,7 +15,7 @@ from contactstudy.domain.checks import (
     pair,
     set_fields,
     suggest_fields,
-    whole,
+    whole_number,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -141,7 +141,8 @@ class Roughness:
                 f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
             )
         set_fields(
-            self, seed=whole("Roughness.seed", self.seed, 0, "give a whole number of at least 0")
+            self,
+            seed=whole_number("Roughness.seed", self.seed, 0, "give a whole number of at least 0"),
         )
         remedy = "give a ratio of lengths above 0, 1 for no lay"
         set_fields(self, peklenik=in_range("Roughness.peklenik", self.peklenik, remedy))

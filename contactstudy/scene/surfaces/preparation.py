@@ -13,7 +13,7 @@ from contactstudy.domain.checks import (
     positive,
     set_fields,
     suggest_fields,
-    whole,
+    whole_number,
 )
 from contactstudy.domain.fields import Array
 
@@ -45,12 +45,12 @@ class Window:
         remedy = "give two whole numbers, (across, along)"
         across, along = pair("Window.tiles", self.tiles, remedy)
         tiles = (
-            whole("Window.tiles[0]", across, 1, "give at least 1 window across"),
-            whole("Window.tiles[1]", along, 1, "give at least 1 window along"),
+            whole_number("Window.tiles[0]", across, 1, "give at least 1 window across"),
+            whole_number("Window.tiles[1]", along, 1, "give at least 1 window along"),
         )
         count = tiles[0] * tiles[1]
         remedy = f"give a number from 0 to {count - 1}"
-        number = whole("Window.number", self.number, 0, remedy, at_most=count - 1)
+        number = whole_number("Window.number", self.number, 0, remedy, at_most=count - 1)
         set_fields(self, tiles=tiles, number=number)
 
     def of(self, points: Array) -> Array:
@@ -288,8 +288,8 @@ def cell_means(
     """Return means over equal cells of the smooth surface through `heights`.
 
     The integral of the surface is known at every border between two pieces; a cubic spline through it is read at the
-    borders of the cells. So a cell made of whole pieces has their mean, smaller cells make up the mean of a larger
-    one, and in the limit they show a surface without kinks.
+    borders of the cells. So a cell made of whole pieces has their mean, smaller cells make up the mean of a
+    larger one, and in the limit they show a surface without kinks.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from contactstudy.domain.checks import (
     positive,
     sequence,
     suggestion,
-    whole,
+    whole_number,
 )
 
 NUMBERS: list[tuple[Callable[[str, object, str], float], list[float], list[object]]] = [
@@ -48,10 +48,10 @@ def test_a_number_is_admitted_up_to_its_limits(
 
 
 def test_a_whole_number_is_not_below_the_least() -> None:
-    assert whole("n", np.int64(3), 3, "give 3") == 3
+    assert whole_number("n", np.int64(3), 3, "give 3") == 3
     for value in (2, 3.0, True):
         with pytest.raises(InvalidInput, match=f"^n is {value!r}: give 3"):
-            whole("n", value, 3, "give 3")
+            whole_number("n", value, 3, "give 3")
 
 
 def test_a_pair_has_two_and_a_sequence_is_flat() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_search import GridForecast, affordable
+from contactstudy.planning.forecast import GridForecast, within_memory
 from contactstudy.planning.plan import _warnings
 from tests.conftest import LineContact
 
@@ -315,7 +315,7 @@ def test_an_error_that_is_not_reached_is_said_with_what_stands_between() -> None
 def test_a_grid_that_memory_does_not_hold_is_made_the_finest_that_it_holds() -> None:
     grid, exact = cs.Grid((1024, 512), (1.0, 1.0)), cs.ExactPeriodicity()
     most = memory(cs.Grid((512, 256), (1.0, 1.0)), exact)
-    found = affordable(grid, exact, most)
+    found = within_memory(grid, exact, most)
     assert memory(found, exact) <= most
     # a hundredth is left for rounding, and a step more where that was not enough
     assert 0.95 * 512 <= found.cells[0] <= 512

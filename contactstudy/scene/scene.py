@@ -315,7 +315,7 @@ class Scene:
 
     @property
     def reference_load(self) -> float:
-        """Load [N/m] that determines the scales: the largest one, or more where the attraction adds to it."""
+        """Largest load [N/m], or more where the attraction adds to it; the scales follow from it."""
         largest = self.load.largest
         if isinstance(self.load, Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.radius, self.contact_modulus)

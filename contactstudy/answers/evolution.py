@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
+from re import sub
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -99,10 +100,14 @@ class Evolution(Answer):
         """Estimate of the errors at the worst instant, by cause."""
         # bodies apart have no error to speak of
         touching = [frame for frame in self.frames if frame.status is not Status.DETACHED]
-        estimates = [frame.error for frame in touching or self.frames]
+        by_pressure = sorted(touching or self.frames, key=lambda frame: -frame.pressure.max())
+        estimates = [frame.error for frame in by_pressure]
         largest = max(estimates, key=lambda estimate: estimate.l1.total)
-        sentences = (warning for estimate in estimates for warning in estimate.warnings)
-        warnings = tuple(dict.fromkeys(sentences))
+        # a sentence that differs by its numbers alone is said of the highest pressure
+        sentences: dict[str, str] = {}
+        for sentence in (text for estimate in estimates for text in estimate.warnings):
+            sentences.setdefault(sub(r"[\d.]+", "", sentence), sentence)
+        warnings = tuple(sentences.values())
         if self.status in (Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED):
             parts = replace(largest.l1, residual=inf, reason=str(self.status))
             return ErrorEstimate(parts, warnings=(parts.reason, *warnings))

@@ -51,7 +51,7 @@ def compute_batch(
     from distributed import get_worker
 
     worker: Worker | None = getattr(THREAD, "worker", None)
-    if worker is None or worker.work != work:
+    if worker is None or worker.work != work or worker.over.is_set():
         if worker is not None:
             worker.end()
         worker = THREAD.worker = Worker(work)

@@ -14,6 +14,7 @@ import numpy as np
 import psutil
 import pytest
 import xarray as xr
+from distributed import LocalCluster
 
 from contactstudy import InvalidInput
 from studies.engine.cluster import BATCHES_AHEAD, DaskRun
@@ -151,6 +152,14 @@ def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_p
         DaskRun(cases, Work(trouble.measures), finished, Stop()).run()
     assert {outcome.case_status for outcome in outcomes.values()} == {CaseStatus.OK}
     assert sorted(outcomes) == [str(n) for n in range(BATCHES_AHEAD * 2 - 2)]
+
+
+@pytest.mark.whole
+def test_a_scheduler_in_this_process_serves_one_run_after_another() -> None:
+    with LocalCluster(1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0") as here:
+        for number in (1.0, 2.0, 4.0):
+            (outcome,) = compute([Trouble(number)], address=here.scheduler_address)
+            assert float(outcome.variables["square"]) == number**2
 
 
 def listening() -> set[str]:

@@ -225,47 +225,59 @@ class StressBelow:
                 stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
         return stress
 
-    def chosen_depths(self, pressure: Array) -> tuple[float, ...]:
-        """Return depths [m] from the surface to below the contact that include the largest von Mises stress, to 1 %.
+    def searched_depths(self, width: float) -> list[float]:
+        """Return the depths [m] from the surface to below a contact of this `width` [m] at which a search begins."""
+        cell = min(self.grid.cell)
+        deepest = max(width, 2 * cell)
+        count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
+        return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.faces]
+
+    def at_chosen_depths(self, pressure: Array) -> dict[float, Array]:
+        """Return the stress (component, x, y) by depths [m], growing, that include the largest von Mises stress, to 1 %.
 
         Near its maximum the stress changes slowly with depth, so that steps by a third find the neighbouring depths, and
         steps by a tenth between them the maximum. On a large grid only the depth of the maximum and those beside it are
         returned.
         """
         rows = np.flatnonzero(pressure.any(axis=1))
-        cell = min(self.grid.cell)
-        contact = (rows[-1] - rows[0] + 1) * self.grid.cell[0] if rows.size else cell
+        width = (rows[-1] - rows[0] + 1) * self.grid.cell[0] if rows.size else 0.0
+        stress: dict[float, Array] = {}
         largest: dict[float, float] = {}
 
+        def at(depth: float) -> Array:
+            return replace(self, depths=(depth,))(pressure)[:, 0]
+
         def depth_of_largest(depths: Iterable[float]) -> float:
-            for depth in depths:
-                stress = replace(self, depths=(float(depth),))(pressure)
-                largest[float(depth)] = float(von_mises(stress).max())
+            for depth in map(float, depths):
+                stress[depth] = at(depth)
+                largest[depth] = float(von_mises(stress[depth]).max())
+                if (len(COMPONENTS) + 1) * len(stress) * pressure.size > MAX_VALUES:
+                    del stress[depth]
             return max(largest, key=largest.__getitem__)
 
-        deepest = max(contact, 2 * cell)
-        count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
-        best = depth_of_largest([0.0, *np.geomspace(cell / 2, deepest, count), *self.medium.faces])
+        best = depth_of_largest(self.searched_depths(width))
         if best > 0:
             best = depth_of_largest(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
         depths = sorted(largest)
-        if (len(COMPONENTS) + 1) * len(depths) * pressure.size > MAX_VALUES:
-            at = depths.index(best)
-            depths = depths[max(at - 1, 0) : at + 2]
-        return tuple(depths)
+        if len(stress) < len(depths):
+            nearest = depths.index(best)
+            depths = depths[max(nearest - 1, 0) : nearest + 2]
+        return {depth: stress[depth] if depth in stress else at(depth) for depth in depths}
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Return ``stress``, ``von_mises`` and their coordinates ``component`` and ``z``."""
-        if not self.depths:
-            return replace(self, depths=self.chosen_depths(pressure)).fields(pressure)
-        stress = self(pressure)
+        if self.depths:
+            depths, stress = self.depths, self(pressure)
+        else:
+            chosen = self.at_chosen_depths(pressure)
+            depths, stress = tuple(chosen), np.stack(list(chosen.values()), axis=1)
         dimensions = ("component", "z", "x", "y")
         names = np.array(list(COMPONENTS))
         return {
             "stress": Field(dimensions, stress, "Pa", "stress, tension positive"),
             "von_mises": Field(dimensions[1:], von_mises(stress), "Pa", "von Mises stress"),
             "component": Field(("component",), names, "1", "x across, y along, z into the body"),
-            "z": Field(("z",), np.array(self.depths), "m", "depth below the surface", Z),
+            "z": Field(("z",), np.array(depths), "m", "depth below the surface", Z),
         }
 
 

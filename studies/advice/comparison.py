@@ -249,14 +249,12 @@ class Comparison:
             )
             if not candidates:
                 return None
-            best = min(
-                candidates,
-                key=lambda measured: (
-                    float(f"{measured.error:.1e}"),
-                    measured.label != self.own_label,
-                    measured.time,
-                ),
-            )
+            own = [measured for measured in candidates if measured.label == self.own_label]
+            best = min(candidates, key=_by_error)
+            nearest = min(own, key=_by_error, default=best)
+            # below the reference's own bound errors are equal
+            if nearest.error <= best.error + self.floor:
+                best = nearest
             return Verdict(error, best, (), self._coarser(best), meets=False)
         quickest = self.quickest(error)
         best = quickest.get(self.own_label, meeting[0])
@@ -276,6 +274,11 @@ class Comparison:
             measured for measured in self.of(best.label) if np.prod(measured.setting.cells) < cells
         ]
         return coarser[-1] if coarser else None
+
+
+def _by_error(measured: Measured) -> tuple[float, float]:
+    """Return what sorts settings by their error to two digits, then by their time."""
+    return float(f"{measured.error:.1e}"), measured.time
 
 
 def _rival(measured: Measured, best: Measured) -> Rival:

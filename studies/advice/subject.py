@@ -266,6 +266,11 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
             f"{name} seeks its load of separation, by many solves a setting: give it a load per length to compare "
             "paddings and grids."
         )
+    if scene.adhesion is not None and scene.adhesion.range is None:
+        raise cs.InvalidInput(
+            f"{name} has an attraction of short range, which every grid replaces by a range of its own, so that grids "
+            "solve different contacts: give [adhesion] a range to compare them."
+        )
     at_rest = _is_at_rest(scene)
     notes = []
     padding = described.padding or cs.ExactPeriodicity()

@@ -9,7 +9,8 @@ from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.reference.line_contact import total_time
-from studies.report.style import COLORS, WIDTH, captioned, panels, percent
+from studies.report.style import COLORS, WIDTH, captioned, in_percent, panels, percent, write_powers
+from studies.report.wording import seconds_text
 
 MARKERS = "osv^Dx"
 L1 = "pressure_error_l1"
@@ -92,6 +93,7 @@ def _over_axis(
             label=name.replace("_", " "),
         )
     ax.set(xscale="log", xlabel="relative error", yticks=range(len(labels)), yticklabels=labels)
+    write_powers(ax.xaxis, in_percent)
     ax.invert_yaxis()
     return captioned(
         "errors",
@@ -112,9 +114,11 @@ def _front(
         ax.annotate(label, (x, y), (5, 3), textcoords="offset points", fontsize="small")
     name = name.replace("_", " ")
     ax.set(
-        xlabel="wall time to set up and solve, on one thread [s]",
+        xlabel="wall time to set up and solve, on one thread",
         ylabel=f"relative error of the {name}",
     )
+    write_powers(ax.xaxis, seconds_text)
+    write_powers(ax.yaxis, in_percent)
     return captioned(
         "front",
         fig,

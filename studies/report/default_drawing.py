@@ -19,7 +19,7 @@ from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.report import against_reference
-from studies.report.style import COLORS, captioned, panels, percent
+from studies.report.style import COLORS, captioned, panels, percent, write_powers
 
 # Measures that are drawn first where a study has more than there is room for.
 DRAWN = (
@@ -239,8 +239,10 @@ def _curve(
             ax.plot(x, line, **DOUBTFUL)
     if joins and (_spans(numbers) or _is_geometric(numbers)):
         ax.set_xscale("log")
+        write_powers(ax.xaxis, "{:g}".format)
     if _spans(values):
         ax.set_yscale("log")
+        write_powers(ax.yaxis, "{:g}".format)
     ax.set(xlabel=x_label, ylabel=label)
     if not _is_numeric(numbers):
         texts = [str(value)[:24] for value in numbers.values]

@@ -1,6 +1,7 @@
 """The comparison of a scene's settings, on scenes whose answer is known."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from math import inf, nan, prod
 from pathlib import Path
@@ -126,6 +127,12 @@ def test_a_load_that_is_sought_is_answered_with_a_remedy() -> None:
         described_in(EXAMPLES / "gripper.toml").subject()
 
 
+def test_grids_of_an_attraction_of_short_range_are_not_compared() -> None:
+    sticky = replace(SCENE, adhesion=cs.Adhesion(0.05))
+    with pytest.raises(cs.InvalidInput, match="a range to compare"):
+        subject_of(cs.SceneFile(sticky), "sticky")
+
+
 def test_a_scene_without_a_width_of_its_own_needs_a_grid() -> None:
     flat = cs.Scene(SCENE.load, SCENE.solids, (cs.Waviness(1e-6, along=1e-4),))
     with pytest.raises(cs.InvalidInput, match="grid"):
@@ -244,6 +251,16 @@ def test_a_grid_that_nothing_bounds_is_never_recommended() -> None:
     hollow = one(EXACT, 16, 0.01, (0.5,) * 9, bounded=False)
     verdict = of(hollow, one(EXACT, 32, 0.02, (1.0,) * 9)).verdict()
     assert verdict.best.setting.cells == (32, 32)
+
+
+def test_errors_below_the_bound_on_the_reference_are_equal_where_none_meets_the_request() -> None:
+    verdict = of(
+        one(EXACT, 32, 0.02, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), floor=0.025
+    ).verdict()
+    assert not verdict.meets
+    assert verdict.best.label == "exact"
+    verdict = of(one(EXACT, 32, 0.09, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), floor=0.025)
+    assert verdict.verdict().best.label == "duplicated"
 
 
 def test_without_a_bound_on_the_reference_nothing_is_said_to_meet_a_request() -> None:

@@ -127,6 +127,30 @@ def direction_sums(cells: Array, residual: Array, results: Array) -> None:
 
 
 @summing
+def conjugacy_sums(
+    gap: Array, residual: Array, active: Array, before: Array, after: Array,
+    displacement_before: Array, displacement_after: Array, results: Array,
+) -> None:  # fmt: skip
+    """Write for each row the sums that make a direction conjugate to the last step, in the order of `ConjugacySums`."""
+    for i in range(gap.shape[0]):
+        cells = residual_sum = gap_residual = residual_response = 0.0
+        active_response = gap_step = step_sum = 0.0
+        for j in range(gap.shape[1]):
+            step = active[i, j] * (before[i, j] - after[i, j])
+            response = displacement_before[i, j] - displacement_after[i, j]
+            cells += active[i, j]
+            residual_sum += residual[i, j]
+            gap_residual += gap[i, j] * residual[i, j]
+            residual_response += residual[i, j] * response
+            active_response += active[i, j] * response
+            gap_step += gap[i, j] * step
+            step_sum += step
+        results[i, 0], results[i, 1], results[i, 2] = cells, residual_sum, gap_residual
+        results[i, 3], results[i, 4] = residual_response, active_response
+        results[i, 5], results[i, 6] = gap_step, step_sum
+
+
+@summing
 def trial(
     pressure: Array, height: Array, residual: Array, cells: Array, shift: float, conjugate: float,
     step_length: float, limit: float, step: Array, results: Array,

@@ -7,6 +7,7 @@ from contextvars import copy_context
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from math import isnan, nan
 from typing import Any, TypeVar
 
 import numpy as np
@@ -169,7 +170,7 @@ def largest_size(field: Array) -> float:
     """Return the largest absolute value in a field (x, y); nan if one is nan."""
     xp = arrays()
     sizes = in_blocks(lambda block: max(float(xp.max(block)), -float(xp.min(block))), field)
-    return float(np.max(sizes))
+    return nan if isnan(sum(sizes)) else max(sizes)
 
 
 def mean_over(cells: Array, field: Array) -> float:

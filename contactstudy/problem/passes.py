@@ -323,6 +323,11 @@ class CompiledPasses(ArrayPasses):
             _rows(self._loops.direction_sums, cells, residual, results=2).sum(axis=1).tolist()
         )
 
+    def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
+        """Return the sums that make a direction conjugate, as :meth:`ArrayPasses.conjugacy_sums` does."""
+        rows = _rows(self._loops.conjugacy_sums, *fields, results=7)
+        return ConjugacySums(*rows.sum(axis=1).tolist())
+
     def trial(
         self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
     ) -> TrialSums:

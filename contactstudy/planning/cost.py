@@ -32,6 +32,8 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
 # Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
 SAMPLE_CELLS, SAMPLE_IMAGES = 128, (1, 6)
+# Most cells (across, along) on which stress is timed.
+STRESS_CELLS = (64, 64)
 # Largest number of cells along an axis of the convolution that is timed on a device.
 LARGE_SAMPLE = 512
 # Seconds for which a quick solve or convolution is repeated: the first one fills caches, and a busy machine interrupts;
@@ -138,6 +140,30 @@ def timed(
         max(solve / count, MIN_SECONDS),
     )
     return solution, timing
+
+
+def stress_seconds(scene: Scene, grid: Grid, padding: Padding | Paddings) -> float:
+    """Return the seconds of the stress that a scene names on a grid, from that at one depth on few of its cells.
+
+    Shear takes as long again as the pressure.
+    """
+    from contactstudy.scene.stress import StressBelow  # imported only where a scene names it
+
+    most = STRESS_CELLS if grid.cells[1] > 1 else (prod(STRESS_CELLS), 1)
+    across, along = (min(pair) for pair in zip(grid.cells, most, strict=True))
+    sample, seconds = Grid((across, along), grid.extent), 0.0
+    for output in scene.problem(sample, padding).outputs:
+        if not isinstance(output, StressBelow):
+            continue
+        count = len(output.depths) or replace(output, grid=grid).count_searched(grid.extent[0])
+        at_one_depth = replace(output, depths=(grid.extent[0] / 8,))
+        stamps = [process_time()]
+        for _ in range(2):  # the first fills caches
+            at_one_depth(np.ones(sample.cells))
+            stamps.append(process_time())
+        seconds += count * (stamps[-1] - stamps[-2])
+    loads = 1 if scene.friction is None else 2
+    return loads * seconds * prod(grid.cells) / prod(sample.cells)
 
 
 def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...]:

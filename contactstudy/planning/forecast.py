@@ -80,6 +80,8 @@ class GridForecast:
         A fault that no grid corrects, such as an infinite pressure; empty without one.
     seconds
         Seconds of a solve with its estimate on one thread, and of the coarser grids of a solve to an error.
+    is_extrapolated
+        Whether the grid was chosen from what coarser grids show.
     """
 
     grid: Grid
@@ -89,6 +91,7 @@ class GridForecast:
     outgrows_grid: bool
     message: str
     seconds: float
+    is_extrapolated: bool = False
 
     @property
     def error(self) -> float:
@@ -169,7 +172,8 @@ def forecast_of_refinement(
         grid = within_memory(required, requirements.padding(), limit)
         finer = prod(grid.cells) / prod(last.grid.cells)
         seconds += CONSTANTS.time_factor * (stamps[-1] - stamps[-2]) * finer**CONSTANTS.time_power
-    return _extrapolated(refinement, levels, grid, seconds)
+    forecast = _extrapolated(refinement, levels, grid, seconds)
+    return replace(forecast, is_extrapolated=not refinement.meets_error(last))
 
 
 def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridForecast:

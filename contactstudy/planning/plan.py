@@ -13,7 +13,13 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
-from contactstudy.planning.cost import ROUGH_CONVOLUTIONS, CostModel, memory, speedup
+from contactstudy.planning.cost import (
+    ROUGH_CONVOLUTIONS,
+    CostModel,
+    memory,
+    speedup,
+    stress_seconds,
+)
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.forecast import (
     GridForecast,
@@ -62,8 +68,8 @@ class Plan:
     error
         Relative L1 error of the pressure to expect: of a smooth contact by a law, else from solutions on coarse grids.
     seconds
-        Seconds of processor time of a solve to the error: its plan, all grids and steps, and their estimates, from
-        solves timed just now. Imports and compilation are not counted.
+        Seconds of processor time of a solve to the error: its plan, all grids and steps, their estimates, and the stress
+        that a steady scene names, from solves timed just now. Imports, compilation, files and pictures are not counted.
     bytes
         Bytes that a solve holds at most.
     period_check
@@ -128,10 +134,12 @@ def plan(
         roller a FiniteLength.
     """
     planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, on=on)
-    rolls = scene.rolling is not None
+    if scene.changing is None and scene.outputs:
+        stress = stress_seconds(scene, planned.grid, planned.padding)
+        planned = replace(planned, seconds=planned.seconds + stress)
     if (
         scene.lubrication is not None
-        or not (rolls or scene.changing is not None)
+        or (scene.rolling is None and scene.changing is None)
         or scene.adhesion is not None
     ):
         return planned
@@ -144,7 +152,7 @@ def plan(
         planned.padding,
         error or DEFAULT_ERROR,
         _time_steps(times),
-        refines=grid is None and (rolls or error is not None),
+        refines=grid is None,
     )
     return replace(
         planned,
@@ -265,6 +273,11 @@ def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:
             "interpolated between them."
         )
     across, along = forecast.errors
+    if forecast.is_extrapolated:
+        yield (
+            "refinement: the cells are those expected from coarser grids; a solve refines until its bound keeps the "
+            "error, and may end on somewhat fewer or more."
+        )
     if forecast.grid.cells[1] > 1 and 0 < forecast.error < inf:
         yield (
             f"axes: of the error expected, {across / forecast.error:.0%} falls with the cells across to the power "

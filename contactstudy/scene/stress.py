@@ -32,8 +32,8 @@ from contactstudy.scene.bodies import Body, Homogeneous
 Z = {"axis": "Z", "positive": "down"}
 # Value of `depths` that chooses them.
 AUTO = "auto"
-# Ratio of successive depths in the search for the largest stress: first, and then around the best of these.
-COARSE_STEP, FINE_STEP = 1.35, 1.1
+# Ratio of successive depths in the search for the largest stress, and then of depths around the best of these to it.
+COARSE_STEP, FINE_STEPS = 1.35, (1.1**-2, 1.1**-1, 1.1, 1.1**2)
 # Largest number of values in the result for all chosen depths.
 MAX_VALUES = 2**25
 
@@ -232,6 +232,10 @@ class StressBelow:
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
         return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.faces]
 
+    def count_searched(self, width: float) -> int:
+        """Return the number of depths at which a search computes the stress under a contact of this `width` [m]."""
+        return len(self.searched_depths(width)) + len(FINE_STEPS)
+
     def at_chosen_depths(self, pressure: Array) -> dict[float, Array]:
         """Return the stress (component, x, y) by depths [m], growing, that include the largest von Mises stress, to 1 %.
 
@@ -257,7 +261,7 @@ class StressBelow:
 
         best = depth_of_largest(self.searched_depths(width))
         if best > 0:
-            best = depth_of_largest(best * FINE_STEP ** np.array([-2.0, -1.0, 1.0, 2.0]))
+            best = depth_of_largest(best * factor for factor in FINE_STEPS)
         depths = sorted(largest)
         if len(stress) < len(depths):
             nearest = depths.index(best)

@@ -67,7 +67,9 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
         else f"error {planned.error:.1g}"
     )
     seconds = "a time not known" if isinf(planned.seconds) else f"{planned.seconds:.2g} s"
-    click.echo(f"  estimated: {error}, {seconds} on {on}, {planned.bytes / 1e6:.3g} MB")
+    click.echo(
+        f"  estimated: {error}, {seconds} on {on} without files and pictures, {planned.bytes / 1e6:.3g} MB"
+    )
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")
     for note in _rollers(described.scene, planned.grid):

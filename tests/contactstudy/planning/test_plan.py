@@ -320,3 +320,20 @@ def test_a_grid_that_memory_does_not_hold_is_made_the_finest_that_it_holds() -> 
     # a hundredth is left for rounding, and a step more where that was not enough
     assert 0.95 * 512 <= found.cells[0] <= 512
     assert found.cells[0] / found.cells[1] == pytest.approx(2, rel=0.02)
+
+
+def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for(
+    line_contact: LineContact,
+) -> None:
+    """A thousand depths take longer than any solve of a smooth contact on few cells."""
+    depths = tuple(np.linspace(1e-6, 1e-3, 1000))
+    stressed = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths),))
+    plain, planned = cs.plan(line_contact.scene), cs.plan(stressed)
+    assert planned.grid == plain.grid
+    assert planned.seconds > 2 * plain.seconds
+
+
+def test_a_plan_says_that_a_solve_may_end_on_other_cells(line_contact: LineContact) -> None:
+    for error, is_expected in ((1e-2, True), (0.5, False)):
+        reasons = cs.plan(rough(line_contact, 0.3), error=error).reasons
+        assert any("may end on" in reason for reason in reasons) is is_expected

@@ -252,6 +252,8 @@ def test_chosen_depths_show_the_largest_stress_to_one_per_cent(
     hertz = line_contact.hertz
     assert values.max() / hertz.peak_pressure == pytest.approx(0.55751, rel=1e-2)
     assert depths[level] / hertz.half_width == pytest.approx(0.704, rel=0.1)
+    width = np.count_nonzero(solution.pressure.any(axis=1)) * grid.cell[0]
+    assert len(depths) == solution.problem.outputs[0].count_searched(width)
     assert_allclose(depths[:2], [0, min(grid.cell) / 2])
     assert (np.diff(depths) > 0).all()
     # steps by a tenth about the largest, from which the stress falls on both sides

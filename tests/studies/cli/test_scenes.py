@@ -76,7 +76,7 @@ def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> No
         f"{cells[0]} x {cells[1]} cells",
         "padding exact",
         "period:",
-        "s on 1 thread, ",
+        "s on 1 thread",
         "MB",
     ):
         assert words in text.output

@@ -3,21 +3,18 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
+from contactstudy.evolution.rolling import SteadyRolling
 from contactstudy.evolution.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.friction.laws import FullSliding
 from contactstudy.solvers.solution import CohesiveTraction, Solution, Status, Traction, worst
-
-if TYPE_CHECKING:
-    from contactstudy.evolution.rolling import SteadyRolling
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
@@ -90,7 +87,7 @@ class Frame:
     warnings: tuple[str, ...] = ()
     adhesion: CohesiveTraction | None = None
     solution: Solution | None = None
-    rolling: "SteadyRolling | None" = None
+    rolling: SteadyRolling | None = None
 
     @property
     def peak_pressure(self) -> float:

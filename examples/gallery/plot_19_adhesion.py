@@ -2,8 +2,8 @@
 A soft roller that sticks to a rough flat
 =========================================
 
-A rubber roller is pressed on a flat with ridges along it, and pulled off. The rubber jumps over one valley after the other,
-into contact later than out of it: loading and unloading enclose a loop, whose area is the work lost.
+A rubber roller is pressed on a flat with longitudinal ridges, and pulled off. The valleys jump into contact one after the other, each at a larger load
+than the one at which it jumps out of contact: the curves of loading and unloading enclose a loop, whose area is the work lost.
 """
 
 import matplotlib.pyplot as plt
@@ -33,8 +33,8 @@ right.plot(loads, widths, ".-")
 right.set(xlabel="load [N/m]", ylabel="width in contact [mm]")
 
 # %%
-# The largest pull of a smooth roller is found by bisection, and known in the limit of short ranges (Johnson, Kendall &
-# Roberts): ``3 (pi E* w^2 R / 16)^(1/3)``. On the ridges the roller holds less.
+# The pull-off load of a smooth roller is found by bisection, and known in the limit of short ranges (Johnson, Kendall &
+# Roberts): ``3 (pi E* w^2 R / 16)^(1/3)``. With ridges the pull-off load is smaller.
 
 pulled = cs.Scene(cs.PullOff(largest), (rubber, rigid), (roller,), adhesion=adhesion)
 smooth = cs.solve(pulled, cs.Grid((512, 1), grid.extent), padding).quantities["pull_off"]

@@ -2,7 +2,7 @@
 Tractive rolling
 ================
 
-A roller that drives: material sticks where it enters the contact and slips before it leaves. Traction grows with creepage up to the
+A driving roller: the surfaces stick where they enter the contact and slip before they leave it. Traction grows with creepage up to the
 friction limit (Carter).
 """
 
@@ -19,7 +19,7 @@ grid = cs.Grid(cells=(512, 1), extent=(2.4 * a, a))
 saturation = mu * a / radius  # creepage at which all of the contact slides
 
 # %%
-# Shear at three creepages, and the traction curve.
+# Shear traction at three creepages, and the traction curve.
 
 figure, (left, right) = plt.subplots(1, 2, layout="constrained", figsize=(9, 3.6))
 parts = (0.1, 0.3, 0.5, 0.7, 0.9)

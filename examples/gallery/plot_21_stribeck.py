@@ -2,9 +2,9 @@
 From the film to asperities
 ===========================
 
-A rough line contact slows down. At first a film of oil keeps the surfaces apart, then asperities bear more and more of the load on a
-boundary film of 3 nm, and the friction rises to theirs: a Stribeck curve. Ridges across the motion, in plane strain: all oil
-has to pass them, so that they cross from film to contact within a small range of speeds.
+The speed of a rough line contact is reduced. At first a film of oil separates the surfaces; then asperities carry more and more of the load on a
+boundary film of 3 nm, and the friction rises to that of the asperities: a Stribeck curve. The ridges lie across the motion, in plane strain: all oil
+has to pass them, so that the change from film to contact takes a small range of speeds.
 """
 
 import matplotlib.pyplot as plt
@@ -55,7 +55,7 @@ assert fraction[-1] > 0.99
 assert abs(friction[-1] / 0.12 - 1) < 0.01
 
 # %%
-# Pressure of the oil and of the asperities, where both bear.
+# Pressure of the oil and of the asperities, where both carry load.
 
 both = contacts[int(np.argmin(np.abs(fraction - 0.5)))]
 figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")

@@ -1,9 +1,9 @@
 """
-Wear by a swinging force
-========================
+Fretting wear under an oscillating force
+========================================
 
-A tangential force swings beside a constant load. The middle of the contact sticks and never wears; the slip at its
-sides wears the surface there, until the middle carries all of the load. Cycles are stepped over in jumps that grow.
+A tangential force oscillates under a constant normal load. The middle of the contact sticks and never wears; slip wears the
+surface on both sides, until the middle carries all of the load. Each step jumps over a number of cycles, which grows.
 """
 
 import matplotlib.pyplot as plt
@@ -21,7 +21,7 @@ for end, jump in zip(ends, jumps, strict=True):
     times += [end - jump / 2, end]
     forces += [-force, force]
 fretting = cs.Fretting(friction, tuple(forces), times=tuple(times), period=1.0)  # s
-wear = cs.Wear(coefficient=1e-12, speed=0.0)  # the slip is what wears
+wear = cs.Wear(coefficient=1e-12, speed=0.0)  # only the slip wears
 scene = cs.Scene(load, (steel, steel), (cs.Cylinder(0.01),), friction=fretting, wear=wear)
 half_width = scene.hertz.half_width
 grid = cs.Grid((256, 1), (2.6 * half_width, 1e-3))
@@ -39,8 +39,8 @@ left.legend(title="cycles")
 right.set(xlabel="x over the half-width", ylabel="worn depth [nm]")
 
 # %%
-# The worn volume is the energy lost times the wear coefficient over that of friction. The half-width of the stick zone
-# is ``c = (1 - T / (mu P))^(1/2)`` half-widths, and the pressure that wears no more is that of a punch as wide as it.
+# The worn volume is the energy lost by friction, times the wear coefficient over that of friction. The half-width of the
+# stick zone is ``c = (1 - Q / (mu P))^(1/2)`` half-widths. In the limit of no further wear the pressure is that of a punch of this width.
 
 volume, energy = (worn.quantities[name].value for name in ("worn_volume", "friction_energy"))
 print(f"worn volume {volume:.3g} m^3/m after {ends[-1]:.0f} cycles")

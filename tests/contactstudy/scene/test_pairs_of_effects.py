@@ -33,10 +33,10 @@ EFFECTS: dict[str, dict[str, Any]] = {
 SLOT = "A contact has one law of friction."
 HEAD = """# Which effects work together
 
-A scene names its effects, and each pair of them is tried on a small scene: `+` is computed, a number is a pair that is
-refused, with the sentence below. Bodies that yield roll in passes (`Rolling(passes=...)`), bodies that creep roll at a
-speed; partial slip is `Fretting` with times, beside adhesion without. This page is written by the test that
-tries the pairs.
+A scene names its effects. Each pair of effects is tried on a small scene: `+` is a pair that is computed, a number is a
+pair that is refused, with the message of this number below. Bodies that yield roll in passes (`Rolling(passes=...)`),
+bodies that creep roll at a speed. Partial slip is `Fretting` with times; with adhesion it is a cycle without times
+(`Fretting.cycle`). This page is written by the test that tries the pairs.
 
 """
 

@@ -484,7 +484,7 @@ class Scene:
 
     @property
     def takes_times(self) -> bool:
-        """True if it is solved at several instants: it changes in time, or rolls steadily under a load that does."""
+        """True if it is solved at several instants, since it or the load of its steady rolling changes in time."""
         if self.rolling is None:
             return self.changing is not None
         return self.rolling.passes is None and isinstance(self.load, ChangingLoad)

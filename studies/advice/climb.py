@@ -69,19 +69,23 @@ class Budget:
         """Seconds left."""
         return self.seconds * (1 - SPARE_FRACTION) - self.spent
 
+    @property
+    def slowdown(self) -> float:
+        """Time by the clock over processor time of the work so far, at least 1: what a busy machine makes of it."""
+        wall, processor = self.began
+        return max(1.0, (perf_counter() - wall) / max(process_time() - processor, 1e-3))
+
     def allows(self, processor_time: float, kept: float = 0.0) -> bool:
         """Return whether work of a processor time [s] fits, with a fraction of the budget kept for what follows.
 
         On a busy machine it takes as much longer by the clock as the work before.
         """
-        wall, processor = self.began
-        slowdown = (perf_counter() - wall) / max(process_time() - processor, 1e-3)
-        return self.left - kept * self.seconds > MARGIN * max(1.0, slowdown) * processor_time
+        return self.left - kept * self.seconds > MARGIN * self.slowdown * processor_time
 
 
 @dataclass
 class Climb:
-    """Answers at the own boundary of a scene, with the wall times that they took.
+    """Answers at the own boundary of a scene, with the processor times that they took.
 
     Attributes
     ----------
@@ -89,8 +93,8 @@ class Climb:
         The scene, the requested relative L1 error, and the seconds.
     notes
         A sentence for each thing that is to be known.
-    solved, walls
-        Answers by the multiple of the unit, and their wall times [s].
+    solved, times
+        Answers by the multiple of the unit, and their processor times [s].
     """
 
     subject: Subject
@@ -98,7 +102,7 @@ class Climb:
     budget: Budget
     notes: list[str] = field(default_factory=list)
     solved: dict[int, Answer] = field(default_factory=dict)
-    walls: dict[int, float] = field(default_factory=dict)
+    times: dict[int, float] = field(default_factory=dict)
     _bounds: dict[int, dict[str, float]] = field(default_factory=dict)
     # cost of a bound over that of its answer, as it was last
     _bound_cost: float | None = None
@@ -112,7 +116,7 @@ class Climb:
 
         Raises :class:`~contactstudy.InvalidInput` for a scene without a solution on any finer grid.
         """
-        start = perf_counter()
+        start = process_time()
         try:
             answer = self.subject.solve(
                 Setting(self.subject.own, self.cells(multiple), TIGHT_TOLERANCE)
@@ -121,7 +125,7 @@ class Climb:
             if multiple >= RESOLVED_FROM:
                 raise
             return
-        self.walls[multiple] = perf_counter() - start
+        self.times[multiple] = process_time() - start
         self.solved[multiple] = answer
         if answer.status in FATAL_STATUSES and multiple >= RESOLVED_FROM:
             raise cs.InvalidInput(
@@ -131,9 +135,9 @@ class Climb:
     def bounds(self, multiple: int) -> dict[str, float]:
         """Return the bounds on the errors of an answer by its cells and steps, by quantity."""
         if multiple not in self._bounds:
-            start = perf_counter()
+            start = process_time()
             self._bounds[multiple] = bounds_of(self.solved[multiple])
-            self._bound_cost = (perf_counter() - start) / self.walls[multiple]
+            self._bound_cost = (process_time() - start) / self.times[multiple]
         return self._bounds[multiple]
 
     def up(self, is_needed: Callable[[int], bool], fraction: float = NEXT_FRACTION) -> None:
@@ -143,7 +147,10 @@ class Climb:
         """
         if not self.solved:
             self.solve(MULTIPLES[0])  # warms up
-            if self.walls.get(MULTIPLES[0], 0.0) < FIRST_FRACTION * self.budget.seconds:
+            if (
+                self.budget.slowdown * self.times.get(MULTIPLES[0], 0.0)
+                < FIRST_FRACTION * self.budget.seconds
+            ):
                 self.solve(MULTIPLES[0])
         for multiple in MULTIPLES:
             if multiple in self.solved or not is_needed(multiple):
@@ -153,16 +160,19 @@ class Climb:
                 continue
             expected = self.forecast(multiple) if self.solved else 0.0
             share = NEXT_REFERENCE_FRACTION if is_coarse else fraction
-            costs = expected * (1 + self._cost_of_bound)
+            costs = self.budget.slowdown * expected * (1 + self._cost_of_bound)
             if multiple > MULTIPLES[1] and costs > share * self.budget.left:
                 return
             if not self.subject.fits(self.cells(multiple)):
                 self.notes.append("Finer grids do not fit into this machine's memory.")
                 return
             self.solve(multiple)
-            # a first solve of a size may compile, or was interrupted
-            wall = self.walls.get(multiple, 0.0)
-            if wall > REPEAT_FACTOR * expected > 0 and wall < FIRST_FRACTION * self.budget.left:
+            # a first solve of a size may compile
+            took = self.times.get(multiple, 0.0)
+            if (
+                took > REPEAT_FACTOR * expected > 0
+                and self.budget.slowdown * took < FIRST_FRACTION * self.budget.left
+            ):
                 self.solve(multiple)
 
     @property
@@ -173,17 +183,17 @@ class Climb:
         return FILM_BOUND_COST if self.subject.scene.lubrication is not None else BOUND_COST
 
     def forecast(self, multiple: int) -> float:
-        """Return the seconds to expect of a solve at the own boundary, by the times of the two last."""
+        """Return the processor time [s] to expect of a solve at the own boundary, by those of two rungs before."""
         finest = max(self.solved)
         size = self._size(multiple) / self._size(finest)
         exponent = TIME_EXPONENTS[1]
         before = [m for m in self.solved if self._size(m) <= self._size(finest) / 3]
         if before:
             coarse = max(before)
-            grown = log(self.walls[finest] / self.walls[coarse])
+            grown = log(self.times[finest] / self.times[coarse])
             exponent = grown / log(self._size(finest) / self._size(coarse))
         return float(
-            self.walls[finest] * size ** min(max(exponent, TIME_EXPONENTS[0]), TIME_EXPONENTS[1])
+            self.times[finest] * size ** min(max(exponent, TIME_EXPONENTS[0]), TIME_EXPONENTS[1])
         )
 
     def _size(self, multiple: int) -> int:
@@ -230,7 +240,8 @@ class Climb:
     def seconds_for_settings(self) -> float:
         """Return the seconds that a reference with settings that nest in it would take, with its bound."""
         multiple = 3 * MULTIPLES[0]
-        return self.forecast(multiple) * (1 + self._cost_of_bound) / NEXT_REFERENCE_FRACTION
+        solve = self.budget.slowdown * self.forecast(multiple)
+        return solve * (1 + self._cost_of_bound) / NEXT_REFERENCE_FRACTION
 
 
 def seconds_left_for(budget: Budget, fraction: float) -> Callable[[], bool]:

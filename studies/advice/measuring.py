@@ -158,7 +158,8 @@ class _Comparing:
             multiple
             for multiple, answer in self.climb.solved.items()
             if not failure_of(answer)
-            and count * self.climb.walls[multiple] <= PADDINGS_FRACTION * self.budget.seconds
+            and self.budget.slowdown * count * self.climb.times[multiple]
+            <= PADDINGS_FRACTION * self.budget.seconds
         ]
         return max(affordable, default=min(self.climb.solved))
 
@@ -337,7 +338,7 @@ class _Comparing:
             or isfinite(climb.bounds(multiple)["pressure_l1"])
         )
         for tolerance in TOLERANCES:
-            if climb.walls[multiple] > self.budget.left:
+            if not self.budget.allows(climb.times[multiple]):
                 break
             error = self._error_by(tolerance, multiple)
             if error is not None and error <= TOLERANCE_FRACTION * self.error:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import partial
 from math import inf, nan, prod
 from pathlib import Path
-from time import perf_counter, process_time
+from time import perf_counter, process_time, sleep
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from studies.advice import measuring
-from studies.advice.climb import Budget
+from studies.advice.climb import Budget, Climb
 from studies.advice.comparison import (
     LINE,
     Comparison,
@@ -30,6 +30,7 @@ from studies.advice.rounds import in_rounds, ratio, sign_test
 from studies.advice.stored import as_text, from_dataset, from_text, store, stored, to_dataset
 from studies.advice.subject import (
     Setting,
+    Subject,
     bounds_of,
     described_in,
     paper_described,
@@ -107,6 +108,21 @@ def test_work_is_expected_to_take_as_much_longer_by_the_clock_as_that_before() -
         assert budget.allows(1.0) is fits
     # of ten seconds nine are kept for what follows
     assert not Budget(10.0).allows(1.0, kept=0.9)
+
+
+def test_one_interrupted_solve_does_not_end_the_ladder(monkeypatch: pytest.MonkeyPatch) -> None:
+    slow = iter([3.0])
+    solve = Subject.solve
+
+    def interrupted(subject: Subject, setting: Setting) -> object:
+        if setting.cells == (48, 24):
+            sleep(next(slow, 0.0))
+        return solve(subject, setting)
+
+    monkeypatch.setattr(Subject, "solve", interrupted)
+    climb = Climb(described_in(EXAMPLES / "rough.toml").subject(), 0.1, Budget(60.0))
+    climb.up(lambda multiple: prod(climb.cells(multiple)) <= 144 * 72)
+    assert climb.cells(max(climb.solved)) == (144, 72)
 
 
 def test_errors_are_over_the_norm_of_a_pressure_that_also_pulls() -> None:

@@ -42,8 +42,8 @@ TIME_EXPONENTS = 1.0, 1.3
 NEXT_FRACTION, NEXT_REFERENCE_FRACTION = 0.22, 0.85
 # Fraction of a budget that the first solve may take and still be repeated, since it compiles.
 FIRST_FRACTION = 0.05
-# Factor of the expected time above which a solve is repeated.
-REPEAT_FACTOR = 3.0
+# Factor of the expected time above which a solve is repeated, if it took at most a fraction of the time left.
+REPEAT_FACTOR, REPEAT_FRACTION = 3.0, 0.3
 # Cost of a bound over that of its answer until one was taken: solutions on cells of twice the size, of a film three
 # further ones.
 BOUND_COST, FILM_BOUND_COST = 0.5, 2.0
@@ -169,10 +169,8 @@ class Climb:
             self.solve(multiple)
             # a first solve of a size may compile
             took = self.times.get(multiple, 0.0)
-            if (
-                took > REPEAT_FACTOR * expected > 0
-                and self.budget.slowdown * took < FIRST_FRACTION * self.budget.left
-            ):
+            affordable = REPEAT_FRACTION * self.budget.left
+            if took > REPEAT_FACTOR * expected > 0 and self.budget.slowdown * took < affordable:
                 self.solve(multiple)
 
     @property

@@ -1,6 +1,6 @@
 """The comparison of a scene's settings, on scenes whose answer is known."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from math import inf, nan, prod
@@ -110,16 +110,26 @@ def test_work_is_expected_to_take_as_much_longer_by_the_clock_as_that_before() -
     assert not Budget(10.0).allows(1.0, kept=0.9)
 
 
-def test_one_interrupted_solve_does_not_end_the_ladder(monkeypatch: pytest.MonkeyPatch) -> None:
-    slow = iter([3.0])
+def burn(seconds: float) -> None:
+    """Take a processor time [s], as a first compilation does."""
+    end = process_time() + seconds
+    while process_time() < end:
+        pass
+
+
+@pytest.mark.parametrize("act", [sleep, burn], ids=["interrupted", "compiles"])
+def test_one_slow_solve_does_not_end_the_ladder(
+    act: Callable[[float], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slow = iter([2.0])
     solve = Subject.solve
 
-    def interrupted(subject: Subject, setting: Setting) -> object:
+    def slowed(subject: Subject, setting: Setting) -> object:
         if setting.cells == (48, 24):
-            sleep(next(slow, 0.0))
+            act(next(slow, 0.0))
         return solve(subject, setting)
 
-    monkeypatch.setattr(Subject, "solve", interrupted)
+    monkeypatch.setattr(Subject, "solve", slowed)
     climb = Climb(described_in(EXAMPLES / "rough.toml").subject(), 0.1, Budget(60.0))
     climb.up(lambda multiple: prod(climb.cells(multiple)) <= 144 * 72)
     assert climb.cells(max(climb.solved)) == (144, 72)

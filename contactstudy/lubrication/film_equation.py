@@ -152,8 +152,11 @@ class Linearised:
     equation: "FilmEquation"
     rate: float = 0.0
 
-    def delayed(self, rate: float) -> "Linearised":
-        """Add ``rate`` times the change of content: an implicit step in time of length 1 / rate."""
+    def delayed(self, rate: float, moved: Array | float = 0.0) -> "Linearised":
+        """Add ``rate`` times the change of content: an implicit step in time of length 1 / rate.
+
+        The change is from a film that is lower by ``moved`` (x, y).
+        """
         scaled = rate * self.equation.cell[0] * ~self.equation.fixed
         bands = (
             {**band, (0, 0): band[0, 0] + scaled * slope}
@@ -162,7 +165,8 @@ class Linearised:
             )
         )
         pressure, film, void = bands
-        return replace(self, pressure=pressure, film=film, void=void, rate=rate)
+        residual = self.residual + scaled * self.content_slopes[1] * moved
+        return replace(self, residual=residual, pressure=pressure, film=film, void=void, rate=rate)
 
     def change(self, pressure: Array, void: Array, separation: float) -> Array:
         """Return the change of the balance under changes of pressure, void fraction and separation."""

@@ -32,11 +32,8 @@ class MixedTuning:
         Largest change of ln(eta) in a step from a film.
     rounds
         Largest number of iterations for the active sets of a step.
-    set_changes_along, steps_along
-        Along the length, the fraction of the cells that may still change sets, as refusing steps took longer, and
-        steps at most: films that converge took up to 60. A start where asperities bear more than half is as the dry one.
     dry_steps
-        Steps from the dry contact: more are spent where there is a film.
+        Steps from the dry contact in plane strain: more are spent where there is a film.
     dry_residual
         Residual of the dry contact to start from.
     speeds
@@ -47,8 +44,6 @@ class MixedTuning:
     from_dry: float = 10.0
     change: float = 6.0
     rounds: int = 12
-    set_changes_along: float = 5e-3
-    steps_along: int = 80
     dry_steps: int = 30
     dry_residual: float = 1e-10
     speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)  # noqa: RUF009 (a frozen value)
@@ -66,18 +61,15 @@ def solve_mixed(
     """
     smooth = posed.upstream.cells[1] == 1
     controls = replace(controls, rounds=TUNING.rounds)
-    if not smooth:
-        max_iterations = min(controls.max_iterations, TUNING.steps_along)
-        controls = replace(
-            controls, set_changes=TUNING.set_changes_along, max_iterations=max_iterations
-        )
     film_controls = replace(
         controls,
         time_step=TUNING.from_film,
         viscosity_change=TUNING.change,
         converged_only=smooth,
     )
-    dry_controls = replace(controls, time_step=TUNING.from_dry, max_iterations=TUNING.dry_steps)
+    dry_controls = replace(controls, time_step=TUNING.from_dry)
+    if smooth:
+        dry_controls = replace(dry_controls, max_iterations=TUNING.dry_steps)
     iterations: list[FilmIteration] = []
     if warm is not None:
         assert warm.contact is not None

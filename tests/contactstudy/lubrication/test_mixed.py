@@ -153,6 +153,22 @@ def test_a_slow_rough_film_becomes_the_dry_contact_along_the_length() -> None:
     assert distances[1] == pytest.approx(distances[0] / 100, rel=0.1)
 
 
+@pytest.mark.whole
+def test_a_rough_film_converges_at_each_speed_on_its_way_to_the_asperities() -> None:
+    rough = cs.Roughness(0.03 * UNIT, hurst=0.8, roll_off=A, cut_off=A / 4, seed=1)
+    scene, last = replace(mixed(0.06, 1.0), shapes=(DRY.shapes[0], rough)), None
+    fractions = []
+    for speed in (0.1, 0.05, 0.03, 0.02, 0.0127, 0.009):
+        motion = replace(scene.lubrication, mean_speed=speed * scene.lubrication.largest_speed)
+        slower = replace(scene, lubrication=motion)
+        last = solve_lubricated(slower, cs.Grid((64, 16), (6 * A, 2 * A)), start=last)
+        assert last.status is not cs.Status.FILM_NOT_CONVERGED
+        fractions.append(last.contact_load_fraction)
+    assert (np.diff(fractions) > 0).all()
+    assert fractions[0] == 0
+    assert fractions[-1] > 0.8
+
+
 def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
     scene = mixed(0.03, 1.0)
     with pytest.raises(cs.InvalidInput, match=r"Boundary\.film is 0\.0"):

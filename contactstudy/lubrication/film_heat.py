@@ -94,7 +94,10 @@ def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
 
 
 def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
-    """Return the film with a heated inlet over that without, by Gupta et al. (1992)."""
+    """Return the film with a heated inlet over that without, by Gupta et al. (1992).
+
+    An approximation: the coefficients are those in common use, not checked against the paper.
+    """
     loading = thermal_loading(scales, heat)
     load = scales.hertz.half_width / (4 * scales.hertz.radius)  # p_H / E'
     slide = abs(scales.lubrication.slide_roll_ratio)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from contactstudy.accuracy.contact_edge import edge_error, edge_position
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import axis_first
+from contactstudy.domain.grid import Grid, Paddings, axis_first
 
 # Change of a maximum over its second difference with the places of the edges in their cells: 1/16 between two
 # straight edges that fall alike; a third more for edges that are neither straight nor alike.
@@ -19,6 +19,18 @@ def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
     before, after = (field[-count:], field[:count]) if wraps else (field[:1], field[-1:])
     repeats = 1 if wraps else count
     return np.concatenate([*[before] * repeats, field, *[after] * repeats])
+
+
+def contact_perimeter(touching: NDArray[np.bool_], grid: Grid, paddings: Paddings | None) -> float:
+    """Return the length [m] of the edges between cells in and out of contact, across the ends of a periodic axis too."""
+    total = 0.0
+    for axis in (0, 1):
+        edge = grid.cell[1 - axis]
+        total += edge * np.count_nonzero(np.diff(touching, axis=axis))
+        window = (0,) if paddings is None else paddings[axis].window
+        if window is None or len(window) > 1:
+            total += edge * np.count_nonzero(touching.take(0, axis) != touching.take(-1, axis))
+    return float(total)
 
 
 def around_contact(pressure: Array) -> slice:

@@ -14,7 +14,7 @@ from contactstudy.accuracy.discretisation import (
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
 from contactstudy.accuracy.truncation import truncation
-from contactstudy.accuracy.two_grids import compare_grids, pull_off_error
+from contactstudy.accuracy.two_grids import compare_grids, pull_off_error, range_errors
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -178,11 +178,20 @@ def error_estimate(
             l1=cells.l1 + 2 * rise_at_edge * width / mean,
             warnings=(*cells.warnings, reason),
         )
+    l1 = ErrorParts(l1_images, cells.l1, l1_residual)
+    peak = ErrorParts(peak_images, cells.peak_pressure, peak_residual)
+    area = ErrorParts(l1_images, cells.contact_area, l1_residual)
+    gap = ErrorParts(CONSTANTS.gap_error_by_images * l1_images, cells.mean_gap, l1_residual)
+    if by_range := range_errors(solution):
+        l1 = replace(l1, range=by_range.l1)
+        peak = replace(peak, range=by_range.peak_pressure, reason=by_range.warnings[0])
+        area = replace(area, range=by_range.contact_area)
+        gap = replace(gap, range=_gap_error(solution, by_range.l1, 0.0, 0.0))
     return ErrorEstimate(
-        ErrorParts(l1_images, cells.l1, l1_residual),
-        ErrorParts(peak_images, cells.peak_pressure, peak_residual),
-        ErrorParts(l1_images, cells.contact_area, l1_residual),
-        ErrorParts(CONSTANTS.gap_error_by_images * l1_images, cells.mean_gap, l1_residual),
+        l1,
+        peak,
+        area,
+        gap,
         load=ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None,
         pull_off=_at_pull_off(solution, cells.load),
         warnings=(

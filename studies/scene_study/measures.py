@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.accuracy.discretisation import contact_perimeter
 from contactstudy.domain.fields import Array, inner
 from contactstudy.domain.units import readable
 from contactstudy.io.contact_quantities import approach_datum
@@ -114,7 +115,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     touching = contact.pressure > 0
     area_error = contact.quantities["contact_area"].relative_bound
     area = float(np.count_nonzero(touching) * grid.cell_area)
-    perimeter = _perimeter(touching, grid, contact.problem.paddings)
+    perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
     load = float(contact.pressure.sum()) * grid.cell_area / grid.period
     scene_datum, datum = approach_datum(contact), common_datum(contact)
     described = {"description": f"counted from {readable(datum)} beside the axis"} if datum else {}
@@ -170,20 +171,3 @@ def _compliance_between(
     assert contact.scene is not None
     compliance = sum(getattr(body, "substrate", body).compliance for body in contact.scene.solids)
     return 2 * compliance / pi * log(far_datum / near_datum)
-
-
-def _perimeter(touching: np.ndarray, grid: cs.Grid, paddings: cs.Paddings | None) -> float:
-    """Return the length [m] of the edges between cells in and out of contact, across the ends of a periodic axis too."""
-    total = 0.0
-    for axis in (0, 1):
-        edge = grid.cell[1 - axis]
-        total += edge * np.count_nonzero(np.diff(touching, axis=axis))
-        if paddings is not None and _repeats(paddings[axis]):
-            first, last = touching.take(0, axis), touching.take(-1, axis)
-            total += edge * np.count_nonzero(first != last)
-    return float(total)
-
-
-def _repeats(padding: cs.Padding) -> bool:
-    """Return whether an axis repeats."""
-    return padding.window is None or len(padding.window) > 1

@@ -7,6 +7,7 @@ from math import inf, pi
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import contactstudy as cs
 from contactstudy.accuracy.bounded_solution import cell_errors
@@ -248,3 +249,43 @@ def test_wherever_the_edge_falls_the_error_is_below_the_expected(line_contact: L
             worst = max(worst, float(error) / smooth_l1(grid.cell[0] / hertz.half_width))
     # a bound, and no larger than the edge at its worst place calls for
     assert 0.5 < worst <= 1
+
+
+def jkr_line(
+    load: float, work: float, modulus: float, radius: float, edges: Array
+) -> tuple[float, Array]:
+    """Return half-width and forces between `edges` of a cylinder with adhesion (Barquins 1988)."""
+    half = brentq(
+        lambda a: (
+            pi * modulus * a**2 / (4 * radius) - math.sqrt(2 * pi * modulus * a * work) - load
+        ),
+        1e-5,
+        1e-2,
+    )
+    t = np.clip(edges / half, -1, 1)
+    hertz = modulus * half**2 / (4 * radius) * (t * np.sqrt(1 - t**2) + np.arcsin(t))
+    return half, np.diff(hertz - math.sqrt(2 * modulus * half * work / pi) * np.arcsin(t))
+
+
+@pytest.mark.parametrize("load", [2.0, 10.0, 60.0])
+@pytest.mark.parametrize("count", [150, 480])
+def test_in_the_limit_of_short_ranges_the_net_traction_and_the_area_are_bounded_against_jkr(
+    load: float, count: int
+) -> None:
+    scene = cs.Scene(
+        load=cs.LineLoad(load),
+        solids=(cs.HalfSpace(1e6, 0.49), cs.HalfSpace(inf, 0.3)),
+        shapes=(cs.Cylinder(0.01),),
+        adhesion=cs.Adhesion(0.05),
+    )
+    contact = cs.solve(scene, cs.Grid((count, 1), (6e-3, 1e-3)), EXACT)
+    assert contact.adhesion is not None
+    assert contact.error.contact_area is not None
+    edges = np.linspace(-3e-3, 3e-3, count + 1)
+    half, forces = jkr_line(load, 0.05, scene.contact_modulus, 0.01, edges)
+    net = (contact.pressure - contact.adhesion.traction)[:, 0] * 6e-3 / count
+    true_l1 = np.abs(net - forces).sum() / np.abs(forces).sum()
+    area = contact.quantities["contact_area"]
+    assert true_l1 <= contact.error.l1.total
+    assert abs(area.value - 2 * half) <= area.bound
+    assert contact.quantities["peak_pressure"].bound == inf

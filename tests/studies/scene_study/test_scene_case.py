@@ -8,8 +8,9 @@ import xarray as xr
 
 import contactstudy as cs
 import studies
+from contactstudy.accuracy.discretisation import contact_perimeter
 from studies.engine.run import run
-from studies.scene_study.measures import _perimeter, measures
+from studies.scene_study.measures import measures
 
 LOADS = "20:100:9 N/mm"
 
@@ -173,4 +174,4 @@ def test_a_perimeter_counts_the_edges_of_cells_round_the_ends_that_repeat(
     touching = np.zeros(GRID.cells, dtype=bool)
     touching[0, 0] = touching[1, 0] = touching[2, 3] = True
     # along x an edge is 3 m: one behind the two, and two of the one; along y it is 2 m: two and two
-    assert _perimeter(touching, GRID, paddings) == 3 * 3 + 2 * 4 + round_the_ends
+    assert contact_perimeter(touching, GRID, paddings) == 3 * 3 + 2 * 4 + round_the_ends

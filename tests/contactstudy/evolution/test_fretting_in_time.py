@@ -180,7 +180,11 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
         ({"forces": (0.0, 0.1), "times": (1.0, 0.0)}, {}, r"Fretting.times\[1\] is 0.0"),
         ({"forces": (0.0, 0.4), "times": (0.0, 1.0)}, {}, "N/m at .* s, where friction transmits"),
         ({"forces": (0.1,)}, {"wear": cs.Wear(1.0, 0.0)}, "give Fretting.times"),
-        ({"forces": (0.0, 0.1), "times": (0.0, 1.0)}, {"wear": cs.Wear(1.0, 1.0)}, "give 0 m/s"),
+        (
+            {"forces": (0.0, 0.1), "times": (0.0, 1.0)},
+            {"wear": cs.Wear(1.0, 1.0)},
+            "a speed of 0 m/s",
+        ),
         (
             {"displacements": (0.0, 0.1), "times": (0.0, 1.0)},
             {"load": cs.LoadHistory((0.0, 1.0), (1.0, 2.0))},

@@ -93,8 +93,8 @@ class Contact(Answer, Solution):
 
         In a history with adhesion each state is a static one.
         """
-        moves = self.time is not None and self.adhesion is None
-        return not (moves or self.status.is_failure) and bool(self.pressure.any())
+        depends_on_history = self.time is not None and self.adhesion is None
+        return not (depends_on_history or self.status.is_failure) and bool(self.pressure.any())
 
     def _with_derived(self, estimate: ErrorEstimate, coarse: Solution | None) -> ErrorEstimate:
         """Return `estimate` with the errors of the approach and of the largest stress.
@@ -136,7 +136,7 @@ class Contact(Answer, Solution):
 
     @property
     def judged(self) -> tuple[str, ErrorParts]:
-        """The bound of the load of separation where that is sought, else of the pressure in L1."""
+        """Bound of the pull-off load for a PullOff, else of the pressure in L1."""
         if self.error.pull_off is not None:
             return "in the pull-off load", self.error.pull_off
         return super().judged
@@ -195,7 +195,7 @@ class Contact(Answer, Solution):
 
 
 def contact_of(solution: Solution, **further_fields: Any) -> Contact:
-    """Return a solution as an answer, with `more` fields of :class:`Contact`."""
+    """Return `solution` as an answer, with `further_fields` of :class:`Contact`."""
     return Contact(
         **{field.name: getattr(solution, field.name) for field in fields(Solution)},
         **further_fields,

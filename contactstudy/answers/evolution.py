@@ -1,4 +1,4 @@
-"""The answer for a scene that changes in time, or rolls again and again: a sequence of answers with times."""
+"""The answer for a scene that changes in time, or rolls repeatedly: a sequence of answers with times."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 
 NO_BOUND_OF_PASSES = (
-    "No bound for the discretisation error: that of repeated rolling falls in proportion to the cell, solve again on "
-    "cells of half the width."
+    "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
+    "solve again with half the cell width and compare."
 )
 NO_BOUND_OF_STATES = "No bound: area, gap and approach of a contact that has crept, worn or yielded are not estimated."
 NO_BOUND_OF_FILMS = (
@@ -54,13 +54,13 @@ class Evolution(Answer):
     frames
         Answer at each instant: a contact or a lubricated contact.
     times
-        The instants [s] (time,); the numbers of the passes where a contact rolls again and again.
+        The instants [s] (time,); the numbers of the passes where a contact rolls repeatedly.
     posed
         The scene with grid and padding.
     requested
         Relative error that was asked for, of cells and steps together.
     trajectory, films, passes
-        What was recorded: of a dry contact, of a film, or of a contact that rolls again and again; the others are None.
+        What was recorded: of a dry contact, of a film, or of a contact that rolls repeatedly; the others are None.
     """
 
     frames: "tuple[Contact | LubricatedContact, ...]"
@@ -98,7 +98,7 @@ class Evolution(Answer):
     @cached_property
     def error(self) -> ErrorEstimate:
         """Estimate of the errors at the worst instant, by cause."""
-        # bodies apart have no error to speak of
+        # separated bodies have no pressure, hence no relative error
         touching = [frame for frame in self.frames if frame.status is not Status.DETACHED]
         by_pressure = sorted(touching or self.frames, key=lambda frame: -frame.pressure.max())
         estimates = [frame.error for frame in by_pressure]
@@ -115,7 +115,7 @@ class Evolution(Answer):
 
     @cached_property
     def quantities(self) -> Quantities:
-        """Extreme numbers over time, the numbers at the end, and what is left behind, by name."""
+        """Extremes over time, final values, and permanent changes such as wear and residual stress, by name."""
         if self.passes is not None:
             last = self.frames[-1].quantities["peak_pressure"]
             return {"peak_pressure": last} | passes_quantities(self.passes)
@@ -149,9 +149,9 @@ class Evolution(Answer):
             passes = self.passes.passes
             return {
                 "passes": (len(passes), "passes"),
-                "steps": (sum(trajectory.steps for trajectory in passes), "steps"),
+                "steps": (sum(each_pass.steps for each_pass in passes), "steps"),
                 "iterations": (
-                    sum(trajectory.iterations for trajectory in passes),
+                    sum(each_pass.iterations for each_pass in passes),
                     "iterations of all steps",
                 ),
             }
@@ -215,7 +215,7 @@ def evolution_of(trajectory: "Trajectory", requested: float | None = None) -> Ev
 
 
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
-    """Return one recorded instant as an answer, whose heights include what was worn away."""
+    """Return a recorded frame as an answer; its gap includes the worn depth and the residual displacement."""
     if frame.solution is not None:
         return contact_of(
             frame.solution, time=frame.time, state=frame.fields, rolling=frame.rolling

@@ -100,6 +100,6 @@ class LubricatedContact(Answer, FilmSolution):
 
 
 def lubricated(contact: FilmSolution, **further_fields: Any) -> LubricatedContact:
-    """Return a film as an answer, with `more` fields of :class:`LubricatedContact`."""
+    """Return a film as an answer, with `further_fields` of :class:`LubricatedContact`."""
     values = {field.name: getattr(contact, field.name) for field in fields(FilmSolution)}
     return LubricatedContact(**values, **further_fields)

@@ -40,7 +40,7 @@ class Comparison:
     largest, at
         Largest ``|p_b - p_a|`` [Pa], and the place (x, y) [m] where it is.
     difference
-        Pressures ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the cells that the edges of both grids make.
+        Pressures ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the cells between the edges of both grids.
     differing
         Sentences on the keys of the scenes that differ.
     quantities
@@ -197,14 +197,14 @@ def _check_kinds(first: Mapping[str, object], second: Mapping[str, object]) -> N
     if first and second and ends[0] != ends[1]:
         ended, endless = ("a", "b") if ends[0] else ("b", "a")
         raise InvalidInput(
-            f"The contacts are not of one kind: {ended} ends at both ends of its grid (ZeroPadding), and {endless} is "
-            f"one period of an endless contact ({paddings[ends.index(False)]}): compare contacts with one padding "
-            "along the length."
+            f"The contacts are of different kinds: {ended} ends at both ends of its grid (ZeroPadding), and {endless} "
+            f"is one period of an endless contact ({paddings[ends.index(False)]}): compare contacts with the same "
+            "padding along the length."
         )
     films = [any(key.startswith("lubrication") for key in table) for table in (first, second)]
     if films[0] != films[1]:
         raise InvalidInput(
-            "The contacts are not of one kind: one is lubricated, the other is dry: compare two of one kind."
+            "The contacts are of different kinds: one is lubricated, the other is dry: compare two of the same kind."
         )
 
 
@@ -241,8 +241,8 @@ def _at_one_instant(
     """Return both contacts at the instant [s] of the highest pressure of the first; None for contacts at rest."""
     if ("time" in first["pressure"].dims) != ("time" in second["pressure"].dims):
         raise InvalidInput(
-            "The contacts are not of one kind: one changes in time, the other is at rest: compare two evolutions, or a "
-            "contact with one of the frames."
+            "The contacts are of different kinds: one changes in time, the other is at rest: compare two evolutions, or "
+            "a contact with one of the frames."
         )
     if "time" not in first["pressure"].dims:
         return first, second, None

@@ -1,4 +1,4 @@
-"""Numbers of a dry contact, those of the effects that its scene names first."""
+"""Quantities of a dry contact; those of its effects come first."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -103,7 +103,7 @@ def contact_quantities(
         "contact_area": bounded(
             per_length(area, "m2", "contact area", length, grid.period), estimate.contact_area, why
         ),
-        "half_width": Quantity(half_width, "m", "half-width, outermost", grid.cell[0], ""),
+        "half_width": Quantity(half_width, "m", "outermost half-width", grid.cell[0], ""),
         "mean_pressure": bounded(
             Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact"),
             estimate.peak_pressure
@@ -235,8 +235,8 @@ def _of_cycle(
 ) -> dict[str, Quantity]:
     """Return the energy that the last cycle of a fretting contact lost, its largest slip, and the largest shear.
 
-    The slip zone begins somewhere in a cell, where slip begins with no slope: of a zone n cells wide, the energy is
-    known to a fraction of about 1 / n^2, and the slip at its other side to that of a zone a little wider.
+    The border of the slip zone is uncertain by one cell. Slip starts there with zero slope, so that for a zone n cells
+    wide the relative error of the energy is about 1 / n^2. The largest slip is bounded by that of a slightly wider zone.
     """
     grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
@@ -283,7 +283,7 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
     resistance = Quantity(rolling.resistance, "1", "rolling resistance over load")
     return {
         "rolling_resistance": bounded(resistance, estimate.rolling_resistance, estimate.warnings),
-        "pressure_shift": Quantity(rolling.shift, "m", "pressure ahead of the axis"),
+        "pressure_shift": Quantity(rolling.shift, "m", "pressure centroid ahead of the axis"),
     }
 
 

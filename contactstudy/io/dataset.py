@@ -42,7 +42,7 @@ TIME = {"long_name": "time since the start", "units": "s", "axis": "T"}
 def labelled(
     dimensions: str | Sequence[str], values: object, units: str, long_name: str, **attributes: str
 ) -> xr.Variable:
-    """Return `values` as a variable with unit, long name and `others` as attributes."""
+    """Return `values` as a variable with unit and long name, and further `attributes`."""
     return xr.Variable(dimensions, values, {"units": units, "long_name": long_name} | attributes)
 
 
@@ -297,11 +297,11 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             ("step_error", "1", "estimated L1 error by steps in time"),
             ("grid_error", "1", "estimated L1 error by cells"),
             ("residual", "1", "residual of the solver"),
-            ("steps", "1", "solves since the instant before"),
-            ("iterations", "1", "iterations since the instant before"),
-            ("convolutions", "1", "transform pairs since the instant before"),
+            ("steps", "1", "solves since the previous instant"),
+            ("iterations", "1", "iterations since the previous instant"),
+            ("convolutions", "1", "transform pairs since the previous instant"),
         )
-        | {"status": _statuses("time", statuses, "worst status since the instant before")},
+        | {"status": _statuses("time", statuses, "worst status since the previous instant")},
         coords={
             "time": ("time", evolution.times, TIME),
             "x": ("x", grid.x, X),
@@ -413,7 +413,7 @@ def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
         (
             "forward_displacement",
             "m",
-            "forward flow of the pass, opposite to the rolling direction",
+            "displacement of the surface against the rolling direction, by the pass",
         ),
         ("yielding", "1", "largest equivalent plastic strain added by the pass"),
         ("peak_pressure", "Pa", "peak pressure at the end of the pass"),
@@ -441,12 +441,13 @@ def film_dataset(
 def film_fields(contact: "FilmSolution") -> xr.Dataset:
     """Return pressure, film, film fraction and shear of a lubricated contact over (x, y), with its scene."""
     grid, plane = contact.grid, ("x", "y")
-    touching = {}
+    touching, bearer = {}, "the lubricant"
     if contact.contact_pressure is not None:
+        bearer = "lubricant and asperities together"
         of_asperities = labelled(plane, contact.contact_pressure, "Pa", "pressure of asperities")
         touching["contact_pressure"] = of_asperities
     if (heat := contact.temperatures) is not None:
-        rise = "rise of temperature"
+        rise = "temperature rise"
         touching["film_temperature_rise"] = labelled(plane, heat.film, "K", f"{rise} of the film")
         for number, rises in enumerate(heat.surface, start=1):
             name, label = f"surface_temperature_rise_{number}", f"{rise} of surface {number}"
@@ -454,7 +455,7 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
     return xr.Dataset(
         touching
         | {
-            "pressure": labelled(plane, contact.pressure, "Pa", "pressure of the film"),
+            "pressure": labelled(plane, contact.pressure, "Pa", f"pressure of {bearer}"),
             "film": labelled(plane, contact.film, "m", "film thickness"),
             "film_fraction": labelled(
                 plane, contact.film_fraction, "1", "fraction of the film that is full"

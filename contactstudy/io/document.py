@@ -91,7 +91,7 @@ class Turn(Enum):
     """Orientation of a measured surface on the grid."""
 
     NONE = "as measured"
-    QUARTER = "turned by a quarter: the length of the measurement runs across the contact"
+    QUARTER = "rotated by 90 degrees: the length of the measurement runs across the contact"
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,9 @@ class MeasuredFile:
         curvature, _ = context
         path = folder / self.file
         if not path.is_file():
-            raise InvalidInput(f"MeasuredSurface.file is {self.file!r}: give a file that is there.")
+            raise InvalidInput(
+                f"MeasuredSurface.file is {self.file!r}: give the path of an existing file."
+            )
         surface = MeasuredSurface.read(
             path,
             extent=self.extent,
@@ -168,7 +170,7 @@ class ProfileFile:
         ]
         if sum(ways) != 1 or (ways[0] and None in drops):
             raise InvalidInput(
-                "LundbergProfile is not described by one way: give amplitude and end_drop, for_load (the load per "
+                "LundbergProfile must be given in exactly one way: amplitude and end_drop, for_load (the load per "
                 "length that it spreads evenly), or iso_16281_diameter."
             )
         if self.iso_16281_diameter is not None:

@@ -28,7 +28,7 @@ def evolution_quantities(
     plastic_fields: Mapping[str, Field],
     error: ErrorParts,
 ) -> dict[str, Quantity]:
-    """Return the extreme numbers over time with their instants, the numbers at the end, and what is left behind.
+    """Return extremes over time with their instants, final values, and permanent changes: wear, dent, residual stress.
 
     Parameters
     ----------
@@ -171,7 +171,10 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     displacement = float(rolled.forward_displacement[-1])
     return {
         "lowest_residual_stress": Quantity(
-            float(stress[lowest]), "Pa", "lowest residual stress along the travel", position=depth
+            float(stress[lowest]),
+            "Pa",
+            "lowest residual stress in the rolling direction",
+            position=depth,
         ),
         "equivalent_plastic_strain": Quantity(
             float(rolled.equivalent_plastic_strain[-1].max()),
@@ -182,6 +185,8 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
             float(rolled.yielding[-1]), "1", "largest plastic strain that the last pass adds"
         ),
         "forward_displacement": Quantity(
-            displacement, "m", "forward flow of the last pass, opposite to the rolling direction"
+            displacement,
+            "m",
+            "displacement of the surface against the rolling direction, by the last pass",
         ),
     }

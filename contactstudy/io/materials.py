@@ -33,7 +33,7 @@ class Material:
     also
         Synonyms.
     yield_strength
-        Tensile stress at which it yields [Pa], infinite if it breaks before.
+        Tensile stress at which it yields [Pa], infinite for brittle materials.
     hardness
         Indentation hardness [Pa].
     """

@@ -32,7 +32,8 @@ class Quantity:
     reason
         Sentence on why the bound is infinite; empty where it is finite.
     position
-        Coordinates [m] at which the value is found, by the names of the axes; empty where it has none.
+        Coordinates at which the value is found, by the names of the axes, [m], or [s] for ``time``; None where it has
+        none.
     """
 
     value: float
@@ -68,7 +69,7 @@ def bounded(quantity: Quantity, parts: ErrorParts | None, why: Sequence[str] = (
     parts
         Its relative error; None where no estimate is known.
     why
-        Sentences of which the first stands for a reason that the parts do not give.
+        Reasons to fall back on where `parts` has none; the first is taken.
     """
     if parts is None:
         return quantity

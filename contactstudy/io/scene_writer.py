@@ -24,7 +24,8 @@ def scene_text(
 ) -> str:
     """Return the TOML of `scene`, with its grid, its padding and the tables of `settings` if they are given.
 
-    Heights that no file holds are written `beside` a path; without one, their digest replaces them. Raises
+    Heights that came from no file are written to files next to the path `beside`; without it their digest stands in
+    their place. Raises
     :class:`~contactstudy.InvalidInput` for a shape or a body that no file can hold.
     """
     tables = {"grid": grid, **_paddings(padding), **(settings or {})}

@@ -41,7 +41,7 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         try:
             return float(value)
         except OverflowError:
-            raise InvalidInput(f"{field} is beyond any float: {remedy}.") from None
+            raise InvalidInput(f"{field} is too large for a float: {remedy}.") from None
     match = NUMBER.fullmatch(value) if isinstance(value, str) else None
     if match and match[2] == "%" and not unit.symbol:
         return float(Decimal(match[1]) / 100)

@@ -93,8 +93,8 @@ def adhesive_requirements(
     if cells < ZONE_CELLS * (1 - 1e-9):
         finer = int(grid.cells[0] * ZONE_CELLS / cells) + 1
         warnings = (
-            f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone trap the edge of the contact, "
-            f"give {finer} for six.",
+            f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone, so few that the grid "
+            f"traps the edge of the contact, give {finer} for six.",
         )
     return AdhesiveRequirements(grid, seconds, solves, (reason,), warnings)
 

@@ -36,8 +36,8 @@ SAMPLE_CELLS, SAMPLE_IMAGES = 128, (1, 6)
 STRESS_CELLS = (64, 64)
 # Largest number of cells along an axis of the convolution that is timed on a device.
 LARGE_SAMPLE = 512
-# Seconds for which a quick solve or convolution is repeated: the first one fills caches, and a busy machine interrupts;
-# the seconds of a set-up or a solve at least.
+# Quick solves and convolutions are repeated for MIN_TOTAL_SECONDS, since the first fills caches and other processes
+# interrupt. MIN_SECONDS is the smallest time that is recorded.
 MIN_TOTAL_SECONDS, MIN_SECONDS = 0.02, 1e-6
 # Overhead of a transform of any size, in units of N log N: the time of a transform of 80 x 80 cells.
 TRANSFORM_OVERHEAD = 5e4
@@ -174,8 +174,8 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     across, along = across_and_along(padding)
     sample = Grid((SAMPLE_CELLS, 1 if grid.cells[1] == 1 else SAMPLE_CELLS), (2.4, 2.4))
     # half-width and modulus are 1
-    steel = HalfSpace(1.0, 0.0)
-    scene = Scene(LineLoad(pi / 800), (steel, HalfSpace(inf, 0.0)), (Cylinder(100.0),))
+    elastic = HalfSpace(1.0, 0.0)
+    scene = Scene(LineLoad(pi / 800), (elastic, HalfSpace(inf, 0.0)), (Cylinder(100.0),))
     counted: tuple[Padding, ...] = (along,)
     if isinstance(along, Superposition | CircularSuperposition):
         counted = tuple(replace(along, images=images) for images in SAMPLE_IMAGES)

@@ -80,7 +80,7 @@ def film_requirements(
     warnings = (
         []
         if grid is None
-        else ["the grid is given, so that its error is not planned: see film_error"]
+        else ["The grid is given, so its error is not predicted: solve, and read answer.error."]
     )
     if grid is None:
         width = film_grid(scene, error).extent[0]

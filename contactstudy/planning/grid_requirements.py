@@ -149,8 +149,8 @@ class GridRequirements:
 
             reach = float(brentq(open_by, 1.0, bracket))
         crowned = 1.5 if self.roller else 1.0  # the middle or the ends carry more than the mean
-        bearing = hertz.load_per_length / (2 * self.hardness)
-        return max(hertz.half_width * reach * crowned, bearing)
+        hardness_limited = hertz.load_per_length / (2 * self.hardness)
+        return max(hertz.half_width * reach * crowned, hardness_limited)
 
     def rough_error_factor(self) -> float:
         """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
@@ -251,6 +251,15 @@ class GridRequirements:
             return f"The length is free, from end to end {readable(period)}."
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
+        holds = (
+            f"The period {readable(period)} holds what repeats along it a whole number of times."
+        )
+        return self.period_fault(period) or holds
+
+    def period_fault(self, period: float) -> str:
+        """Return why `period` [m] does not suit the scene, with a remedy; empty if it does."""
+        if self.roller or not self.varies:
+            return ""
         broken = [
             scales.repeat
             for scales in self.length_scales
@@ -267,7 +276,7 @@ class GridRequirements:
                 f"{readable(self.longest)}: give {readable(WAVES_PER_PERIOD * self.longest)}, or the answer is that "
                 "of one short sample."
             )
-        return f"The period {readable(period)} holds what repeats along it a whole number of times."
+        return ""
 
     def reasons(self, grid: Grid, error: float) -> tuple[str, ...]:
         """Return a sentence each on the width, the cells, the dimension, the padding and the coatings of `grid`.
@@ -296,15 +305,15 @@ class GridRequirements:
         else:
             dimension = "dimension 2: the gap varies along the length."
         if not self.varies and grid.cells[1] > 1:
-            dimension = (
-                "dimension 2: as asked, though nothing varies along the length: one cell would do."
-            )
+            dimension = "dimension 2: as requested, though nothing varies along the length: one cell would do."
         if self.roller:
-            padding = "padding zero along both axes: the roller ends, and nothing presses beyond its ends."
+            padding = (
+                "padding zero along both axes: the roller ends, so there is no pressure beyond."
+            )
         else:
             padding = (
-                "padding exact: all images in closed form, so that no error is left of them, at half the "
-                "transform of a padded length."
+                "padding exact: all images are summed in closed form, without a truncation error; the "
+                "transform is half as long as with zero padding."
             )
         coatings = (self._coating(coating, grid) for coating in self.coatings)
         return width, cell, dimension, padding, *coatings, *filter(None, (self.shear,))
@@ -337,8 +346,8 @@ class GridRequirements:
             ):
                 messages.append(
                     f"Grid.cells[0] is {grid.cells[0]}: {coating.thickness / grid.cell[0]:.2g} cells in a coating "
-                    f"{stiffer:.3g} times as stiff as its substrate, where little is known of the error, give "
-                    f"{int(np.ceil(ESTIMATE.cells_in_coating * grid.extent[0] / coating.thickness))} for a bound."
+                    f"{stiffer:.3g} times as stiff as its substrate, too few for a bound of the error, give "
+                    f"{int(np.ceil(ESTIMATE.cells_in_coating * grid.extent[0] / coating.thickness))}."
                 )
         hertz = self.hertz
         if hertz.half_width > MAX_WIDTH_OVER_RADIUS * hertz.radius:
@@ -354,8 +363,8 @@ class GridRequirements:
                     f"finest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} "
                     "or more."
                 )
-        if self.varies and ": give" in (check := self.period_check(grid.period)):
-            messages.append(check)
+        if fault := self.period_fault(grid.period):
+            messages.append(fault)
         return tuple(messages)
 
 

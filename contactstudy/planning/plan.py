@@ -55,7 +55,7 @@ MEMORY_FRACTION = 0.8
 class Plan:
     """A grid and a padding for a scene, and what to expect of them.
 
-    Solve the plan with ``scene.problem(plan.grid, plan.padding)``.
+    Solve it with ``solve(scene, plan.grid, plan.padding)``.
 
     Attributes
     ----------
@@ -212,7 +212,7 @@ def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Pla
         period_check=f"The period {readable(grid.period)} is that of the measured surface.",
         reasons=(
             "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
-            "periodic; the solution tells its error.",
+            "periodic; the solve estimates the error.",
         ),
         on=on,
     )
@@ -349,7 +349,7 @@ def _warnings(
             f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and this "
             f"machine has {limit / MEMORY_FRACTION / 1e9:.3g} GB"
             if bytes_of_finer > limit
-            else "the error of this surface falls slowly"
+            else "the order of convergence of this surface is low"
         )
         yield f"plan.error is {error:.2g}: this grid reaches {predicted:.2g}; {reason}."
     if prediction.message:

@@ -25,8 +25,8 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Causes of the error other than the cells, in words, and their remedies.
 OTHER_CAUSES = {
-    "truncation": ("the images that the padding leaves out cost", "give ExactPeriodicity()"),
-    "residual": ("the residual of the solver costs", "give a smaller tolerance"),
+    "truncation": ("the images that the padding leaves out contribute", "give ExactPeriodicity()"),
+    "residual": ("the residual of the solver contributes", "give a smaller tolerance"),
 }
 
 
@@ -400,7 +400,7 @@ class GridRefinement:
             1 / self._order_in_cells(levels)
         )
         cells = f"{prod(last.grid.cells) * grown:.1g}"
-        return f"it would take about {cells} cells, and {self.most_cells:,} are allowed."
+        return f"it would take about {cells} cells, and at most {self.most_cells:,} are allowed."
 
 
 def _contact_width(solution: Solution) -> float:

@@ -96,7 +96,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     first = points[0]
     if first.grid is None and any(point.scene.lubrication is not None for point in points):
         notes = [
-            "each film has a grid of its own, since its inlet grows and its cells shrink with it"
+            "each film has a grid of its own, since inlet length and cells depend on the film thickness"
         ]
         return [_grid_of_plan(point) for point in points], notes
     if first.grid is not None:
@@ -115,7 +115,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     if narrowest < width:
         notes.append(
             f"the contact may become {readable(width)} wide, but a measured surface is {readable(narrowest)} wide, "
-            "which the grid takes: where contact reaches its edge, the outcome says so"
+            "which the grid takes: a contact that reaches its edge has the status CONTACT_AT_EDGE"
         )
         width = narrowest
     # a grid shows the middle of a longer measured surface
@@ -123,7 +123,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     fits = (
         len(periods) == 1
         or measured
-        or all(": give" not in requirement.period_check(period) for requirement in requirements)
+        or not any(requirement.period_fault(period) for requirement in requirements)
     )
     if not fits:
         separate = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
@@ -181,11 +181,11 @@ def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
-    """Return the extent of random surfaces without one, and a note on it; None if the periods have no common part."""
+    """Return the extent of random surfaces without one, and a note on it; None if the periods have no common divisor."""
     width, period = max(grid.extent[0] for grid in grids), min(grid.period for grid in grids)
     if any(abs(grid.period / period - round(grid.period / period)) > 1e-9 for grid in grids):
         differ = (
-            "random surfaces differ from grid to grid, since the periods of the grids have no common part: give "
+            "random surfaces differ from grid to grid, since the periods of the grids have no common divisor: give "
             "Roughness an extent whose length divides all periods for one surface"
         )
         return None, [differ]

@@ -15,7 +15,6 @@ from contactstudy.domain.units import display_unit_of
 from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
 from contactstudy.io.pictures.interference import interference_colours
 
-# Lengths are drawn in the unit in which the numbers on the axes are shortest.
 # Half-width of an interferogram in Hertz's half-widths.
 INTERFEROGRAM = 2.0
 WARNING_WIDTH = 70  # letters over one panel

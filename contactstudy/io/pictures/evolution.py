@@ -93,7 +93,7 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
             axes[1].plot(
                 after["equivalent_plastic_strain"] * 100, rolled["z"] / length, color=color
             )
-        axes[0].set(xlabel=f"residual stress along the travel [{pascals}]")
+        axes[0].set(xlabel=f"residual stress in the rolling direction [{pascals}]")
         axes[1].set(xlabel="equivalent plastic strain [%]")
         for ax in axes:
             ax.set(ylabel=f"depth [{metres}]")
@@ -236,7 +236,7 @@ def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
         largest = float(values.max()) or 1.0
         label = f"{values.attrs['long_name']} over {readable(largest, values.attrs['units'], 3)}"
         ax.plot(evolved["time"], values / largest, color=color, label=label)
-    ax.set(xlabel="time [s]", ylabel="over the largest value")
+    ax.set(xlabel="time [s]", ylabel="relative to the maximum")
     ax.set_ylim(bottom=min(0.0, float(evolved["load"].min() / (evolved["load"].max() or 1.0))))
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2))
 

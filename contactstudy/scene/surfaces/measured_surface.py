@@ -65,7 +65,7 @@ class MeasuredSurface:
     file
         File that the heights were read from, if any.
     is_turned
-        Whether the surface was turned by a quarter.
+        Whether the surface was rotated by 90 degrees.
     window
         Window that was cut from the surface, if any.
     unit, file_extent
@@ -198,7 +198,7 @@ class MeasuredSurface:
         return replace(self, heights=points, extent=extent, file=file, window=window)
 
     def turned(self) -> Self:
-        """Return this surface turned by a quarter: its length then runs across the contact."""
+        """Return this surface rotated by 90 degrees: its length then runs across the contact."""
         extent = None if self.extent is None else (self.extent[1], self.extent[0])
         turned = not self.is_turned  # two quarters are a half turn, which a file cannot express
         file = self.file if turned else None

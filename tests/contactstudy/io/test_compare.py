@@ -120,7 +120,9 @@ def test_contacts_of_two_kinds_are_refused(line_contact: LineContact) -> None:
         cs.solve(line_contact.scene, grid, padding)
         for padding in (cs.ExactPeriodicity(), cs.ZeroPadding())
     )
-    with pytest.raises(cs.InvalidInput, match=r"not of one kind: b ends at both ends of its grid"):
+    with pytest.raises(
+        cs.InvalidInput, match=r"of different kinds: b ends at both ends of its grid"
+    ):
         cs.compare(endless, ended)
     assert cs.compare(ended, ended).l1 == 0
 

@@ -212,7 +212,7 @@ def test_a_hundred_damaged_files_are_each_refused_or_read(tmp_path: Path) -> Non
 
 def test_a_measured_surface_is_read_from_beside_the_scene(tmp_path: Path) -> None:
     surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "not-there.x3p"\n'
-    with pytest.raises(cs.InvalidInput, match=r"not-there\.x3p.*give a file that is there"):
+    with pytest.raises(cs.InvalidInput, match=r"not-there\.x3p.*give the path of an existing file"):
         read(GOOD + surface, tmp_path)
 
 

@@ -305,7 +305,8 @@ def test_an_error_that_is_not_reached_is_said_with_what_stands_between() -> None
     # twice as many cells either way are four times as many bytes
     (said,) = warned(GRID, seen(0.2), error=0.1, limit=4 * 294912.0)
     assert (
-        said == "plan.error is 0.1: this grid reaches 0.2; the error of this surface falls slowly."
+        said
+        == "plan.error is 0.1: this grid reaches 0.2; the order of convergence of this surface is low."
     )
     (said,) = warned(GRID, seen(0.2), error=0.1, limit=1e6)
     assert "that takes 128 x 64 cells and 0.00118 GB, and this machine has 0.00125 GB" in said

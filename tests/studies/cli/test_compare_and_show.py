@@ -88,7 +88,7 @@ def test_two_runs_of_a_study_are_compared(folder: Path) -> None:
 
 
 def test_what_is_not_of_one_kind_is_not_compared(folder: Path) -> None:
-    with pytest.raises(cs.InvalidInput, match="not of one kind"):
+    with pytest.raises(cs.InvalidInput, match="of different kinds"):
         said("compare", folder / "out" / "smooth.nc", folder / "study" / "smooth-sweep.nc")
 
 

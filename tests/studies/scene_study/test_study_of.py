@@ -227,7 +227,7 @@ def planned(monkeypatch: pytest.MonkeyPatch) -> dict[float, cs.Grid]:
 
     def requirements(_: cs.Scene) -> Any:
         return SimpleNamespace(
-            period_check=lambda period: "too short: give more" if period < 1.5 else "fine",
+            period_fault=lambda period: "too short: give more" if period < 1.5 else "",
             padding=cs.ExactPeriodicity,
         )
 
@@ -279,7 +279,7 @@ def test_random_surfaces_get_the_widest_extent_and_the_part_that_periods_share(
     apart = [point(1.0, ROUGH, grid=cs.Grid((64, 32), size)) for size in ((4.0, 2.0), (3.0, 3.0))]
     found, notes = grids.posed(apart)
     assert {one.scene.shapes[1].extent for one in found} == {None}  # type: ignore[attr-defined]
-    assert "the periods of the grids have no common part" in notes[-1]
+    assert "the periods of the grids have no common divisor" in notes[-1]
 
 
 RUBBER = """

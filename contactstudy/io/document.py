@@ -170,8 +170,8 @@ class ProfileFile:
         ]
         if sum(ways) != 1 or (ways[0] and None in drops):
             raise InvalidInput(
-                "LundbergProfile must be given in exactly one way: amplitude and end_drop, for_load (the load per "
-                "length that it spreads evenly), or iso_16281_diameter."
+                "LundbergProfile must be described in exactly one way: give amplitude and end_drop, for_load (the load "
+                "per length that it spreads evenly), or iso_16281_diameter."
             )
         if self.iso_16281_diameter is not None:
             return LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)

@@ -234,5 +234,5 @@ def compare(first: Path, second: Path, out: Path | None) -> None:
             click.echo(line)
     else:
         raise InvalidInput(
-            f"{str(first)!r} and {str(second)!r} are not of one kind: give two solutions or two runs of a study."
+            f"{str(first)!r} and {str(second)!r} are of different kinds: give two solutions or two runs of a study."
         )

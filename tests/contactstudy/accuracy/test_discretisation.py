@@ -1,16 +1,14 @@
 """The cost of the cells, against the corrected pressure and by symmetry."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.coarser import change, coarser_problem
+from contactstudy.accuracy.coarser import coarser_problem
 from contactstudy.accuracy.contact_edge import edge_error
 from contactstudy.accuracy.discretisation import discretisation
-from contactstudy.domain.grid import on_cells
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -39,17 +37,6 @@ def test_uniform_pressure_without_an_edge_has_no_error() -> None:
     assert discretisation(np.ones((6, 5)), (False, True)) == (0.0, 0.0)
 
 
-def test_a_cosine_s_maximum_is_found_between_the_cells() -> None:
-    """Where no edge is, the estimate is the second difference's: 1/24 at the centre, 1/12 half a cell aside."""
-    cells = 64
-    for aside, fraction in ((0.0, 1 / 24), (0.5, 1 / 8 - 1 / 24)):
-        wave = 2 + np.cos(2 * np.pi * (np.arange(cells) + aside) / cells)[:, None]
-        bend = (2 * np.pi / cells) ** 2 / 3
-        peak, _ = discretisation(wave, (True, True))
-        # and what edges might add, of which there are none
-        assert peak - bend / 12 == pytest.approx(fraction * bend, rel=20 / cells**2)
-
-
 def test_within_the_contact_a_cell_s_mean_is_a_12th_of_the_second_difference_aside() -> None:
     """Of a wave without an edge: ``2 - 2 cos(2 pi / n)`` of its height, whose mean size is 2 / pi."""
     cells = 64
@@ -69,30 +56,3 @@ def test_heights_added_to_a_problem_are_averaged_over_the_larger_cells(
     smooth, coarse = coarser_problem(problem), coarser_problem(rough)
     means = added.reshape(8, 2, 4, 2).mean(axis=(1, 3))
     assert coarse.undeformed_gap - smooth.undeformed_gap == pytest.approx(means, rel=1e-6)
-
-
-def test_a_change_is_of_the_load_the_peak_the_area_and_the_gap() -> None:
-    fine = SimpleNamespace(
-        pressure=np.array([[4.0], [2.0], [2.0], [0.0]]),
-        mean_gap=2.0,
-        load_per_length=4.0,
-    )
-    coarse = SimpleNamespace(pressure=np.array([[3.0], [0.0]]), mean_gap=3.0, load_per_length=3.0)
-    seen = change(fine, coarse)  # type: ignore[arg-type]
-    # means of 3 and 1 for 3 and 0, of a load of 4; a peak of 4 for 3
-    assert seen.l1 == pytest.approx(1 / 4)
-    assert seen.peak_pressure == pytest.approx(1 / 3)
-    # half in contact for three quarters, a gap of 3 for 2 in the mean
-    assert seen.contact_area == pytest.approx(1 / 3)
-    assert seen.mean_gap == pytest.approx(1 / 2)
-    assert seen.load == pytest.approx(1 / 4)
-
-
-def test_means_on_fewer_and_on_more_cells() -> None:
-    field = np.array([[1.0], [2.0], [4.0], [5.0]])
-    assert on_cells(field, (2, 1)).ravel() == pytest.approx([1.5, 4.5])
-    assert on_cells(field, (8, 1)).ravel() == pytest.approx([1, 1, 2, 2, 4, 4, 5, 5])
-    # thirds of four cells: 1 and a third of 2; two thirds of 2 and of 4; a third of 4 and 5
-    thirds = np.array([1 + 2 / 3, (2 + 4) * 2 / 3, 4 / 3 + 5]) / (4 / 3)
-    assert on_cells(field, (3, 1)).ravel() == pytest.approx(thirds)
-    assert on_cells(field, (4, 1)) is field

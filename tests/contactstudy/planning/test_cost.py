@@ -1,12 +1,11 @@
 from dataclasses import replace
-from math import exp, log
+from math import exp
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.planning.cost import (
-    TRANSFORM_OVERHEAD,
     CostModel,
     PowerLaw,
     Timing,
@@ -22,19 +21,6 @@ EXACT = cs.ExactPeriodicity()
 
 def square(cells: int) -> cs.Grid:
     return cs.Grid((cells, cells), (1.0, 1.0))
-
-
-def test_one_timing_is_scaled_by_n_log_n_and_the_convolutions() -> None:
-    """With the calls that a transform of any size takes, like N log N of 80 x 80 cells."""
-    model = CostModel((Timing(square(128), EXACT, 10.0, 1e-3, 1e-2),))
-    assert model.seconds(square(128), EXACT, 10.0) == pytest.approx(1.1e-2)
-    assert model.seconds(square(128), EXACT, 20.0) == pytest.approx(2.1e-2)
-    cells, points = 512**2, 2 * 512**2
-    work = (cells * log(cells) + TRANSFORM_OVERHEAD) / (128**2 * log(128**2) + TRANSFORM_OVERHEAD)
-    transforms = (points * log(points) + TRANSFORM_OVERHEAD) / (
-        2 * 128**2 * log(2 * 128**2) + TRANSFORM_OVERHEAD
-    )
-    assert model.seconds(square(512), EXACT, 10.0) == pytest.approx(1e-3 * work + 1e-2 * transforms)
 
 
 def test_timings_of_other_paddings_and_dimensions_are_left_aside() -> None:
@@ -100,15 +86,6 @@ def test_a_power_of_the_work_is_found() -> None:
     found = PowerLaw.fit(sizes, [law(*size) for size in sizes])
     for size in ((300.0, 7.0), (1e5, 100.0)):
         assert found.seconds(size) == pytest.approx(law(*size), rel=0.05)
-
-
-def test_one_interrupted_timing_does_not_move_a_law() -> None:
-    sizes = np.exp(grid((10, 1e4), (1, 50))).tolist()
-    seconds = [1e-8 * exp(log_work(*size)) for size in sizes]
-    seconds[7] *= 20
-    assert PowerLaw.fit(sizes, seconds).seconds((300.0, 7.0)) == pytest.approx(
-        1e-8 * exp(log_work(300.0, 7.0)), rel=0.02
-    )
 
 
 def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(

@@ -178,22 +178,6 @@ def test_von_mises_is_its_definition() -> None:
     assert_allclose(von_mises(stress), expected, rtol=1e-14)
 
 
-def test_dataset_labels_the_stress(line_contact: LineContact, tmp_path) -> None:  # noqa: ANN001
-    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths=(1e-5, 2e-4)),))
-    solution = cs.solve(scene.problem(line_contact.grid((16, 6), 1.2), cs.ExactPeriodicity()))
-    dataset = solution.to_dataset()
-    assert dataset["stress"].dims == ("component", "z", "x", "y")
-    assert dataset["von_mises"].dims == ("z", "x", "y")
-    assert dataset["z"].values.tolist() == [1e-5, 2e-4]
-    assert dataset["component"].values.tolist() == ["xx", "yy", "zz", "yz", "xz", "xy"]
-    for name in ("stress", "von_mises"):
-        assert dataset[name].attrs["units"] == "Pa"
-    for variable in dataset.variables.values():
-        assert variable.attrs["long_name"]
-        assert variable.attrs["units"]
-    dataset.to_netcdf(tmp_path / "stressed.nc")
-
-
 def test_stress_takes_the_ratio_of_the_body_it_is_in(line_contact: LineContact) -> None:
     rubber = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.5)
     grid = line_contact.grid((15, 1), 1.0)

@@ -1,8 +1,7 @@
 """The comparison of a scene's settings, on scenes whose answer is known."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from math import inf, nan, prod
 from pathlib import Path
 from time import perf_counter, process_time, sleep
@@ -13,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from studies.advice import measuring
 from studies.advice.climb import Budget, Climb
 from studies.advice.comparison import (
     LINE,
@@ -24,7 +22,6 @@ from studies.advice.comparison import (
     with_envelope,
 )
 from studies.advice.front import pareto_front
-from studies.advice.ladder import MULTIPLES, is_reference
 from studies.advice.measuring import compared
 from studies.advice.rounds import in_rounds, ratio, sign_test
 from studies.advice.stored import as_text, from_dataset, from_text, store, stored, to_dataset
@@ -89,16 +86,6 @@ def test_errors_on_a_ladder_of_a_rough_roller_keep_to_its_own_estimates() -> Non
     finest = measured.of("free")[-1]
     answer = subject.solve(finest.setting)
     assert finest.error <= bounds_of(answer)["pressure_l1"] + measured.floor
-
-
-def test_every_time_is_that_of_its_own_setting(monkeypatch: pytest.MonkeyPatch) -> None:
-    def turns(runs: Sequence[partial[object]], count: int, goes_on: object) -> list[list[float]]:
-        return count * [[1e-6 * prod(run.args[0].cells) for run in runs]]
-
-    monkeypatch.setattr(measuring, "in_rounds", turns)
-    for measured in compared(paper_described().subject(), 1e-2, Budget(1.5)).settings:
-        expected = 1e-6 * prod(measured.setting.cells)
-        assert set(measured.seconds + measured.rounds) == {expected}
 
 
 def test_work_is_expected_to_take_as_much_longer_by_the_clock_as_that_before() -> None:
@@ -173,11 +160,6 @@ def test_a_request_must_be_above_zero(error: float, seconds: float) -> None:
         compared(paper_described().subject(), error, Budget(seconds))
 
 
-def test_all_rungs_up_to_a_third_of_a_reference_nest_in_it() -> None:
-    for reference in filter(is_reference, MULTIPLES):
-        assert all(reference % rung == 0 for rung in MULTIPLES if rung <= reference // 3)
-
-
 PAIRS = st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=30)
 
 
@@ -189,11 +171,6 @@ def test_nothing_on_the_front_is_beaten_and_all_else_is(pairs: list[tuple[float,
     assert (np.diff(error[front]) < 0).all()
     for c, e in pairs:
         assert ((cost[front] <= c) & (error[front] <= e)).any()
-
-
-def test_points_without_numbers_are_left_out() -> None:
-    front = pareto_front(np.array([1.0, np.nan, 0.5]), np.array([1.0, 0.0, np.nan]))
-    assert front.tolist() == [0]
 
 
 def test_the_sign_test_counts_the_tosses_of_a_fair_coin() -> None:
@@ -219,11 +196,6 @@ def test_every_round_takes_each_call_once_and_not_always_in_one_order() -> None:
     assert [len(times) for times in rounds] == [5, 5, 5, 5]
     assert all(sorted(order) == [0, 1, 2, 3, 4] for order in orders)
     assert len(set(orders)) > 1
-
-
-def test_no_round_begins_without_time_for_it() -> None:
-    left = iter([True, True, False])
-    assert len(in_rounds([lambda: None], 10, lambda: next(left))) == 2
 
 
 EXACT, COPIED, ZERO = cs.ExactPeriodicity(), cs.DuplicatedPadding(), cs.ZeroPadding()
@@ -313,8 +285,3 @@ def test_a_comparison_is_read_as_it_was_stored(tmp_path: Path) -> None:
 )
 def test_a_padding_survives_as_text(padding: cs.Padding | cs.Paddings) -> None:
     assert from_text(as_text(padding)) == padding
-
-
-def test_times_outside_of_rounds_count_where_there_are_no_rounds() -> None:
-    assert Measured(Setting(EXACT, (2, 2), 1e-4), "exact", 0.1, True, (1.0, 3.0, 2.0)).time == 2.0  # noqa: FBT003
-    assert one(EXACT, 2, 0.1, (nan, 4.0, 6.0)).time == 5.0

@@ -1,10 +1,8 @@
 """Text that a terminal and netCDF can hold, at the lengths where it is cut."""
 
-import json
-
 import pytest
 
-from studies.model.plain_text import is_storable, name_problem, one_line, place_of
+from studies.model.plain_text import is_storable, name_problem, one_line
 
 
 def test_a_text_is_one_line_of_at_most_so_many_characters() -> None:
@@ -41,34 +39,3 @@ def test_control_characters_are_not_stored(text: str, storable: bool) -> None:  
 def test_a_name_that_netcdf_cannot_hold_says_why(name: object, said: str) -> None:
     found = name_problem(name)
     assert (said in found) if said else found == ""
-
-
-def outer() -> None:
-    inner()
-
-
-def inner() -> None:
-    json.loads("{")
-
-
-def deep(times: int) -> None:
-    if times:
-        deep(times - 1)
-    else:
-        json.loads("{")
-
-
-def raised_by(call: object, *words: object) -> BaseException:
-    try:
-        call(*words)  # type: ignore[operator]
-    except ValueError as error:
-        return error
-    raise AssertionError
-
-
-def test_it_is_the_innermost_that_is_no_library_s() -> None:
-    line = inner.__code__.co_firstlineno + 1
-    assert place_of(raised_by(outer)) == f" in inner (test_plain_text.py, line {line})"
-    assert place_of(raised_by(outer), __file__) == ""
-    # the last fifty of a deep recursion are looked at
-    assert "in deep (" in place_of(raised_by(deep, 200))

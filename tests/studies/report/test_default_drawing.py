@@ -9,7 +9,7 @@ import xarray as xr
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus
 from studies.report.default_drawing import DOUBTFUL, curves, maps
-from tests.studies.report.drawings.drawn import labelled, numbered, same
+from tests.studies.report.drawings.drawn import labelled, numbered
 
 LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]
 
@@ -52,23 +52,6 @@ def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None
     assert fraction.get_xlabel() == "load, per length [N/mm]"
 
 
-def test_a_third_axis_has_a_figure_for_each_value_and_says_it() -> None:
-    axes = {"rms": RMS, "load_per_length": LOADS, "padding": ["exact", "zero"]}
-    dataset = swept(axes)
-    _, second = curves(dataset)
-    assert second.caption == "Rough contact; padding zero."
-    shown = labelled(second.figure.axes[1])["rms height 200 nm"]
-    stored = dataset["peak_pressure"].sel(padding="zero", rms=2e-7)
-    assert same(shown, [10, 20, 50, 200], stored / 1e6)
-
-
-def test_a_film_is_drawn_beside_its_formula() -> None:
-    dataset = numbered({"speed": [0.1, 1.0, 10.0]}, "central_film", "moes_film")
-    dataset["case_status"] = "speed", np.full(3, CaseStatus.OK)
-    ax, *_ = curves(dataset)[0].figure.axes
-    assert same(labelled(ax)["Moes"], [0.1, 1.0, 10.0], dataset["moes_film"])
-
-
 def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_left_out() -> None:
     dataset = numbered({"angle": [0.0, 1.0, 2.0]}, "peak_pressure", "approach")
     dataset["case_status"] = "angle", np.full(3, CaseStatus.OK)
@@ -90,21 +73,6 @@ def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(ki
     at = np.flatnonzero(np.isfinite(y))
     assert np.asarray(x)[at] == pytest.approx([LOADS[2] / 1e3])
     assert "hollow" in drawn.caption
-
-
-def test_a_study_with_room_for_all_its_measures_draws_them_over_numbers_and_not_over_samples() -> (
-    None
-):
-    dataset = numbered({"seed": list(range(1, 30)), "radius": [1.0, 2.0]}, "peak_pressure", "own")
-    dataset["case_status"] = dataset["own"].dims, np.full((29, 2), CaseStatus.OK)
-    dataset["iterations"] = dataset["own"] + 1
-    [drawn] = curves(dataset)
-    assert [ax.get_ylabel() for ax in drawn.figure.axes] == ["peak_pressure", "own"]
-    assert same(
-        labelled(drawn.figure.axes[1])["mean of 29, ± its spread"],
-        [1.0, 2.0],
-        dataset["own"].mean("seed"),
-    )
 
 
 def test_maps_show_a_measure_over_two_axes() -> None:

@@ -24,7 +24,7 @@ from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
 from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapters, single
-from studies.report.style import marked, percent, plain, variation_text
+from studies.report.style import marked, plain, variation_text
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
@@ -283,17 +283,6 @@ def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
 ) -> None:
     assert marked(text) == html
     assert plain(text) == unmarked
-
-
-@pytest.mark.parametrize(
-    ("fraction", "text"),
-    [
-        (0.0, "0"), (0.0123, "1.2"), (-0.0123, "1.2"), (0.123, "12"), (1.23, "123"), (1.23e-7, "0.000012"),
-        (1.23e-8, "1.2e-06"), (float("nan"), None),
-    ],
-)  # fmt: skip
-def test_a_fraction_is_in_per_cent_with_two_digits(fraction: float, text: str | None) -> None:
-    assert percent(fraction) == ("not known" if text is None else f"{text}\u00a0%")
 
 
 @pytest.mark.parametrize(

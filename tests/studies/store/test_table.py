@@ -11,7 +11,7 @@ import xarray as xr
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.axis import Axis
-from studies.model.outcome import CaseStatus, Failure, Outcome
+from studies.model.outcome import CaseStatus, Outcome
 from studies.model.study import Point, Study
 from studies.store.table import PointTable, assemble
 from tests.studies.conftest import quiet
@@ -29,28 +29,6 @@ def assembled(axes: tuple[Axis, ...], keys: str, **found: dict[str, xr.Variable]
     outcomes = {name: Outcome(CaseStatus.OK, variables) for name, variables in found.items()}
     table = PointTable(axes, keys.split())
     return assemble(table, outcomes.get, lambda _: (), {"title": "by hand"})
-
-
-def test_numbers_stand_at_their_points_the_last_axis_fastest_and_cases_are_shared() -> None:
-    dataset = assembled(
-        (SIDE, SIZE),
-        "a b c a d b",
-        a={"n": variable(1, units="m"), "v": variable([1.0, 2.0, 3.0], "k")},
-        b={"n": variable(2, units="m"), "v": variable([4.0, 5.0, 6.0], "k")},
-        c={"n": variable(3, units="m"), "v": variable([7.0, 8.0, 9.0], "k")},
-        d={"n": variable(4, units="m"), "v": variable([0.0, 0.5, 0.25], "k")},
-    )
-    assert dataset["n"].dims == ("side", "size")
-    assert dataset["n"].values.tolist() == [[1, 2], [3, 1], [4, 2]]
-    assert dataset["n"].dtype.kind == "i"
-    assert dataset["v"].dims == ("side", "size", "k")
-    assert dataset["v"].sel(side="right", size=1.0).values.tolist() == [0.0, 0.5, 0.25]
-    assert dataset["case_key"].values.tolist() == [["a", "b"], ["c", "a"], ["d", "b"]]
-    assert (dataset["case_status"] == CaseStatus.OK).all()
-    assert "error" not in dataset
-    assert dataset.attrs == {"title": "by hand"}
-    assert dataset["size"].attrs == {"long_name": "how large", "units": "m"}
-    assert dataset["side"].attrs == {"long_name": "which side"}
 
 
 def test_of_variables_that_differ_those_of_the_most_cases_are_kept() -> None:
@@ -112,19 +90,6 @@ def test_dimensions_that_contradict_another_variable_s_are_left_out(
     assert "second" not in dataset
     assert dataset["first"].shape == (2, 2)
     assert dataset.attrs["left_out"] == left_out
-
-
-def test_a_failure_says_what_where_and_why_at_its_points() -> None:
-    failure = Failure("ValueError", "ValueError: no", "solve")
-    found = {
-        "a": Outcome(CaseStatus.OK, {"n": variable(1)}),
-        "b": Outcome(CaseStatus.FAILED, {}, failure),
-    }
-    dataset = assemble(PointTable((SIDE,), ["a", "b", "b"]), found.get, lambda _: (), {})
-    assert dataset["error"].values.tolist() == ["", "ValueError: no", "ValueError: no"]
-    assert dataset["error_type"].values.tolist() == ["", "ValueError", "ValueError"]
-    assert dataset["error_stage"].values.tolist() == ["", "solve", "solve"]
-    np.testing.assert_array_equal(dataset["n"], [1.0, np.nan, np.nan])
 
 
 ALONE = RunOptions(workers=0, repeats=0)

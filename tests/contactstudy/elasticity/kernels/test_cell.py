@@ -167,25 +167,6 @@ def test_coefficient_is_a_length(x: float, y: float, dx: float, dy: float, power
     assert_allclose(scaled, np.ldexp(boussinesq_cell(x, y, dx, dy), power), rtol=EPS)
 
 
-def test_cell_arguments_broadcast() -> None:
-    rng = np.random.default_rng(3)
-    x, y = rng.normal(0, 30, (4, 1, 1)), rng.normal(0, 30, (5, 1))
-    dx, dy = rng.uniform(0.1, 9, 3), rng.uniform(0.1, 9, (4, 5, 1))
-    found = boussinesq_cell(x, y, dx, dy)
-    assert found.shape == (4, 5, 3)
-    for at in np.ndindex(found.shape):
-        one = (float(a[at]) for a in np.broadcast_arrays(x, y, dx, dy))
-        alone = boussinesq_cell(*one)
-        assert alone.shape == ()
-        assert_allclose(found[at], alone, rtol=4 * EPS)
-
-
-@pytest.mark.parametrize("shape", [(0,), (0, 3), (3, 0)])
-def test_no_offsets_have_no_coefficients(shape: tuple[int, ...]) -> None:
-    nowhere = np.empty(shape)
-    assert boussinesq_cell(nowhere, 0.0, 1.0, 1.0).shape == shape
-
-
 def test_no_number_in_is_no_number_out() -> None:
     x, y = np.array([np.nan, 0.0, np.nan]), np.array([0.0, np.nan, np.nan])
     assert np.isnan(boussinesq_cell(x, y, 1.0, 1.0)).all()

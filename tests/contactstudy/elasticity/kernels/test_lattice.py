@@ -105,24 +105,3 @@ def test_offsets_count_modulo_the_periods_and_without_sign() -> None:
         assert_array_equal(mirrored, base)
     moved = boussinesq_cell_doubly_periodic(x + 1.2, y - 0.8, 0.1, 0.1, 1.2, 0.8)
     assert_allclose(moved, base, rtol=1e-13)
-
-
-@pytest.mark.parametrize(("width", "period"), EXTENTS)
-@pytest.mark.parametrize(
-    "shapes",
-    [
-        ((), ()), ((3,), ()), ((), (3,)), ((3, 1), (4,)), ((4,), (3, 1)), ((2, 3, 1), (4,)), ((3,), (3,)),
-    ],
-)  # fmt: skip
-def test_offsets_broadcast(
-    shapes: tuple[tuple[int, ...], tuple[int, ...]], width: float, period: float
-) -> None:
-    rng = np.random.default_rng(8)
-    x, y = rng.random(shapes[0]) * width, rng.random(shapes[1]) * period
-    cell = 0.1 * width, 0.2 * period, width, period
-    found = boussinesq_cell_doubly_periodic(x, y, *cell)
-    assert found.shape == np.broadcast_shapes(*shapes)
-    alone = [boussinesq_cell_doubly_periodic(u, v, *cell) for u, v in np.broadcast(x, y)]
-    assert_allclose(
-        found.ravel(), alone, rtol=0, atol=EXACT * cell[0] * cell[1] / min(width, period)
-    )

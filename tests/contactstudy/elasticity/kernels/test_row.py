@@ -272,38 +272,6 @@ def test_images_one_by_one_approach_the_lattice_without_turning_back(
     assert_allclose(last[1], last[0], rtol=0.01)
 
 
-OFFSETS_X = [0.0, 0.3, -0.8, 2.0, 7.5]  # in the range of each form
-OFFSETS_Y = [-2.2, 0.0, 0.4, 1.7]
-CHOICES = (OFFSETS_X, OFFSETS_Y, [0.1, 0.9, 4.0], [0.1, 0.8], [1.0, 1.2])
-
-
-@pytest.mark.cases(6)
-@pytest.mark.parametrize(
-    "shapes",
-    [
-        ((), (), (), (), ()), ((3, 1), (2,), (), (), ()), ((2, 2, 1), (2,), (), (), ()),
-        ((5,), (5,), (1, 1), (), (1,)), ((4,), (4,), (4,), (4,), (4,)), ((3, 1), (1, 2), (3, 1), (2,), ()),
-        ((2, 1, 1, 1), (1, 1), (2, 1, 1), (2, 1), (2,)),
-    ],
-)  # fmt: skip
-def test_lattice_arguments_broadcast(shapes: tuple[tuple[int, ...], ...]) -> None:
-    rng = np.random.default_rng(6)
-    arguments = [np.asarray(rng.choice(c, s)) for c, s in zip(CHOICES, shapes, strict=True)]
-    found = boussinesq_cell_periodic(*arguments)
-    assert found.shape == np.broadcast_shapes(*shapes)
-    # the same operations in another order of the sums
-    rounding = 16 * EPS * np.maximum(np.abs(found), arguments[2] * arguments[3] / arguments[4])
-    for at, one in zip(np.ndindex(found.shape), np.broadcast(*arguments), strict=True):
-        assert abs(found[at] - boussinesq_cell_periodic(*one)) <= rounding[at]
-
-
-@pytest.mark.parametrize("shape", [(0,), (0, 3), (3, 0)])
-def test_no_offsets_have_no_coefficients(shape: tuple[int, ...]) -> None:
-    nowhere = np.empty(shape)
-    assert boussinesq_cell_periodic(nowhere, 0.0, 1.0, 1.0, 2.0).shape == shape
-    assert boussinesq_cell_periodic(0.0, nowhere, 1.0, 1.0, 2.0).shape == shape
-
-
 def test_no_number_in_is_no_number_out() -> None:
     x, y = np.array([np.nan, 0.0, np.nan]), np.array([0.0, np.nan, np.nan])
     for dy in (1.0, 2.0):

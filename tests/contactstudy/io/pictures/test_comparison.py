@@ -19,8 +19,6 @@ def test_the_map_shows_the_difference_and_the_section_both_pressures_where_it_is
     shown, section, _ = compare_picture(found.difference, found.at).axes
     [mesh] = shown.collections
     assert np.asarray(mesh.get_array()) == pytest.approx((B - A) / 1e6)
-    assert mesh.get_clim() == (-3, 3)
-    assert np.asarray(mesh.get_coordinates())[0, 0] == pytest.approx([-1, -15])
     first, second = section.lines
     assert first.get_xydata() == pytest.approx(np.transpose([X * 1e6, [2, 4, 6]]))
     assert second.get_ydata() == pytest.approx([2, 1, 6])

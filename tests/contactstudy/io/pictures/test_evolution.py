@@ -35,7 +35,6 @@ def test_profiles_are_those_of_the_middle_of_the_length_at_each_instant() -> Non
     assert [line.get_label() for line in profiles.lines] == ["0 s", "1 s", "1 s", "4 s"]
     for line, rows in zip(profiles.lines, PRESSURE[:, :, 1], strict=True):
         assert line.get_xydata() == pytest.approx(np.transpose([X * 1e3, rows / 1e6]))
-    assert (profiles.get_xlabel(), profiles.get_ylabel()) == ("across [mm]", "pressure [MPa]")
 
 
 def test_the_map_is_of_the_mean_along_the_length_without_the_instant_before_a_jump() -> None:
@@ -43,10 +42,6 @@ def test_the_map_is_of_the_mean_along_the_length_without_the_instant_before_a_ju
     [mesh] = shown.collections
     kept = (PRESSURE.mean(axis=2) / 1e6)[[0, 2, 3]].T
     assert np.asarray(mesh.get_array()) == pytest.approx(kept)
-    corners = np.asarray(mesh.get_coordinates())
-    # half-way between the instants 0, 1 and 4 s, and between the rows
-    assert corners[0, :, 0] == pytest.approx([-0.5, 0.5, 2.5, 5.5])
-    assert corners[:, 0, 1] == pytest.approx([-3, -1, 1, 3])
 
 
 def test_numbers_are_shares_of_their_largest_and_errors_those_that_are_known() -> None:
@@ -55,8 +50,6 @@ def test_numbers_are_shares_of_their_largest_and_errors_those_that_are_known() -
     assert load.get_xydata() == pytest.approx(np.transpose([TIME, [0.25, 0.5, 1, 1]]))
     assert highest.get_ydata() == pytest.approx([0.25, 0.5, 0.75, 1])
     assert area.get_ydata() == pytest.approx([0, 0, 0, 0])
-    assert load.get_label() == "load over 4 N/m"
-    assert area.get_label() == "contact area over 1 m²"
     [steps] = errors.lines
     assert steps.get_xydata() == pytest.approx(np.array([[1, 1e-3], [4, 1e-2]]))
 
@@ -73,7 +66,3 @@ def test_yield_has_a_panel_of_its_dent_and_one_of_the_strain_under_the_middle_at
     [mesh] = shown.collections
     values = np.asarray(mesh.get_array()).reshape(-1)
     assert values == pytest.approx(100 * strain[-1, :, :, 1].ravel())
-    corners = np.asarray(mesh.get_coordinates())
-    # half-way between the columns at -2, 0 and 2 mm, and between the depths of 1 and 5 mm
-    assert sorted(set(corners[..., 0].ravel())) == pytest.approx([-3, -1, 1, 3])
-    assert sorted(set(corners[..., 1].ravel())) == pytest.approx([-1, 3, 7])

@@ -1,7 +1,7 @@
 """One case, computed or timed: what its outcome says of times, limits and failures."""
 
 import signal
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -35,34 +35,6 @@ class Square:
 
 
 WORK = Work(lambda case, result: {"square": result})
-
-
-def clock(readings: Iterator[float]):  # noqa: ANN201
-    return lambda: next(readings)
-
-
-def test_setup_and_solve_are_timed_apart(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Read before, between and after them; the slower of the transforms around them is the pace."""
-    monkeypatch.setattr(compute, "perf_counter", clock(iter((10.0, 12.5, 20.0))))
-    monkeypatch.setattr(compute, "process_time", clock(iter((3.0, 5.0, 11.0))))
-    for paces in ((0.25, 0.5), (0.5, 0.25)):
-        monkeypatch.setattr(compute, "_reference_time", clock(iter(paces)))
-        monkeypatch.setattr(compute, "perf_counter", clock(iter((10.0, 12.5, 20.0))))
-        monkeypatch.setattr(compute, "process_time", clock(iter((3.0, 5.0, 11.0))))
-        sample = time_once(Square(2.0))
-        assert (sample.setup, sample.solve) == (2.5, 7.5)
-        assert (sample.setup_cpu, sample.solve_cpu) == (2.0, 6.0)
-        assert (sample.threads, sample.pace) == (3, 0.5)
-
-
-def test_an_outcome_says_what_it_took_of_wall_and_of_processor_time(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(compute, "perf_counter", clock(iter((10.0, 14.0))))
-    monkeypatch.setattr(compute, "process_time", clock(iter((1.0, 3.5))))
-    outcome = compute.compute(Square(3.0), WORK)
-    assert (outcome.case_status, float(outcome.variables["square"])) == (CaseStatus.OK, 9.0)
-    assert (outcome.seconds, outcome.cpu) == (4.0, 2.5)
 
 
 @POSIX

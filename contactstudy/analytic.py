@@ -1,4 +1,4 @@
-"""Closed-form solutions, under their authors' names."""
+"""Reference solutions under their authors' names: closed forms, quadratures and fits."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -332,7 +332,7 @@ def _keep_positive(instance: object, **fields: str) -> None:
 
 
 def moes_film(load_parameter: float, viscosity_parameter: float) -> float:
-    """Return the film of a lubricated line contact where its pressure is flat, ``(h / R) (eta0 u_s / (E' R))^(-1/2)``.
+    """Return the central film thickness of a lubricated line contact, ``(h / R) (eta0 u_s / (E' R))^(-1/2)``.
 
     E' = 2 E*, and u_s is the sum of the surface speeds. Fitted between four asymptotes: rigid or elastic bodies, an
     isoviscous or a Barus lubricant. Source: Moes (1992), Venner & Lubrecht (2000).
@@ -380,7 +380,7 @@ def film_regime(load_parameter: float, viscosity_parameter: float) -> str:
 
 
 def dowson_higginson_film(load_parameter: float, viscosity_parameter: float) -> float:
-    """Return the smallest film of a lubricated line contact in the unit of :func:`moes_film`.
+    """Return the minimum film thickness of a lubricated line contact in the unit of :func:`moes_film`.
 
     ``h / R = 2.65 U^0.7 G^0.54 W^-0.13`` with U = eta0 u_m / (E' R), G = alpha E' and W = load / (E' R), for elastic
     bodies in a piezoviscous lubricant. Source: Dowson (1968), Proc. Inst. Mech. Eng. 182 (3A), 151. Parameters are those

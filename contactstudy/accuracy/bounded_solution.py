@@ -157,9 +157,10 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
 def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float:
     """Return the relative L1 error of the finest grid, estimated from the changes of the pressure from coarser grids.
 
-    With errors ``s_x h_x^r + s_y h_y^r`` that are as good as random from grid to grid, the change between two grids has
-    the square of both errors. The order r is the larger of those of the changes from two grids and of the errors that
-    the cells show, within the limits of smooth edges and of steps. The last grid counts that is coarser along both axes.
+    The error of the coarse grid is taken as the orthogonal sum of the fine grid's error and of the change between them,
+    with errors ``s_x h_x^r + s_y h_y^r`` on each grid. The order r is the larger of those of the changes from two grids
+    and of the errors that the cells show, within the limits of smooth edges and of steps. The last grid counts that is
+    coarser along both axes.
     """
     errors: list[tuple[float, float]] = []
     for number in reversed(range(len(coarser))):

@@ -1,3 +1,3 @@
-"""The dimensionless problem: arrays, operator, constraint, resultant. Knows no physical model.
+"""The contact problem in SI units, and its dimensionless form: arrays, operator, constraint, load or approach.
 
 May import `elasticity` and `domain`."""

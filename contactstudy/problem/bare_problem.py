@@ -35,7 +35,7 @@ CONSTANTS = WinklerConstants()
 
 @dataclass(frozen=True, eq=False)
 class BareProblem:
-    """Dimensionless contact problem: find the pressure p within a constraint and with a given resultant.
+    """Dimensionless contact problem: find the pressure p within a constraint, under a given load or approach.
 
     It has ``gap = undeformed_gap + operator(p) - approach``, ``p gap = 0`` and ``gap >= 0``. Cells at an upper limit of
     the constraint have ``gap <= 0``. This is what a :class:`~contactstudy.Solver` sees.
@@ -49,7 +49,7 @@ class BareProblem:
     constraint
         Limits of the pressure of each cell.
     resultant
-        Condition on the sum of the pressure, such as a given load.
+        The given load, which is the sum of the pressure, or the given approach.
     elongation
         Length of a cell over its width.
     chosen_passes

@@ -16,8 +16,9 @@ from contactstudy.domain.fields import total as sum_of
 class Gap:
     """Gap between the bodies, in units of the gap scale.
 
-    The approach is such that the mean height over cells at no limit of the constraint is zero. The gap should be zero in
-    these cells, not below zero in cells without pressure, and not above zero in cells at an upper limit.
+    Under a given load the approach is such that the mean height over cells at no limit of the constraint is zero; else
+    it is the given one. The gap should be zero in these cells, not below zero in cells without pressure, and not above
+    zero in cells at an upper limit.
 
     Parameters
     ----------
@@ -401,7 +402,7 @@ class PrescribedLoad:
 
 @dataclass(frozen=True)
 class PrescribedApproach:
-    """Resultant of a given approach [m], from which heights are counted: the pressures carry any load, or none."""
+    """A given approach [m], from which heights are counted: the pressures carry any load, or none."""
 
     approach: float
 
@@ -434,5 +435,5 @@ class PrescribedApproach:
         return 0.0
 
 
-# Condition on the sum of the pressure, which closes the problem.
+# What closes the problem: a given load, which is the sum of the pressure, or a given approach.
 Resultant = PrescribedLoad | PrescribedApproach

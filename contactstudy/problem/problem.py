@@ -121,7 +121,7 @@ class Problem:
     constraint
         Limits of the pressure of each cell.
     resultant
-        Condition on the sum of the pressure, such as a given load.
+        The given load, which is the sum of the pressure, or the given approach.
     scales
         Units that the solver works in.
     open_edges, open_ends
@@ -162,7 +162,7 @@ class Problem:
 
     @property
     def datum(self) -> float:
-        """Height [m] that a bare problem counts from, the given approach or else the gap at the highest point.
+        """Height [m] that a bare problem counts from, the given approach or else the smallest undeformed gap.
 
         Large heights have large rounding errors, which should be far from where the bodies touch.
         """

@@ -34,7 +34,7 @@ class CohesiveLaw(Protocol):
 class Exponential:
     """Cohesive law ``sigma = w / rho exp(-g / rho)`` with the work of adhesion w [J/m^2] and the range rho [m].
 
-    Source: Xu & Needleman (1994), J. Mech. Phys. Solids 42, 1397.
+    It falls from zero gap on: the law of Xu & Needleman (1994), J. Mech. Phys. Solids 42, 1397, has a rising part first.
     """
 
     work: float
@@ -60,7 +60,7 @@ RAMP = 0.1
 
 @dataclass(frozen=True)
 class Dugdale:
-    """Cohesive law of Dugdale: the traction ``w / rho`` up to the range rho [m], which falls to 0 over a fifth of it.
+    """Cohesive law of Dugdale: the traction ``w / rho`` up to 0.9 times the range rho [m], and none beyond 1.1 times it.
 
     Source: Maugis (1992), J. Colloid Interface Sci. 150, 243, there with a sharp fall.
     """

@@ -14,7 +14,7 @@ class Iterate:
     pressure, displacement
         Fields (x, y).
     approach
-        Approach of the bodies, counted from the highest point of the undeformed gap.
+        Approach of the bodies, counted from the smallest undeformed gap, or from the given approach.
     residual
         Largest of complementarity, penetration and error of the load.
     iterations

@@ -108,7 +108,8 @@ class Traction:
     method
         Method, in words.
     iterations
-        Number of iterations: outer ones where shear and pressure are solved in turn.
+        Number of applications of the response to shear, or of outer iterations where shear and pressure are solved in
+        turn.
     """
 
     shear: Array

@@ -45,14 +45,15 @@ class Solver(Protocol):
 @suggest_fields
 @dataclass(frozen=True)
 class SolveOptions:
-    """Accuracy and method of a solve: with the problem, all that an answer depends on.
+    """Accuracy and method of a solve: with the problem, and the start where several states exist, all of an answer.
 
     Parameters
     ----------
     tolerance
         Largest dimensionless residual, see :func:`~contactstudy.solve`; above 0.
     max_iterations
-        Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`.
+        Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of shear, applications of
+        its response.
     solver
         The iteration, such as :class:`~contactstudy.PreconditionedCG`.
     precision

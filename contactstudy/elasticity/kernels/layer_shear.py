@@ -22,13 +22,13 @@ MAX_ALIASES = 8
 
 
 class Part(Enum):
-    """Terms of long waves, ``(a + b k + c k^2) exp(-2 k)``, that are subtracted from a response."""
+    """Part of a response: what is left without terms of long waves, ``(a + b k + c k^2) exp(-2 k)``."""
 
-    #: None.
+    #: All of it.
     ALL = 0
-    #: The first, so that the remainder of waves across is regular.
+    #: Without the first term, so that the remainder of waves across is regular.
     REGULAR = 1
-    #: All three, so that the remainder falls as the fifth power of the distance.
+    #: Without all three, so that the remainder falls as the fifth power of the distance.
     SHORT = 3
 
 

@@ -32,10 +32,11 @@ class FullSliding:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
-        """Return the solution under shear, in one pass or with the shear of the pass before until it no longer changes.
+        """Return the solution under shear.
 
-        The coupling is odd, so that it has no place in a symmetric operator: its displacement is added to the gap. The
-        pass is the last whose own shear changes the gap by less than the tolerance.
+        With a coupling, pressure and shear are solved in turn, until the shear changes the gap by less than the
+        tolerance. The coupling is odd, so that it has no place in a symmetric operator: its displacement is added to
+        the gap.
         """
         coupling = self.coupling
         if coupling is None:

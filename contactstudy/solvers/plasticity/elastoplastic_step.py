@@ -172,14 +172,14 @@ def _mapped_state(
     error = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
     elastic = bodies.inner(strain, relaxed / 2 - around) - _energy(solution, bodies.cell_area)
     squared = np.einsum("ck,ck->k", residual, residual)
-    dissipation = bodies.law.dissipation(mapped.strain, before, equivalent)
+    dissipation = bodies.law.incremental_potential(mapped.strain, before, equivalent)
     density = bodies.law.twice_shear / 2 * squared + dissipation
     energy = elastic + bodies.inner(stress, residual) + float((density * bodies.volumes).sum())
     return _State(strain, solution, mapped, residual, error, energy)
 
 
 def _energy(solution: Solution, cell_area: float) -> float:
-    """Return the energy of the contact [J], ``1/2 p K p + p gap``."""
+    """Return the energy of the contact [J], ``1/2 p K p + p h`` with the undeformed gap h."""
     heights = solution.problem.undeformed_gap + solution.displacement / 2
     return float(np.einsum("xy,xy->", solution.pressure, heights)) * cell_area
 

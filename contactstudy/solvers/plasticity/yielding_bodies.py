@@ -29,13 +29,13 @@ class YieldLaw:
 
     @property
     def slope(self) -> Array:
-        """Stress over plastic strain along the flow, ``2/3 (H_i + H_k)`` (cells,) [Pa]."""
+        """Hardening modulus: stress over plastic strain along the flow, ``2/3 (H_i + H_k)`` (cells,) [Pa]."""
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
     def return_mapping(
         self, stress: Array, strain: Array, before: Array, equivalent: Array
     ) -> "ReturnMapping":
-        """Return the plastic strain on the yield surface that `stress` at `strain` asks for.
+        """Return the plastic strain that puts the trial `stress` at `strain` back onto the yield surface.
 
         `before` (C, cells) and `equivalent` (cells,) are the plastic strain and its equivalent at the start of the step.
         Radial return (Simo & Hughes 1998, box 3.1): the proximal step 1 / 2G of the energy.
@@ -50,10 +50,11 @@ class YieldLaw:
             self, before + multiplier * direction, direction, size, multiplier, flows
         )
 
-    def dissipation(self, strain: Array, before: Array, equivalent: Array) -> Array:
-        """Return the work that the step from `before` to `strain` dissipates, per volume (cells,) [Pa].
+    def incremental_potential(self, strain: Array, before: Array, equivalent: Array) -> Array:
+        """Return the potential of the step from `before` to `strain`, per volume (cells,) [Pa].
 
-        It includes the energy of kinematic hardening.
+        It is the work that the yield stress dissipates in the step, with the energy of isotropic hardening in the step
+        and that of kinematic hardening at its end.
         """
         squared = np.einsum("ck,ck->k", strain - before, strain - before)
         limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent)
@@ -66,8 +67,8 @@ class ReturnMapping:
     """Return mapping of a trial stress to the yield surface.
 
     It has the plastic `strain` (C, cells) on the yield surface, the unit `direction` of flow (C, cells), the `size` of
-    the trial stress (cells,) [Pa], the `multiplier`, the increment of the plastic
-    multiplier (cells,), and whether a cell `flows` (cells,).
+    the trial stress (cells,) [Pa], the increment of the plastic `multiplier` in the step (cells,), and whether a cell
+    `flows` (cells,).
     """
 
     law: YieldLaw

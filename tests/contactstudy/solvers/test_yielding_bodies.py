@@ -67,4 +67,4 @@ def test_a_step_costs_the_work_of_the_yield_stress_and_of_hardening() -> None:
         root * (1.0 + 0.3 * 0.5) * 0.05**0.5 + 0.3 * 0.05 / 3 + 0.2 * (0.09 + 0.04) / 3,
         root * (0.5 + 0.7 * 2.0) * 0.5 + 0.7 * 0.25 / 3 + 0.4 * (0.09 + 0.81) / 3,
     ]
-    assert MANY.dissipation(strain, before, equivalent) == pytest.approx(wanted)
+    assert MANY.incremental_potential(strain, before, equivalent) == pytest.approx(wanted)

@@ -6,8 +6,8 @@ With the slip ``s = s0 + D q`` of the first against the second body, Coulomb's l
 
 with the projection onto the disks ``|q| <= mu p``, with a given resultant if there is one, and the inverse rho of a
 cell's own slip. The derivative of F is ``1 - P (1 - rho D)`` with that of the projection, P: ``rho D`` in cells that
-stick. Its equations are solved by GMRES. Where a Newton step does not reduce F, some iterations of two projections each
-lead on to where one does.
+stick. Its equations are solved by GMRES. Where no fraction of a Newton step reduces F, extragradient iterations, of two
+projections each, are taken before the next one.
 
 Source: semismooth Newton of Alart & Curnier (1991); Saad & Schultz (1986); extragradient of Korpelevich (1976).
 """
@@ -88,7 +88,7 @@ class CoulombNewton:
 
     @property
     def rigid(self) -> Array:
-        """Rigid slip (2,) that the last projection took away to meet the given sum."""
+        """Rigid slip (2,): the multiplier of the given sum in the last projection."""
         return self._disks.shift / self._rho
 
     def slip(self, shear: Array) -> Array:
@@ -118,7 +118,7 @@ class CoulombNewton:
     def sticks(self, shear: Array, slip: Array) -> NDArray[np.bool_]:
         """Return which cells (x, y) stick: whose trial shear, by `shear` and `slip` (2, cells), is below its limit.
 
-        A cell that slips by more than the residual is outside its disk, whatever its own shear lacks to the rim.
+        The trial shear decides, not the shear, which rounding may leave just inside the disk of a slipping cell.
         """
         radius, stick = self._disks.radius, np.zeros(self._shape, dtype=bool)
         trial = np.hypot(*(shear - self._rho * slip))
@@ -204,8 +204,11 @@ class CoulombNewton:
         while True:
             half = project(shear - length * slip)
             half_slip = free + self.slip(half)
-            change, felt = np.linalg.norm(half - shear), np.linalg.norm(half_slip - slip)
-            if length * felt <= 0.9 * change:
+            shear_change, slip_change = (
+                np.linalg.norm(half - shear),
+                np.linalg.norm(half_slip - slip),
+            )
+            if length * slip_change <= 0.9 * shear_change:
                 break
             length *= 0.7
         shear = project(shear - length * half_slip)
@@ -221,9 +224,10 @@ def _forcing(tolerance: float, residual: float) -> float:
 def gmres(
     apply: Callable[[Array], Array], target: Array, tolerance: float, most: int
 ) -> list[float]:
-    """Return weights of the vectors that `apply` was given, whose images add up to `target` but for a small rest.
+    """Return the weights of the Krylov vectors that minimise the residual of ``apply(x) = target``: GMRES.
 
-    The rest is at most `tolerance` of the target, or what it is after `most` applications. Every vector is orthogonal to
+    Vector i is the i-th argument of `apply`. The residual is at most `tolerance` of the target, unless `most`
+    applications do not suffice. Every vector is orthogonal to
     those before it, so that a caller who keeps what it made of them needs no further application. Source: Saad & Schultz
     (1986).
     """

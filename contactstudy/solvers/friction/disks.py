@@ -41,7 +41,9 @@ class Disks:
         return np.asarray(shifted * (self.radius / np.maximum(np.hypot(*shifted), self.radius)))
 
     def derivative(self, trial: Array) -> Callable[[Array], Array]:
-        """Return the derivative of the projection at the last `trial` as a map of (2, cells).
+        """Return the derivative of the projection at `trial` as a map of (2, cells).
+
+        Where a sum is given, :meth:`project` was called with the same trial before.
 
         With ``n = z / |z|`` at the shifted trial z it is ``G = (radius / |z|) (1 - n n^T)`` in the cells whose disk cuts
         z off, and 1 in those that stick. A given sum takes ``G 1 (1^T G 1)^-1 1^T G`` from G.
@@ -94,7 +96,7 @@ class Disks:
             missing = np.where(prescribed, total - carried, 0)
             worst = float(np.abs(missing).max())
             if float(missing @ step) < -0.5 * slope:
-                # past the lowest point of the convex function: where all cells are on their rims it has no curvature
+                # beyond the minimum of the convex function, which is nearly linear where all cells slip
                 step, slope = step / 2, slope / 2
                 reach = float(np.abs(step).max())
                 shift = origin + step

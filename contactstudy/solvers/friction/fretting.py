@@ -29,7 +29,7 @@ class FrettingShear:
     coefficient
         Coefficient of friction mu.
     forces
-        Tangential forces along x [N/m], each less than friction bears, from 0 on.
+        Tangential forces along x [N/m], each less than friction bears, starting from 0.
     response
         Displacement under shear, A.
     """
@@ -49,7 +49,7 @@ class FrettingShear:
         sliding: list[Array] = []
         displacements = [0.0]
         shears = []
-        # forces cannot act where nothing presses
+        # without a load there is no tangential force
         forces = self.forces if limit.any() else ()
         for force in forces:
             total = np.array([force * problem.grid.period / problem.grid.cell_area, 0.0])
@@ -67,8 +67,8 @@ class FrettingShear:
                     step.residual, step.applications, options.tolerance, options.max_iterations
                 )
             )
-        first = _cycle(self.forces)
-        slid = sum(sliding[first:], start=np.zeros_like(limit))
+        cycle_start = _cycle_start(self.forces)
+        slip_distance = sum(sliding[cycle_start:], start=np.zeros_like(limit))
         traction = FrettingTraction(
             shear=shear,
             stick=stick,
@@ -77,16 +77,16 @@ class FrettingShear:
             forces=np.array([0.0, *forces]) * problem.grid.period,
             rigid_displacement=np.array(displacements),
             shears=np.array(shears),
-            slip_distance=slid,
-            energy=limit * slid,
-            cycle_start=first,
+            slip_distance=slip_distance,
+            energy=limit * slip_distance,
+            cycle_start=cycle_start,
         )
         return with_traction(
             normal, worst(statuses), residual, applications, 2.0 * applications, traction
         )
 
 
-def _cycle(forces: tuple[float, ...]) -> int:
-    """Return the step after the last time that the last force acted before: the first of the last cycle, else 0."""
+def _cycle_start(forces: tuple[float, ...]) -> int:
+    """Return the first step of the last cycle: after the previous occurrence of the last force; 0 if there is none."""
     earlier = [number for number, force in enumerate(forces[:-1]) if force == forces[-1]]
     return earlier[-1] + 1 if earlier else 0

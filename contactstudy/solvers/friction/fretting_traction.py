@@ -12,12 +12,12 @@ from contactstudy.solvers.solution import Traction
 class FrettingTraction(Traction):
     """Shear on the first body after the last of several tangential forces, and the slip of the last cycle.
 
-    The last cycle begins where the last force acted before; the whole history counts if no cycle is complete.
+    The last cycle begins at the previous occurrence of the last force; the whole history counts if no cycle is complete.
 
     Parameters
     ----------
     forces
-        Tangential forces (steps + 1,) [N] on the grid, from 0 N on.
+        Tangential forces (steps + 1,) [N] on the grid, starting from 0 N.
     rigid_displacement
         Rigid displacement along x (steps + 1,) [m] of the first body against the second, from 0 m on.
     shears

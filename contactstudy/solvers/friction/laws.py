@@ -1,4 +1,4 @@
-"""Shear on the surface: full sliding, and partial slip under less shear than would make all slide."""
+"""Shear on the surface: full sliding, and partial slip under a force below that of full sliding."""
 
 from dataclasses import dataclass, replace
 
@@ -127,7 +127,7 @@ class CoulombDisks:
         status = shear_status(
             step.residual, step.applications, options.tolerance, options.max_iterations
         )
-        traction = Traction(step.shear, step.stick, "Coulomb disks", step.applications)
+        traction = Traction(step.shear, step.stick, "partial slip, Newton", step.applications)
         return with_traction(
             normal, status, step.residual, step.applications, 2.0 * step.applications, traction
         )

@@ -78,15 +78,17 @@ def slip_step(
     max_applications
         Number of applications of the response after which the step ends.
     total
-        Sum of the shear (2,) [Pa] over all cells, whose size is below that of the limits; or
+        Sum of the shear (2,) [Pa] over all cells, smaller in magnitude than that of the limits. Exactly one of
+        `total` and `rigid` is given.
     rigid
-        Rigid displacement (2,) [m] of the first against the second body in this step. Beyond some size all cells slide.
+        Rigid displacement (2,) [m] of the first against the second body in this step. Above a limit the contact
+        slides fully.
     start
         Shear (component, x, y) [Pa] to begin with; None begins with the reference.
     """
     if not limit.any():
-        nothing, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
-        return SlipStep(nothing, nothing, displacement, np.zeros(limit.shape, dtype=bool), 0.0, 0)
+        zeros, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
+        return SlipStep(zeros, zeros, displacement, np.zeros(limit.shape, dtype=bool), 0.0, 0)
     newton = CoulombNewton(SlipAtRest(response), limit, total)
     free_slip = -response(reference)
     if rigid is not None:

@@ -80,7 +80,7 @@ def _coefficients(part: GeneralConvolution) -> Array:
 
 
 def _inverses(response: ShearResponse) -> tuple[Array, Array]:
-    """Return the inverse spectra of both components, with the rigid shift as stiff as the softest other wave."""
+    """Return the inverse spectra of both components, the zero wave number with the largest compliance of the others."""
     xx, yy = (np.abs(part.spectrum.real) for part in (response.xx, response.yy))
     for sizes in (xx, yy):
         sizes[0, 0] = 0

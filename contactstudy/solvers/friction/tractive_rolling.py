@@ -130,9 +130,9 @@ class TractiveShear:
             if normal.pressure.any():
                 lagged(normal.pressure)
         if state is None:
-            nothing = np.zeros((2, *normal.pressure.shape))
+            zeros = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
-            return replace(normal, traction=Traction(nothing, stick, "tractive rolling", 0))
+            return replace(normal, traction=Traction(zeros, stick, "tractive rolling", 0))
         of_shear = shear_status(
             state.residual, state.applications, options.tolerance, options.max_iterations
         )
@@ -217,9 +217,10 @@ class TractiveShear:
     def _errors(self, levels: Array, chord: float) -> RollingErrors:
         """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
 
-        Grids are each twice as fine and the error is of first order: two differences count, for one alone is small now
-        and then. The edge of stick is known to EDGE of a cell, which moves force or creepage as in Carter's closed form
-        for a contact of `chord` cells along x.
+        Each grid has half the cells' width of the one before, and the error is of first order: the last difference
+        estimates it, and half of the one before guards against a last one that is small by chance. The stick-slip border
+        is uncertain by EDGE cells, with the effect on force or creepage of Carter's closed form for a contact of `chord`
+        cells along x.
         """
         if len(levels) == 1:
             return UNKNOWN

@@ -13,7 +13,8 @@ from contactstudy.problem.problem import Scales
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solvers.solution import Solution
 
-# A hundredth of the first residual takes Newton's method of a plastic step no more iterations than an exact answer.
+# With linear systems solved to REDUCTION of their first residual, the Newton method of a plastic step takes as many
+# iterations as with exact ones.
 REDUCTION, MAX_PRODUCTS = 1e-2, 200
 
 
@@ -22,7 +23,7 @@ class ContactTangent:
     """Derivative ``-dp/dgap`` of the pressure under a fixed load, on the active set.
 
     It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
-    contact is. `active` (x, y) is 1 for cells that bear pressure and 0 for the others.
+    contact is. `active` (x, y) is 1 on the active set and 0 elsewhere.
     """
 
     bare: BareProblem
@@ -37,7 +38,7 @@ class ContactTangent:
         return cls(problem.bare(precision), problem.scales, active)
 
     def __call__(self, gap: Array) -> Array:
-        """Return the fall of the pressure ``Pi gap`` (x, y) [Pa] by a change of the gap (x, y) [m]."""
+        """Return minus the change of the pressure, ``Pi gap`` (x, y) [Pa], by a change of the gap (x, y) [m]."""
         count = total(self.active)
         if count < 2:
             return np.zeros_like(gap)

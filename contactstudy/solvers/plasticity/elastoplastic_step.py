@@ -1,4 +1,8 @@
-"""Pressure and plastic strain at the end of a step in load, together: a semismooth Newton method."""
+"""Pressure and plastic strain at the end of a step in load, together: a semismooth Newton method.
+
+S maps pressure to deviatoric stress, B plastic strain to the stress that it relaxes, and C is the number of independent
+components of a deviator.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +19,7 @@ from contactstudy.solvers.plasticity.yielding_bodies import (
 )
 from contactstudy.solvers.solution import Solution
 
-# Map from a change of the gap (x, y) [m] to the fall of the pressure (x, y) [Pa].
+# Map from a change of the gap (x, y) [m] to minus the change of the pressure (x, y) [Pa].
 Tangent = Callable[[Array], Array]
 
 
@@ -27,11 +31,11 @@ class PlasticConstants:
     ----------
     max_iterations
         Newton iterations of a step; up to 15 were seen for a load of 5 times that of first yield in one step.
-    patience
-        Iterations without a halving of the residual after which it has met the noise of the contact.
-    shortest
+    stall_iterations
+        Iterations without a halving of the residual after which it is limited by the tolerance of the contact.
+    min_fraction
         Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken.
-    loosest, tightest
+    max_forcing, min_forcing
         Range of the relative residual of a linear system; it is the root of the residual in between (Eisenstat & Walker
         1996), so that the convergence stays superlinear.
     max_products
@@ -39,10 +43,10 @@ class PlasticConstants:
     """
 
     max_iterations: int = 40
-    patience: int = 12
-    shortest: float = 1e-3
-    loosest: float = 0.1
-    tightest: float = 1e-6
+    stall_iterations: int = 12
+    min_fraction: float = 1e-3
+    max_forcing: float = 0.1
+    min_forcing: float = 1e-6
     max_products: int = 400
 
 
@@ -125,7 +129,7 @@ def solve_elastoplastic_step(
         return _mapped_state(bodies, solution, strain, before, equivalent, stress_around)
 
     state = state_of(before)
-    stall, iterations = Stall(CONSTANTS.patience), 0
+    stall, iterations = Stall(CONSTANTS.stall_iterations), 0
     while (
         tolerance < state.error
         and iterations < CONSTANTS.max_iterations
@@ -187,7 +191,7 @@ def _energy(solution: Solution, cell_area: float) -> float:
 def _line_search(state_of: Callable[[Array], _State], state: _State, step: Array) -> _State:
     """Return the first state on a halved `step` that lowers the energy or halves the residual, else the mapped one."""
     fraction = 1.0
-    while fraction >= CONSTANTS.shortest:
+    while fraction >= CONSTANTS.min_fraction:
         trial = state_of(state.strain + fraction * step)
         if trial.energy < state.energy or trial.error < state.error / 2:
             return trial
@@ -222,7 +226,7 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
         stress[:, flows] += np.einsum("kij,jk->ik", stiffness, strain[:, flows])
         return stress
 
-    forcing = max(min(CONSTANTS.loosest, state.error**0.5), CONSTANTS.tightest)
+    forcing = max(min(CONSTANTS.max_forcing, state.error**0.5), CONSTANTS.min_forcing)
     return step + conjugate_gradients(
         product, precondition, bodies.inner, right_side, forcing, CONSTANTS.max_products
     )

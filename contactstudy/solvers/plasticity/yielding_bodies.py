@@ -93,7 +93,7 @@ class ReturnMapping:
     def stiffness(self) -> Array:
         """Inverse derivative of the return less 2G, as matrices of the cells that flow (flowing cells, C, C) [Pa].
 
-        The matrices are not negative.
+        The matrices are positive semidefinite.
         """
         flows, direction = self.flows, self.direction[:, self.flows]
         across = (self._across - self.law.twice_shear)[flows][:, None, None]

@@ -111,6 +111,3 @@ def test_few_cells_count_by_their_faces() -> None:
     pressure = np.zeros((8, 2))
     pressure[3:5, 0] = 1.0
     np.testing.assert_array_equal(half_widths(pressure, x), [1.0, 0.0])
-
-
-LAST, INNER = np.array([0.3, 0.9, 1.4, 2.0]), np.array([1.0, 1.5, 2.0, 2.5])

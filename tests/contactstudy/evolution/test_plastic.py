@@ -410,8 +410,6 @@ LINE = cs.LineLoad(1e5)
 
 SHAPES = (cs.Cylinder(RADIUS),)
 
-STEEL = cs.HalfSpace(YOUNG, NU)
-
 
 @pytest.mark.parametrize(
     ("make", "sentence"),

@@ -84,9 +84,6 @@ def test_what_is_no_grid_is_refused(line_contact: LineContact) -> None:
         line_contact.scene.problem((8, 8), cs.ExactPeriodicity())  # type: ignore[arg-type]
 
 
-WAVE, LONG = cs.Waviness(1e-6, across=0.5), cs.Waviness(2e-6, across=0.9, along=1.5)
-
-
 def test_a_history_is_linear_jumps_and_is_held() -> None:
     load = cs.LoadHistory((2.0, 4.0, 4.0, 8.0), (1.0, 5.0, 2.0, 0.0))
     assert (load.start, load.end, load.largest) == (2.0, 8.0, 5.0)

@@ -19,7 +19,7 @@ from studies.cli import main as module
 from studies.cli.commands import cli, main
 from studies.cli.new import new, templates
 from studies.model.outcome import CaseStatus
-from studies.registry import BUILT_IN, OPTIONAL, load
+from studies.registry import load
 from tests.studies.conftest import POSIX
 from tests.studies.scene_study.conftest import SMOOTH
 
@@ -163,17 +163,6 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
     assert done.returncode == 1
     assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
     assert done.stderr == "json: no case gave numbers, so there is nothing to draw.\n"
-
-
-def test_studies_are_listed_with_their_axes(call: Call) -> None:
-    done = call("studies")
-    lines = done.stdout.splitlines()
-    assert len(lines) == len((*BUILT_IN, *OPTIONAL))
-    assert len(done.stdout) < 4000
-    assert (
-        "period       Accuracy against the period, for the paper's cylinder. "
-        "Axes: padding (5), images (1), period (7), grid (1)."
-    ) in lines
 
 
 @POSIX
@@ -388,13 +377,6 @@ def test_a_scene_to_begin_with_solves(kind: str, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(templates()[kind], encoding="utf-8")
     done = CliRunner().invoke(cli, ["solve", str(tmp_path / "scene.toml"), "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
-
-
-def test_the_kinds_are_listed_with_what_they_are() -> None:
-    lines = said("--list").output.splitlines()
-    assert [line.split()[0] for line in lines] == list(templates())
-    described = dict(line.split(maxsplit=1) for line in lines)
-    assert described["film"].startswith("Steel cylinders in mineral oil")
 
 
 def test_no_file_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

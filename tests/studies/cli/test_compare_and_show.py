@@ -173,13 +173,10 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         (["--vary", "radius=1 mm", "--vary", "radius=2 mm"], "twice"),
         (["--vary", "radius=1 mm", "--vary", "shapes.0.radius=2 mm"], "twice"),
         (["--vary", "radiuss=1 mm"], "is not in the scene"),
-        (["--vary", "radius=1 kg"], "a length"),
-        (["--vary", "radius=1 mm,"], "lacks a value"),
         (["--vary", "padding={kind="], "close its brackets"),
-        (["--vary", "surfaces=*.x3p"], "MeasuredSurface"),
     ],
 )
-def test_ten_mistakes_with_vary_are_answered_in_a_sentence(
+def test_mistakes_with_vary_are_answered_in_a_sentence(
     folder: Path, words: list[str], message: str
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=message):

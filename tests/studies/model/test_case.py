@@ -16,8 +16,6 @@ from studies.model.outcome import (
     timing_variables,
 )
 
-GRID = cs.Grid((8, 4), (1e-4, 1e-4))
-
 
 def test_a_status_is_a_flag_of_all_that_there_are() -> None:
     for place, status in enumerate(cs.Status):

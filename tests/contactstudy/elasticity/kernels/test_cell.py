@@ -165,8 +165,3 @@ def test_coefficient_is_a_length(x: float, y: float, dx: float, dy: float, power
     x, y = (np.round(a, 3) for a in (x, y))
     scaled = boussinesq_cell(*(np.ldexp(a, power) for a in (x, y, dx, dy)))
     assert_allclose(scaled, np.ldexp(boussinesq_cell(x, y, dx, dy), power), rtol=EPS)
-
-
-def test_no_number_in_is_no_number_out() -> None:
-    x, y = np.array([np.nan, 0.0, np.nan]), np.array([0.0, np.nan, np.nan])
-    assert np.isnan(boussinesq_cell(x, y, 1.0, 1.0)).all()

@@ -270,10 +270,3 @@ def test_images_one_by_one_approach_the_lattice_without_turning_back(
     # of second order: what is left is moments of the images, over the square of their number
     last = error[[-5000, -1]] * images[[-5000, -1]] ** 2
     assert_allclose(last[1], last[0], rtol=0.01)
-
-
-def test_no_number_in_is_no_number_out() -> None:
-    x, y = np.array([np.nan, 0.0, np.nan]), np.array([0.0, np.nan, np.nan])
-    for dy in (1.0, 2.0):
-        assert np.isnan(boussinesq_cell_periodic(x, y, 1.0, dy, 2.0)).all()
-    assert np.isnan(boussinesq_cell_periodic(np.nan, np.nan, 1.0, 1.0, 2.0))

@@ -9,8 +9,6 @@ import contactstudy as cs
 from contactstudy.scene.shapes.shape import LengthScales
 from tests.conftest import LineContact
 
-GRID = cs.Grid(cells=(16, 8), extent=(1e-3, 5e-4))
-
 
 def measured(shape: Any, grid: cs.Grid) -> tuple[float, float]:
     """The highest above the mean, and the rms slope, of heights (a gap counts the other way)."""

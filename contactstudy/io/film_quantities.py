@@ -29,7 +29,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "friction_coefficient": Quantity(contact.friction, "1", "friction force over load"),
         "power_loss": Quantity(contact.power_loss, "W m-1", "power lost in the film per length", inf, NO_BOUND_OF_FLOW),
         "sliding_loss": Quantity(
-            contact.sliding_loss, "W m-1", "of it by sliding, the rest by the flow in the inlet"
+            contact.sliding_loss, "W m-1", "power lost by sliding per length"
         ),
         "load_per_length": bounded(
             Quantity(contact.load_per_length, "N m-1", "load per length"),
@@ -44,22 +44,20 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "flux_spread": Quantity(contact.flux_spread, "1", "relative imbalance of the mass flow"),
     }  # fmt: skip
     if scales.lubrication.supply is not None:
-        numbers["meniscus"] = Quantity(
-            contact.meniscus, "m", "position where lubricant fills the film"
-        )
+        numbers["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
     if contact.contact_pressure is not None:
         numbers["contact_load_fraction"] = Quantity(
             contact.contact_load_fraction, "1", "fraction of the load on asperities"
         )
         numbers["contact_area_fraction"] = Quantity(
-            contact.contact_area_fraction, "1", "area of touching asperities over Hertz's"
+            contact.contact_area_fraction, "1", "real contact area over Hertz's contact area"
         )
     if (temperatures := contact.temperatures) is not None:
         numbers["flash_temperature"] = Quantity(
-            contact.flash_temperature, "K", "largest rise of temperature of a surface"
+            contact.flash_temperature, "K", "largest temperature rise of a surface"
         )
         numbers["film_temperature"] = Quantity(
-            contact.film_temperature, "K", "rise of temperature of the film, mean by load"
+            contact.film_temperature, "K", "load-weighted mean temperature rise of the film"
         )
         numbers["thermal_reduction"] = Quantity(
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"

@@ -1,9 +1,9 @@
 """The linear system of a step where the film varies along its length: GMRES with two stages of preconditioning.
 
-The Fourier stage solves the system with all coefficients averaged over the length, wave by wave, which knows how distant
-cells act on each other; rows of cells that touch the boundary film are those of their film. The local stage solves what
-is left with the coefficients as they are and a mere remainder of elasticity, which knows how conductance varies by
-orders of magnitude from cell to cell. Touching cells have the preconditioner of the dry contact there.
+The Fourier stage inverts the system averaged over the length, one harmonic at a time: it holds the elasticity of long
+range. Rows of cells that touch the boundary film are those of their film. The local stage inverts the coefficients of a
+cell and its neighbours with a small fraction of the elasticity: it holds the variation of the conductance by orders of
+magnitude. Touching cells have the preconditioner of the dry contact.
 """
 
 from collections.abc import Callable
@@ -41,9 +41,9 @@ class KrylovTuning:
     basis, restarts
         Length of the basis of GMRES, and restarts.
     waves
-        Waves along the length that the Fourier stage knows: further ones change no count.
+        Harmonics along the length in the Fourier stage: further ones change no count.
     film_fraction, width_fraction
-        What the local stage has of elasticity: a part of the coefficients of the film, and of a cell's width.
+        Elasticity of the local stage: fractions of the coefficients of the film, and of a cell's width.
     film_fraction_long, width_fraction_long, long_cell
         The same by sparse factors, for cells so many times as long as wide, which lines along the length do not couple.
     growth, margin, step_ratio, longest_step
@@ -358,7 +358,7 @@ class LineStage:
         )
 
     def solve(self, right: Array) -> Array:
-        """Return the solution of one sweep downstream."""
+        """Return the solution of one downstream sweep of line Gauss-Seidel."""
         return sweeper()(
             self.diagonal, self.previous, self.following, self.upstream, self.second_upstream, right
         )
@@ -400,7 +400,7 @@ class FactorStage:
 def local_stage(linear: Linearised, cavitated: Mask, touching: Mask) -> LineStage | FactorStage:
     """Return lines along the length, or sparse factors where cells touch or are too long for lines to couple them.
 
-    The lubricant under asperities has only its own flow, also from downstream, which lines do not know.
+    The lubricant under asperities has only its own flow, also from downstream, which a sweep along lines leaves out.
     """
     dx, dy = linear.equation.cell
     factors = touching.any() or dy > TUNING.long_cell * dx

@@ -10,11 +10,11 @@ from contactstudy.lubrication.pseudo_time import FilmIteration
 
 @dataclass(frozen=True)
 class SpeedSteps:
-    """Factor in speed to go up by, how often at most, and the least factor to come down by."""
+    """Factor of each increase of the speed, the number of increases at most, and the least factor of a decrease."""
 
     factor: float
-    fastest: int
-    least: float
+    max_increases: int
+    min_factor: float
 
 
 def from_higher_speeds(
@@ -30,7 +30,7 @@ def from_higher_speeds(
     higher speed converges, or the factor is below the least.
     """
     resistance = faster = posed.equation.resistance
-    for _ in range(steps.fastest):
+    for _ in range(steps.max_increases):
         faster *= steps.factor
         last = cold(posed.at(faster))
         if last.converged(tolerance):
@@ -40,12 +40,12 @@ def from_higher_speeds(
     factor = steps.factor
     while faster > resistance:
         # avoid a tiny last step
-        slower = faster / factor if faster / factor > resistance * steps.least else resistance
+        slower = faster / factor if faster / factor > resistance * steps.min_factor else resistance
         trial = warm(posed.at(slower), last)
         if trial.converged(tolerance):
             last, faster = trial, slower
         else:
             factor = sqrt(factor)
-            if factor <= steps.least:
+            if factor <= steps.min_factor:
                 return None
     return last

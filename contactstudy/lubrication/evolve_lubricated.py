@@ -1,8 +1,8 @@
 """Lubricated contact in time: histories of load and speed, and heights that move through it.
 
 The content of the cells is differentiated backwards over two steps (BDF2 with steps of varying length), and each step is
-solved by the iteration of a steady film. A step starts from the extrapolation of those before; the difference to it is
-that of a third derivative, and tells the error of the step.
+solved by the iteration of a steady film. It starts from a predictor, the quadratic through the last three instants. The
+difference of the predictor to the solution estimates the error of the step (Gear 1971).
 """
 
 from collections.abc import Callable, Mapping
@@ -166,12 +166,10 @@ def evolve_lubricated(
     instants = _instants(scene, times)
     _check_loaded(scene, instants)
     if step is not None and error is not None:
-        raise InvalidInput("evolve_lubricated has a step and an error: leave one of them out.")
+        raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
     if step is not None:
-        step = positive("evolve_lubricated.step", step, "give a step above 0 s")
-    error = positive(
-        "evolve_lubricated.error", 1e-3 if error is None else error, "give one above 0"
-    )
+        step = positive("TimeSteps.step", step, "give a step above 0 s")
+    error = positive("TimeSteps.error", 1e-3 if error is None else error, "give one above 0")
     stepper = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
     every = None if times is None else instants
     history = _through(stepper, instants, every, error, step, tolerance, progress)
@@ -270,11 +268,9 @@ def _instants(scene: Scene, times: ArrayLike | None) -> list[float]:
     """Return the instants to record, or the first and the last time of the histories of a scene."""
     if times is not None:
         entries = np.asarray(times).ravel().tolist()
-        instants = [finite("evolve_lubricated.times", time, "give times in s") for time in entries]
+        instants = [finite("TimeSteps.times", time, "give times in s") for time in entries]
         if len(instants) < 2 or sorted(set(instants)) != instants:
-            raise InvalidInput(
-                f"evolve_lubricated.times is {times!r}: give two or more, ascending."
-            )
+            raise InvalidInput(f"TimeSteps.times is {times!r}: give two or more, ascending.")
         return instants
     speed = lubricated_scales(scene).lubrication.mean_speed
     histories = [
@@ -282,7 +278,7 @@ def _instants(scene: Scene, times: ArrayLike | None) -> list[float]:
     ]
     if not histories:
         raise InvalidInput(
-            "evolve_lubricated.times is None, and neither the load nor the speed has an end: give times [s]."
+            "TimeSteps.times is None, and neither the load nor the speed has an end: give times [s]."
         )
     return [min(change.start for change in histories), max(change.end for change in histories)]
 

@@ -13,8 +13,9 @@ The balance is that of Elrod & Adams (1974): as much lubricant leaves each cell 
 plain cavitation the film is full where the pressure is zero, and lubricant may appear in such a cell: as much of it,
 per area, stands in place of the void fraction. One row of cells (ny = 1) is plane strain.
 
-On a boundary film ``H_b`` asperities bear a pressure of their own where the film has come down to it. The content drawn
-along is no less than that of the boundary film: extrapolated from upstream it would be, and the contact would cavitate.
+Where the film is as thin as the boundary film ``H_b``, asperities carry a pressure. The entrained content is at least
+that of the boundary film: the second-order extrapolation from upstream could fall below it, and the contact would
+cavitate.
 """
 
 from collections.abc import Callable, Mapping
@@ -77,7 +78,7 @@ class FilmScales:
 
     @property
     def reach(self) -> float:
-        """Half-width of the pressure in units of that of Hertz; a thick film bears it over ``sqrt(2 H)``."""
+        """Half-width of the pressure in units of that of Hertz; a thick film carries load over ``sqrt(2 H)``."""
         return max(1.0, sqrt(2 * self.expected_film))
 
 

@@ -26,7 +26,7 @@ from contactstudy.lubrication.lubricated_contact import (
 )
 from contactstudy.scene.film_heat import FilmHeat, ThermalBody
 
-# Newton's steps; where the temperature rests, of the largest; the difference [K] that gives the slope of the heat.
+# Newton's steps at most; relative change at which they stop; the difference [K] that gives the slope of the heat.
 MAX_STEPS, TOLERANCE, TEMPERATURE_STEP = 100, 1e-9, 1e-3
 
 
@@ -80,7 +80,7 @@ class _Line(NamedTuple):
     contact: Array | None
 
     def stress(self, rise: Array) -> Array:
-        """Return the shear stress at a rise of temperature [K]."""
+        """Return the shear stress at a temperature rise [K]."""
         heat = self.scales.lubrication.thermal
         assert heat is not None
         return shear_stress(*self, np.exp(-heat.temperature_viscosity * rise))

@@ -21,7 +21,7 @@ MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 
 @dataclass(frozen=True, eq=False)
 class FilmTemperatures:
-    """Rises of temperature [K] over that of the lubricant's supply.
+    """Temperature rises [K] over the temperature of the lubricant's supply.
 
     ``surface`` (body, x, y) is that of the surfaces, ``film`` (x, y) the mean over the thickness, ``reduction`` the film
     with a heated inlet over that without, ``loading`` the thermal loading of the inlet, ``residual`` the relative
@@ -49,17 +49,42 @@ class FilmTemperatures:
 
 @dataclass(frozen=True, eq=False)
 class FilmSolution:
-    """Fields (x, y) of a lubricated contact: ``pressure`` [Pa], ``film`` [m], ``film_fraction``.
+    """Fields (x, y) of a lubricated contact, and how they were found.
 
-    The film fraction is the fraction of the film that holds lubricant: one under pressure, less where the lubricant is
-    torn into streamers. ``shear`` [Pa] is the stress in the middle of the film, positive where it drags the first
-    body back; ``mean_speed`` [m/s] is that of the instant. ``residual`` is the larger of the flow that is not balanced
-    over the flow along x, and the load that is missing over the load of Hertz's peak pressure on one half-width.
-    ``flow`` [m^2/s] is the lubricant that passes per length, at the density of zero pressure, and ``flux_spread`` its
-    range over x, with plain cavitation up to the end of the pressure, over its mean. ``linear_iterations`` counts those
-    of all linear systems. ``estimate`` is None unless an error was asked for. ``contact_pressure`` (x, y) [Pa] is what
-    asperities bear of the pressure on a boundary film, None without one. ``temperatures`` are those of a film with
-    ``Lubrication.thermal``; pressure and film are isothermal, shear is at these temperatures.
+    Attributes
+    ----------
+    scene, grid, padding, scales
+        What was solved: the scene, its cells, the padding along the length, and Hertz's units.
+    pressure
+        Pressure [Pa] of lubricant and asperities together.
+    film
+        Film thickness [m].
+    film_fraction
+        Fraction of the film that holds lubricant: one under pressure, less where the film is torn into streamers.
+    shear
+        Shear stress [Pa] in the middle of the film, positive where it drags the first body back.
+    mean_speed
+        Mean speed of the surfaces [m/s] at this instant.
+    separation
+        Film [m] where neither the gap nor the deflection adds to it.
+    status
+        How far the contact can be trusted.
+    iterations, linear_iterations
+        Steps, and iterations of all their linear systems.
+    residual
+        The larger of the flow that is not balanced, over the flow along x, and the error of the load, over ``p_H a``;
+        on a boundary film also how far film and asperities disagree.
+    flow
+        Lubricant that passes per length [m^2/s], at the density of zero pressure.
+    flux_spread
+        Range of the flow over x, with plain cavitation up to the end of the pressure, over its mean.
+    estimate
+        Estimate of the errors; None unless an error was asked for.
+    contact_pressure
+        Pressure [Pa] that asperities carry on a boundary film; None without one.
+    temperatures
+        Temperatures of a film with ``Lubrication.thermal``. Pressure and film are isothermal, shear is at these
+        temperatures.
     """
 
     scene: Scene
@@ -116,7 +141,7 @@ class FilmSolution:
 
     @property
     def meniscus(self) -> float:
-        """Place across [m] where lubricant fills the film, mean over the length; where a flooded film begins."""
+        """Position x [m] of the inlet meniscus, mean over the length; near the edge of the grid for a flooded inlet."""
         full = self.film_fraction[2:] >= 1
         return float(self.grid.x[2 + np.argmax(full, axis=0)].mean() - self.grid.cell[0] / 2)
 
@@ -128,14 +153,14 @@ class FilmSolution:
 
     @property
     def contact_load_fraction(self) -> float:
-        """Fraction of the load that asperities bear."""
+        """Fraction of the load that asperities carry."""
         if self.contact_pressure is None:
             return 0.0
         return float(self.contact_pressure.sum() / self.pressure.sum())
 
     @property
     def contact_area_fraction(self) -> float:
-        """Area where asperities bear, over that of Hertz's contact."""
+        """Real contact area, where asperities touch, over that of Hertz's contact."""
         if self.contact_pressure is None:
             return 0.0
         area = np.count_nonzero(self.contact_pressure) * self.grid.cell_area
@@ -143,12 +168,12 @@ class FilmSolution:
 
     @property
     def flash_temperature(self) -> float:
-        """Largest rise of temperature of a surface [K]; 0 without heat."""
+        """Largest temperature rise of a surface [K]; 0 without heat."""
         return 0.0 if self.temperatures is None else float(self.temperatures.surface.max())
 
     @property
     def film_temperature(self) -> float:
-        """Rise of temperature of the film [K], mean by the load that it bears; 0 without heat."""
+        """Load-weighted mean temperature rise of the film [K]; 0 without heat."""
         if self.temperatures is None:
             return 0.0
         return float((self.temperatures.film * self.pressure).sum() / self.pressure.sum())
@@ -162,7 +187,7 @@ class FilmSolution:
     def friction_reason(self) -> str:
         """Why the friction cannot be that of a lubricant; empty where it can.
 
-        No lubricant is known to bear more than a stress of 10 MPa and 0.15 of the pressure (Bair & Winer 1979, 1992).
+        No lubricant is known to carry a shear stress above 10 MPa plus 0.15 of the pressure (Bair & Winer 1979, 1992).
         A :class:`~contactstudy.LimitingShear` names a limit of its own.
         """
         if isinstance(self.scales.lubrication.lubricant.shear, LimitingShear):
@@ -174,9 +199,9 @@ class FilmSolution:
         if excess <= FRICTION_BEYOND_LIMIT * stress.sum():
             return ""
         return (
-            f"Friction has no bound: {100 * excess / stress.sum():.0f} % of it is a stress that no lubricant bears, "
-            f"above {SHEAR_LIMIT_OVER_PRESSURE:g} of the pressure. Give Lubricant.shear a limit, such as "
-            "LimitingShear(0.07)."
+            f"Friction has no bound: {100 * excess / stress.sum():.0f} % of it is shear stress above the largest known "
+            f"limit of a lubricant, {SHEAR_LIMIT_OVER_PRESSURE:g} of the pressure. "
+            "Give Lubricant.shear a limit, such as LimitingShear(0.07)."
         )
 
     @property
@@ -236,8 +261,8 @@ def shear_stress(
     """Return the shear stress [Pa] of sliding in the middle of the film, by the shear law of the lubricant.
 
     Only the part of the film that holds lubricant is sheared. Asperities add their friction on the pressure that they
-    bear in ``contact``; the lubricant beside them has the remainder of it. ``thinned`` is the viscosity over that at the
-    temperature of the supply.
+    carry in ``contact``; the lubricant beside them has the remainder of it. ``thinned`` is the viscosity over
+    that at the temperature of the supply.
     """
     motion = scales.lubrication
     oil = motion.lubricant

@@ -1,7 +1,7 @@
 """Mixed lubrication: starts of a film that rests on asperities.
 
 The film ``H = H0 + gap + K (P_f + P_c)`` is no thinner than the boundary film ``H_b``, and where it is as thin
-asperities bear a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressure ``P_f`` and the film. The
+asperities carry a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressure ``P_f`` and the film. The
 iteration is that of any film.
 
 Transverse ridges may have two answers at one speed: one on a thick film, and one held flat by contact. A start from the
@@ -103,8 +103,8 @@ def _film_start(posed: PosedFilm) -> Film:
     """Return the start of a film without asperities, raised to the boundary film."""
     start, equation = hertz_start(posed), posed.equation
     rise = max(0.0, equation.boundary - float(start.film.min()))
-    none = np.zeros_like(start.pressure)
-    return equation.film_of(start.pressure, start.void, start.separation + rise, none)
+    zeros = np.zeros_like(start.pressure)
+    return equation.film_of(start.pressure, start.void, start.separation + rise, zeros)
 
 
 def _dry_start(posed: PosedFilm) -> Film:
@@ -114,9 +114,9 @@ def _dry_start(posed: PosedFilm) -> Film:
         : len(posed.x)
     ]
     contact = np.asarray(dry / posed.scales.hertz.peak_pressure)
-    none = np.zeros_like(contact)
+    zeros = np.zeros_like(contact)
     below = (equation.gap + equation.deflection(contact)).min()
-    return equation.film_of(none, none, equation.boundary - float(below), contact)
+    return equation.film_of(zeros, zeros, equation.boundary - float(below), contact)
 
 
 def _iterated(posed: PosedFilm, start: Film, controls: FilmControls) -> FilmIteration:

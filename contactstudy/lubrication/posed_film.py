@@ -28,10 +28,10 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 OUTLET, OUTLET_GROWTH = 1.5, 2.5
 # Least width of a grid over that of the contact.
 MIN_WIDTH = 1.2
-# Heights over a^2 / R that vary along the length by this much are no roughness on a line contact.
-# More than EDGE is the end of a roller.
+# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than EDGE that
+# of a sharp end.
 CROWNED, EDGE = 0.5, 300.0
-# Cells of the coarsest grid: across in plane strain, else across and along. The number of rows is a multiple of LEVELS.
+# Cells of the coarsest grid: across in plane strain, else across and along. Numbers of cells are multiples of LEVELS.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, LEVELS = 200, 48, 16, 8
 
 
@@ -43,8 +43,7 @@ def lubricated_scales(scene: Scene) -> FilmScales:
     """
     if not isinstance(scene, Scene) or scene.lubrication is None:
         raise InvalidInput(
-            "solve_lubricated.scene has no lubrication: give Scene.lubrication a "
-            "Lubrication(lubricant, mean_speed=...), or call contactstudy.solve."
+            "Scene.lubrication is None, and a film needs one: give a Lubrication(lubricant, mean_speed=...)."
         )
     if scene.hertz is None:
         raise NotDefined(

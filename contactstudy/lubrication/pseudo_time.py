@@ -148,8 +148,8 @@ class FilmControls:
     A step that takes the film or the logarithm of the viscosity too far is shortened to the fraction that does not, and
     refused below the fraction ``shortest``. The active sets of a step converge in ``rounds`` at most; far from the
     answer a fraction ``set_changes`` of the cells may still change. A step whose sets do not converge is taken, or
-    refused if ``converged_only``: near a mixed film in plane strain it would throw the residual back, from the dry
-    contact there is no near film to lose.
+    refused if ``converged_only``: near a mixed solution in plane strain such a step increases the residual by orders of
+    magnitude. From the dry contact it is taken, as no solution is near.
     """
 
     tolerance: float = 1e-8

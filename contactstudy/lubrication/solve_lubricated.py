@@ -86,7 +86,7 @@ def solve_lubricated(
     max_iterations: int = 300,
     start: FilmSolution | None = None,
 ) -> FilmSolution:
-    """Solve the steady, isothermal, fully flooded film of ``scene``, with mass-conserving cavitation.
+    """Solve the steady film of ``scene``, flooded or starved, isothermal or heated.
 
     Parameters
     ----------
@@ -115,16 +115,16 @@ def solve_lubricated(
     InvalidInput
         For a scene without lubrication, or with an effect that is not supported with a film.
     """
-    positive("solve_lubricated.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
+    positive("solve.tolerance", tolerance, "give a tolerance above 0, such as 1e-8")
     whole_number(
-        "solve_lubricated.max_iterations",
+        "solve.max_iterations",
         max_iterations,
         0,
         "give a whole number of at least 0",
     )
     if isinstance(scene, Scene) and (changing := scene.changing) is not None:
         raise InvalidInput(
-            f"{changing} changes in time, and this film is a steady one: call contactstudy.evolve."
+            f"{changing} changes in time, and this film is a steady one: call contactstudy.solve."
         )
     controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations)
     if error is None and grid is not None:
@@ -132,10 +132,10 @@ def solve_lubricated(
 
     if grid is None and any(varies_along(shape) for shape in scene.shapes):
         raise InvalidInput(
-            "solve_lubricated.grid is None, and Scene.shapes vary along the length: give a grid, such as "
+            "solve.grid is None, and Scene.shapes vary along the length: give a grid, such as "
             "contactstudy.plan(scene).grid."
         )
-    error = positive("solve_lubricated.error", 1e-2 if error is None else error, "give one above 0")
+    error = positive("solve.error", 1e-2 if error is None else error, "give one above 0")
     longer = finer = 1.0
     for _ in range(REFINEMENTS):
         fitting = (
@@ -205,13 +205,17 @@ def varies_along(shape: object) -> bool:
 def film_error(contact: FilmSolution) -> ErrorEstimate:
     """Estimate the errors of ``contact``.
 
-    Three further solutions are made, with half the cells along both axes, with a quarter, and with half over twice the
-    inlet. Cells: the difference to half as many, since the order observed is 1 to 2.3, no less than a third of that
-    between half and a quarter, since the error may change its sign, and of the smallest film no less than a fifth of its
-    rise over the next cell. Inlet: 4/3 of the change, as its error falls with the inlet's length squared. Where half
-    the cells do not resolve the film no estimate is finite, nor is that of a peak beside a spike, which is as high as
-    the cells are fine. Nor is that of the friction where a Newtonian stress under the spike adds to it more and more,
-    or where it is more than a lubricant can bear; see ``FilmSolution.friction_reason``.
+    Three further solutions are made: with half the cells along both axes, with a quarter, and with half the cells over
+    twice the inlet.
+
+    1. The error by the cells is the difference to half as many, as the order observed is 1 to 2.3. It is at least a
+       third of the difference between half and a quarter, since the error may change its sign; that of the smallest
+       film is at least a fifth of its rise over the next cell.
+    2. The error by the inlet is 4/3 of the change, as it falls with the square of the inlet's length.
+
+    No estimate is finite where half the cells do not resolve the film. The height of a spike depends on the size of the
+    cells, so that its peak has no estimate. Friction has none where a Newtonian stress under the spike adds to it ever
+    more, or where the stress is above the largest known limit of a lubricant; see ``FilmSolution.friction_reason``.
     """
     if (reason := _too_coarse(contact.scene, contact.grid)) is not None:
         return _unknown(reason)
@@ -242,7 +246,10 @@ def _too_coarse(scene: Scene, grid: Grid) -> str | None:
     cells = grid.cells[0] // 4
     if cells >= MIN_CELLS and grid.extent[0] / cells <= scales.reach * scales.hertz.half_width:
         return None
-    return f"A quarter of {grid.cells[0]} cells shows no film, so that no error is known: give more cells across."
+    return (
+        f"The error is unknown: its estimate needs a quarter of the {grid.cells[0]} cells across, and {cells} do not "
+        "resolve the film. Give more cells across."
+    )
 
 
 def _unknown(reason: str) -> ErrorEstimate:

@@ -34,8 +34,8 @@ from contactstudy.solvers.solution import Status
 # The inlet sweep over the half-width is (H / 0.94)^(2/3), of the film in Hertz units H. An inlet of x_a half-widths
 # gives a film that is too thin by 0.9 H / x_a^2.
 SWEEP, INLET_ERROR = 0.94, 0.9
-# A film that is more than this too thin is starved. Cells that are one inlet sweep wide, or across which the film rises
-# by this fraction beside its lowest cell, do not resolve it.
+# An inlet that makes the film thinner by more than STARVED counts as starved. A film is unresolved on cells wider than
+# the inlet sweep, or where it rises by more than UNRESOLVED_RISE from its lowest cell to the next.
 STARVED, UNRESOLVED_RISE = 0.05, 0.5
 
 
@@ -123,8 +123,8 @@ def _without_asperities(posed: PosedFilm, controls: FilmControls) -> tuple[Film,
     equation = posed.equation
     bare = replace(posed, equation=replace(equation, boundary=0.0))
     last = _nested(bare, controls)
-    film, none = last.film, np.zeros_like(last.film.pressure)
-    film = raised(equation, film.pressure, film.void, film.separation, equation.boundary, none)
+    film, zeros = last.film, np.zeros_like(last.film.pressure)
+    film = raised(equation, film.pressure, film.void, film.separation, equation.boundary, zeros)
     return film, (last.iterations, last.linear_iterations)
 
 

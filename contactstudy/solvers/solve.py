@@ -45,7 +45,9 @@ class Solver(Protocol):
 @suggest_fields
 @dataclass(frozen=True)
 class SolveOptions:
-    """Accuracy and method of a solve: with the problem, and the start where several states exist, all of an answer.
+    """Accuracy and method of a solve.
+
+    An answer depends on these, on the problem and, where several states exist, on the start.
 
     Parameters
     ----------

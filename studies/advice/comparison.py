@@ -94,7 +94,10 @@ class Measured:
 
 @dataclass(frozen=True)
 class Rival:
-    """Setting of another padding that meets the request: its time over the chosen one's, and the chance `p` of that."""
+    """Setting of another padding that meets the request: its time over the chosen one's.
+
+    `p` is the probability of the observed majority of rounds if both are equally fast, by the sign test.
+    """
 
     measured: Measured
     ratio: float
@@ -151,7 +154,7 @@ class Comparison:
     error
         Requested relative L1 error.
     floor
-        Bound on the error of the reference, below which nothing is claimed.
+        Bound on the error of the reference, below which errors are not resolved.
     reference
         Cells of the reference; None where it is Hertz's contact.
     bounds

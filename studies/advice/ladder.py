@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from math import inf, log
 
-# Cells along the shorter axis of the unit that every rung has a multiple of; a rung has an even multiple.
+# Cells along the shorter axis of the coarsest common grid, of which every grid has an even multiple.
 UNIT = (4, 5, 6, 8)
 LARGEST_UNIT = 1024
 # Multiples of the unit: 2^k and 3 x 2^k.

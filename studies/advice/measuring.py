@@ -213,7 +213,7 @@ class _Comparing:
         """Note what was not done for lack of time."""
         if omitted:
             self.notes.append(
-                f"Not {what}, since the seconds did not suffice: {'; '.join(omitted)}."
+                f"Not {what}, because the budget of seconds was used up: {'; '.join(omitted)}."
             )
 
     def _tolerances(self, middle: int) -> dict[float, float]:
@@ -411,7 +411,7 @@ class _Comparing:
         )
         if len(rounds) < ROUNDS:
             self.notes.append(
-                f"The seconds sufficed for {len(rounds)} of {ROUNDS} rounds of times."
+                f"The budget of seconds allowed {len(rounds)} of {ROUNDS} rounds of times."
             )
         times = {id(setting): tuple(turn[k] for turn in rounds) for k, setting in enumerate(chosen)}
         settings = tuple(

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
-# Rounds that tell two times apart that differ by a tenth in nearly all cases.
+# With these rounds the sign test distinguishes times that differ by a tenth in nearly all cases.
 ROUNDS = 15
 
 T = TypeVar("T")

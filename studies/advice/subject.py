@@ -263,7 +263,7 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
     scene = described.scene
     if isinstance(scene.load, cs.PullOff):
         raise cs.InvalidInput(
-            f"{name} seeks its load of separation, by many solves a setting: give it a load per length to compare "
+            f"{name} searches the pull-off load, by many solves a setting: give it a load per length to compare "
             "paddings and grids."
         )
     if scene.adhesion is not None and scene.adhesion.range is None:
@@ -323,7 +323,7 @@ def _is_at_rest(scene: cs.Scene) -> bool:
 
 
 def balanced(subject: Subject, cells: tuple[int, int]) -> Subject:
-    """Return the subject, wide enough, with cells in a ratio at which finer cells along either axis gain about as much.
+    """Return the subject, wide enough, with cells that add about equally to the error across and along.
 
     Found by solutions on some thousand cells, each twice as fine along one axis.
     """

@@ -286,9 +286,9 @@ def studies() -> None:
 
 # Remedies where a figure fails.
 REMEDY_IN_CODE = (
-    "what is stored is not what the figure needs, or its code is wrong; mend it and run draw."
+    "the stored variables do not fit the figure, or its code is wrong; correct it and run draw."
 )
-REMEDY_IN_TIMES = "its figures may need times, which are taken without --no-times."
+REMEDY_IN_TIMES = "its figures may need times: run without --no-times."
 
 
 @contextmanager
@@ -325,15 +325,13 @@ def _axes(arguments: list[str]) -> Mapping[str, str]:
     words = iter(arguments)
     for word in words:
         if not word.startswith("--"):
-            raise InvalidInput(f"Argument {word!r} is not expected: write --parameter values.")
+            raise InvalidInput(f"Argument {word!r} is not expected: write --axis values.")
         name, equals, value = word[2:].partition("=")
         text = value if equals else next(words, None)
         if text is None:
-            raise InvalidInput(f"Parameter {name!r} has no values: write --{name} values.")
+            raise InvalidInput(f"Axis {name!r} has no values: write --{name} values.")
         if name in axes:
-            raise InvalidInput(
-                f"Parameter {name!r} is given twice: write all its values in one list."
-            )
+            raise InvalidInput(f"Axis {name!r} is given twice: write all its values in one list.")
         axes[name] = text
     return axes
 

@@ -31,7 +31,7 @@ LOGARITHMIC_FROM = 30.0
 @click.argument("file", type=click.Path(path_type=Path))
 @out_option("Folder of the page.  [default: that of FILE]", None)
 def explore(file: Path, out: Path | None) -> None:
-    """Write one HTML page to look into FILE.
+    """Write one interactive HTML page of FILE.
 
     The file is one that solve or run wrote. Any browser shows the page, without a network.
     """

@@ -39,7 +39,7 @@ def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT0
         with path.open("x", encoding="utf-8") as file:
             file.write(scenes[kind].replace(f"{kind}.toml", path.name))
     except FileExistsError:
-        raise InvalidInput(f"{path} is there already: give another file with --out.") from None
+        raise InvalidInput(f"{path} exists already: give another file with --out.") from None
     except OSError as error:
         raise InvalidInput(
             f"{path} cannot be written ({error.strerror}): give another file with --out."

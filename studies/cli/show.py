@@ -108,7 +108,7 @@ def _csv(dataset: "xr.Dataset") -> str:
         axes = [str(name) for name in dataset["case_status"].dims]
     else:
         axes = [name for name in ("time", "pass") if name in dataset.dims]
-    # beside axes, a number without one is the same in every row
+    # beside axes, numbers without one are left out: they would repeat in every row
     names = [
         str(name)
         for name, variable in dataset.data_vars.items()

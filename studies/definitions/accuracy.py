@@ -6,7 +6,7 @@ random contacts of each ``--seed``.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import inf
+from math import inf, isnan
 
 import numpy as np
 import xarray as xr
@@ -92,7 +92,7 @@ def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variabl
     for metric in METRICS:
         error, bound = getattr(true, metric), getattr(estimate, metric).total
         label = metric.replace("_", " ")
-        stored_error = error if error == error else UNKNOWN  # nan is not itself
+        stored_error = UNKNOWN if isnan(error) else error
         variables[f"{metric}_error"] = number(stored_error, f"relative error of the {label}")
         variables[f"{metric}_bound"] = number(bound, f"bound of the relative error of the {label}")
     missing = inf in {getattr(estimate, metric).total for metric in METRICS}

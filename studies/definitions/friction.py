@@ -46,7 +46,7 @@ def scene_at(point: Point) -> Case:
     solid = cs.HalfSpace(modulus, ratio)
     scene = replace(SCENE, solids=(solid, solid))
     grid = cs.Grid((cells, 1), (2.6 * A, A))
-    # the second grid's cells stand in the name of what is computed
+    # the rough grid is part of the case, so that it is recomputed where that changes
     return Rough(scene, grid, cs.ExactPeriodicity(), cells_rough=int(point["rough_grid"]))
 
 
@@ -72,18 +72,18 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         "fraction": _along(
             "fraction", FRACTIONS, "tangential force over the largest that friction can carry"
         ),
-        "stick": _along(
-            "fraction", stick, "half-width of the zone that sticks over that in contact"
-        ),
+        "stick": _along("fraction", stick, "half-width of the stick zone over that of the contact"),
         "stick_sphere": _along(
             "fraction",
             mindlin,
-            "radius of the zone that sticks under a sphere over that in contact",
+            "radius of the stick zone under a sphere over that of the contact",
         ),
         "superposition_error": number(
             error, "relative L1 error of Ciavarella-Jaeger's shear on a rough contact"
         ),
-        "shear_aside": number(across, "largest shear across the force over the largest shear"),
+        "shear_aside": number(
+            across, "largest shear perpendicular to the force over the largest shear"
+        ),
     }
 
 

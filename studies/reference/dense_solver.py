@@ -30,7 +30,7 @@ class DenseAnswer:
         Pressure (x, y).
     approach
         Approach of the bodies.
-    softest
+    smallest_eigenvalue
         Smallest eigenvalue of the operator on the free cells of this solution and of the one compared with it, for
         pressures without a load. The error of a pressure is at most the error of the gap over this, in the mean square.
     rounding
@@ -39,7 +39,7 @@ class DenseAnswer:
 
     pressure: Array
     approach: float
-    softest: float
+    smallest_eigenvalue: float
     rounding: float
 
 
@@ -70,7 +70,7 @@ def answer(
         pressure = np.where(yielding, limit, 0.0)
         displacement = matrix @ pressure if yielding.any() else np.zeros_like(gap)
         free_load = total - pressure.sum()
-        pressure[free], approach = _on(matrix, free, -(gap + displacement)[free], free_load)
+        pressure[free], approach = _solve_on(matrix, free, -(gap + displacement)[free], free_load)
         deformed_gap = gap + matrix @ pressure
         if not free.any():
             approach = float(deformed_gap[yielding].max())
@@ -83,14 +83,16 @@ def answer(
             return DenseAnswer(
                 pressure.reshape(solution.pressure.shape),
                 approach,
-                _softest(matrix, free | started),
+                _smallest_eigenvalue(matrix, free | started),
                 ROUNDING * sum(sizes),
             )
         yielding, free = sets
-    raise ArithmeticError(f"no end of pivoting after {PIVOTS} sets of cells")
+    raise ArithmeticError(f"pivoting did not end after {PIVOTS} active sets")
 
 
-def _on(matrix: Array, free: np.ndarray, displacement: Array, load: float) -> tuple[Array, float]:
+def _solve_on(
+    matrix: Array, free: np.ndarray, displacement: Array, load: float
+) -> tuple[Array, float]:
     """Return pressure and approach for the displacement of the free cells under a load."""
     count = int(free.sum())
     if not count:
@@ -102,7 +104,7 @@ def _on(matrix: Array, free: np.ndarray, displacement: Array, load: float) -> tu
     return unknowns[:-1], float(unknowns[-1])
 
 
-def _softest(matrix: Array, free: np.ndarray) -> float:
+def _smallest_eigenvalue(matrix: Array, free: np.ndarray) -> float:
     """Return the smallest eigenvalue of the matrix on the free cells, for pressures without a load."""
     count = int(free.sum())
     if (
@@ -120,7 +122,7 @@ def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
     """Return a bound of the error of the pressure, in the problem's unit of pressure.
 
     It follows from the violation of the conditions of contact, computed from the pressure, and from rounding, both over
-    the compliance of the softest wave, and from the error of the load.
+    the compliance of the stiffest mode, and from the error of the load.
     """
     bare, unit = solution.problem.bare(), solution.problem.scales.pressure
     pressure = solution.pressure / unit
@@ -131,7 +133,9 @@ def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
         float(np.linalg.norm(violated_gap)) + reference.rounding * np.count_nonzero(pressure) ** 0.5
     )
     unbalanced = bare.resultant.error(float(pressure.sum()))
-    return float(gap_error / reference.softest + pressure.max() * (unbalanced + ROUNDING))
+    return float(
+        gap_error / reference.smallest_eigenvalue + pressure.max() * (unbalanced + ROUNDING)
+    )
 
 
 @lru_cache(maxsize=64)

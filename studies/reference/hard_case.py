@@ -49,7 +49,7 @@ class Twin:
         Function that converts its pressure to the original form.
     within
         Largest difference of the converted pressure over the peak pressure. With `other_heights` it is added to the
-        difference of the heights over the compliance of the softest wave.
+        difference of the heights over the compliance of the stiffest mode.
     other_heights
         Whether the heights differ from those of the original form.
     """
@@ -127,7 +127,7 @@ class HardCase:
             if self.twin.other_heights:
                 gap_change = twin_solution.problem.undeformed_gap - solution.problem.undeformed_gap
                 nudge = float(np.linalg.norm(gap_change)) / solution.problem.scales.gap
-                allowed += nudge / dense.softest * unit / highest
+                allowed += nudge / dense.smallest_eigenvalue * unit / highest
         return float(np.abs(right - solution.pressure).max()) / highest, allowed
 
 

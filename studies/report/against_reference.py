@@ -63,7 +63,7 @@ def _text(value: object) -> str:
 
 
 def _known(true: xr.Dataset, names: Sequence[str]) -> str:
-    """Return a sentence with the bounds of the reference itself, below which no error is told."""
+    """Return a sentence with the bounds of the reference itself, below which errors are not resolved."""
     bounds = {
         name: float((true[f"{name}_bound"] / abs(true[name])).max())
         for name in names
@@ -98,7 +98,7 @@ def _over_axis(
     return captioned(
         "errors",
         fig,
-        f"Relative errors against {reference}; a number without a mark does not differ.{bounds_text}",
+        f"Relative errors against {reference}; a quantity without a mark agrees exactly.{bounds_text}",
     )
 
 

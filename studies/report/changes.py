@@ -67,9 +67,9 @@ def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         if ratio.size == 0:
             continue
         if any(first.attrs.get(key) != second.attrs.get(key) for key in ("cpu", "cpu_count")):
-            return ["times are of two processors and are not compared"]
+            return ["times were taken on different processors and are not compared"]
         low, middle, high = np.quantile(ratio, (0, 0.5, 1))
         sentences.append(
-            f"{name}: {middle:.3g} of the first in the median of {ratio.size} points, from {low:.3g} to {high:.3g}"
+            f"{name}: median ratio of second to first {middle:.3g} over {ratio.size} points ({low:.3g} to {high:.3g})"
         )
     return sentences

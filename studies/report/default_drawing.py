@@ -262,7 +262,7 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> No
             marker="o",
             ls=joined,
             color=COLORS[0],
-            label=f"mean of {values.size}, ± its spread",
+            label=f"mean of {values.size}, ± standard deviation",
         )
         return
     if values.size > MOST_LINES and _is_numeric(values):

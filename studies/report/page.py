@@ -133,7 +133,7 @@ def write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path
         if part.name == SETTINGS:
             if not path_in(out).is_file():
                 raise InvalidInput(
-                    f"Comparison {str(path_in(out))!r} is not there: run contactstudy report first."
+                    f"Comparison {str(path_in(out))!r} does not exist: run contactstudy report first."
                 )
             datasets[SETTINGS] = read(path_in(out))
             sections += scene_sections(from_dataset(datasets[SETTINGS]), out, formats, max_parts=1)

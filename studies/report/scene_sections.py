@@ -74,6 +74,7 @@ def lead(measured: Comparison) -> str:
         f"The scene {measured.name} on {width:.4g} mm x {length:.4g} mm, solved with every padding on finer and finer "
         "grids. Neighbouring periods can be ignored (zero), copied once (duplicated), summed over n periods on each "
         "side in a window fixed to the domain (superposed) or moving with the point (circular), or summed to infinity "
-        f"in closed form (exact){'; free ends have none' * (measured.own_label == 'free')}. An error in L1 is the mean "
-        f"size of the pressure's error over the mean pressure. Measured in {measured.spent:.0f} s, times on one thread."
+        f"in closed form (exact){'; free ends have none' * (measured.own_label == 'free')}. The L1 error is the "
+        f"mean absolute error of the pressure over the mean pressure. Measured in "
+        f"{measured.spent:.0f} s, times on one thread."
     )

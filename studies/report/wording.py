@@ -73,8 +73,8 @@ def verdict_text(measured: Comparison, verdict: Verdict) -> str:
     error = error_text(best.error, measured.floor)
     if verdict.meets:
         return (
-            f"Use {setting_text(best)}: the pressure is {error} off in L1, {cost}; "
-            f"{percent(verdict.error)} was asked."
+            f"Use {setting_text(best)}: the L1 error of the pressure is {error}, {cost}; "
+            f"{percent(verdict.error)} was requested."
         )
     if measured.floor == inf:
         return (
@@ -90,7 +90,7 @@ def rivals_text(measured: Comparison, verdict: Verdict) -> str:
     timed = [rival for rival in verdict.rivals if rival.measured.rounds]
     shown = [rival for rival in timed if rival.is_shown]
     for words, rivals, text in (
-        ("As fast, within a tenth", [r for r in timed if r.is_tie], rival_name),
+        ("As fast within a tenth", [r for r in timed if r.is_tie], rival_name),
         (f"Slower in {rounds} rounds", [r for r in shown if r.ratio > 1], ratio_text),
         (f"Quicker in {rounds} rounds", [r for r in shown if r.ratio < 1], ratio_text),
         (
@@ -115,7 +115,7 @@ def rivals_text(measured: Comparison, verdict: Verdict) -> str:
         ]
         if len(misses) > 3:
             finest = [f"{len(misses)} paddings, from {finest[0]} to {finest[-1]}"]
-        sentences.append(f"On no grid accurate enough: {', '.join(finest)}.")
+        sentences.append(f"No grid is accurate enough with: {', '.join(finest)}.")
     if coarser := verdict.coarser:
         saved = coarser.time / verdict.best.time
         took = f"{saved:.2g} times the time" if saved < 1 else "no less time"
@@ -131,12 +131,12 @@ def _why(measured: Comparison, verdict: Verdict, coarser: Measured) -> str:
     if not verdict.meets:
         return ""
     if not coarser.is_bounded:
-        return ", but nothing bounds its own error"
+        return ", but its own error has no bound"
     if coarser.error + measured.floor > verdict.error >= coarser.error:
         return ", which meets the request only if the reference's own bound is not added"
     if coarser.error > verdict.error:
         return " and misses the request"
-    return ", which is no saving"
+    return ", which saves no time"
 
 
 def _rounds(measured: Comparison) -> int:

@@ -125,7 +125,7 @@ def _at(document: Document, path: Path) -> SceneField:
         before = ".".join(path[:depth])
         if value is None or isinstance(value, str):
             raise InvalidInput(
-                f"Field {'.'.join(path)!r} needs {before}, which the scene leaves open: give {before} in the file."
+                f"Field {'.'.join(path)!r} needs {before}, which the scene does not give: give {before} in the file."
             )
         if isinstance(value, tuple | list):
             if not part.isdigit() or int(part) >= len(value):

@@ -413,7 +413,7 @@ def _resolved(items: Iterable[Any], folder: Path) -> list[Any]:
             matched = [str(path) for path in paths if path.is_file()][:1]
         if not matched:
             raise InvalidInput(
-                f"surfaces has {pattern!r}, which no file matches: give files that are there."
+                f"surfaces has {pattern!r}, which no file matches: give existing files."
             )
         surfaces += matched
     return surfaces

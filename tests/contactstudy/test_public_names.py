@@ -163,13 +163,15 @@ def test_a_solver_of_ones_own_finds_the_same_pressure(line_contact: LineContact)
     ours = cs.solve(problem, tolerance=1e-7)
     assert own.status is cs.Status.CONVERGED
     # complementarity and penetration up to the tolerance leave an energy e A e of 2 sum(p) times it to the
-    # error e of each, and the softest wave turns that into a norm
+    # error e of each, and the stiffest wave turns that into a norm
     bare = problem.bare()
     matrix = np.stack([bare.operator(unit[:, None])[:, 0] for unit in np.eye(32)])
-    softest = np.linalg.eigvalsh(matrix - matrix.mean(0) - matrix.mean(1)[:, None] + matrix.mean())
+    eigenvalues = np.linalg.eigvalsh(
+        matrix - matrix.mean(0) - matrix.mean(1)[:, None] + matrix.mean()
+    )
     difference = (own.pressure - ours.pressure) / problem.scales.pressure
     energy = 2 * 1e-7 * bare.uniform().sum()
-    assert np.linalg.norm(difference) <= 2 * np.sqrt(energy / softest[1])
+    assert np.linalg.norm(difference) <= 2 * np.sqrt(energy / eigenvalues[1])
 
 
 def test_a_problem_is_built_from_arrays_an_operator_and_a_load() -> None:

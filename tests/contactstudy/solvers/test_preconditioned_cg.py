@@ -117,12 +117,12 @@ def test_a_sphere_has_the_symmetries_of_the_grid_to_what_the_residual_leaves(
     p = solution.pressure / posed.scales.pressure
     left = np.where(p > 0, solution.gap, np.minimum(solution.gap, 0)) / posed.scales.gap
     # pressure and mirrored pressure both solve the contact up to this gap, and are so far from the answer,
-    # in the mean square, as that is over the operator's softest wave: the checkerboard
+    # in the mean square, as that is over the operator's stiffest wave: the checkerboard
     checkerboard = (-1.0) ** np.indices(grid.cells).sum(axis=0)
-    softest = np.abs(posed.bare().operator(checkerboard))[cells // 2, cells // 2]
+    smallest = np.abs(posed.bare().operator(checkerboard))[cells // 2, cells // 2]
     for mirrored in (p.T, p[::-1]):
         assert ((mirrored > 0) == (p > 0)).all()
-        assert np.linalg.norm(mirrored - p) <= 2 * np.linalg.norm(left) / softest
+        assert np.linalg.norm(mirrored - p) <= 2 * np.linalg.norm(left) / smallest
     # as on rough contacts of any size
     assert solution.iterations <= 40
 

@@ -86,10 +86,10 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
             "period is 'nan': give numbers such as 0.6,2.4, or so many of a range such as 0.6:2.4:4 or 1:100:3:log.",
         ),
         (["run", "padding", "--grid", "1"], "grid is 1: give at least 2 cells across the width."),
-        (["run", "padding", "--grid"], "Parameter 'grid' has no values: write --grid values."),
+        (["run", "padding", "--grid"], "Axis 'grid' has no values: write --grid values."),
         (
             ["run", "padding", "extra"],
-            "Argument 'extra' is not expected: write --parameter values.",
+            "Argument 'extra' is not expected: write --axis values.",
         ),
         (
             ["run", "padding", "--out", "/dev/null/x"],
@@ -97,7 +97,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
         ),
         (
             ["draw", "--out", "empty"],
-            "Comparison 'empty/settings.nc' is not there: run contactstudy report first.",
+            "Comparison 'empty/settings.nc' does not exist: run contactstudy report first.",
         ),
     ],
     ids=lambda part: " ".join(part) if isinstance(part, list) else "",
@@ -384,7 +384,7 @@ def test_no_file_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert said("rough").exit_code == 0
     again = said("rough")
     assert isinstance(again.exception, cs.InvalidInput)
-    assert "is there already: give another file" in str(again.exception)
+    assert "exists already: give another file" in str(again.exception)
 
 
 def test_another_kind_is_answered_with_a_known_one() -> None:

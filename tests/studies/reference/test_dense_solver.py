@@ -7,8 +7,8 @@ from studies.reference import dense_solver
 
 
 @pytest.mark.parametrize("count", [2, 3, 7])
-def test_the_softest_wave_is_the_least_stiff_of_those_that_shift_no_mean(count: int) -> None:
-    """Free cells alone move, and the load keeps their sum: the stiffness among sums of zero."""
+def test_the_smallest_eigenvalue_is_that_of_modes_that_shift_no_mean(count: int) -> None:
+    """Free cells alone move, and the load keeps their sum: the compliance among sums of zero."""
     rng = np.random.default_rng(count)
     root = rng.standard_normal((9, 9))
     matrix = root @ root.T + np.eye(9)
@@ -18,6 +18,6 @@ def test_the_softest_wave_is_the_least_stiff_of_those_that_shift_no_mean(count: 
     among = basis.T @ matrix[np.ix_(free, free)] @ basis
     expected = np.linalg.eigvalsh(among)[0]
     # eigenvalues to some roundings of the largest
-    assert dense_solver._softest(matrix, free) == pytest.approx(
+    assert dense_solver._smallest_eigenvalue(matrix, free) == pytest.approx(
         expected, abs=1e-12 * np.trace(matrix)
     )

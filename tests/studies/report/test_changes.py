@@ -72,10 +72,13 @@ def test_times_are_compared_by_their_ratio_on_one_processor_alone() -> None:
     slower["solve_time"] = slower["solve_time"] * np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 1.0]])
     said = changes(stored(), slower)
     # 1, 2, 2, 3 and 4 times
-    assert said[-1] == "solve_time: 2 of the first in the median of 5 points, from 1 to 4"
+    assert said[-1] == "solve_time: median ratio of second to first 2 over 5 points (1 to 4)"
     one = changes(stored().isel(grid=[1], padding=[0]), slower.isel(grid=[1], padding=[0]))
-    assert one[-1] == "solve_time: 2 of the first in the median of 1 points, from 2 to 2"
+    assert one[-1] == "solve_time: median ratio of second to first 2 over 1 points (2 to 2)"
     elsewhere = slower.assign_attrs(cpu_count=4)
-    assert changes(stored(), elsewhere)[-1] == "times are of two processors and are not compared"
+    assert (
+        changes(stored(), elsewhere)[-1]
+        == "times were taken on different processors and are not compared"
+    )
     untimed = slower.drop_vars("solve_time")
     assert changes(stored(), untimed) == ["6 points in both, of 6 and 6", "no measure differs"]

@@ -17,9 +17,8 @@ def test_the_verdict_names_setting_error_bound_and_time() -> None:
     measured = of(COARSE, FINE, OTHER, floor=0.004)
     verdict = measured.verdict()
     assert verdict_text(measured, verdict) == (
-        "Use exact periodicity, 64 x 64 cells, tolerance 1e-4: the pressure is 2.0\xa0% ± 0.40\xa0% off in L1, in 4 "
-        "ms "
-        "on one thread; 3.0\xa0% was asked."
+        "Use exact periodicity, 64 x 64 cells, tolerance 1e-4: the L1 error of the pressure is 2.0\xa0% ± 0.40\xa0%, "
+        "in 4 ms on one thread; 3.0\xa0% was requested."
     )
     assert rivals_text(measured, verdict) == (
         "Slower in 9 rounds: duplicated padding (1.5 times, 2 ms more). The next coarser grid, 32 x 32 cells, has an "

@@ -270,19 +270,6 @@ def needing(grid: cs.Grid = GRID, **more: Any) -> Any:
     return SimpleNamespace(grid=lambda *_: grid, padding=lambda: EXACT, **asked)
 
 
-def test_the_product_of_cells_is_least_where_orders_times_errors_are_alike() -> None:
-    """0.08 falls like 1/n and 0.03 like n^-1/2: of 0.03 a third across and two thirds along."""
-    known = replace(seen(0.0), errors=(0.08, 0.03), orders=(1.0, 0.5))
-    found = known.grid_for(0.03)
-    assert found.cells == (512, 72)
-    assert found.extent == GRID.extent
-    counts = [
-        nx * ny for nx in range(100, 2000, 4) for ny in range(16, 600, 4)
-        if 0.08 * 64 / nx + 0.03 * (32 / ny) ** 0.5 <= 0.03
-    ]  # fmt: skip
-    assert min(counts) <= 512 * 72 <= 1.02 * min(counts)
-
-
 def warned(
     grid: cs.Grid, forecast: GridForecast, error: float = inf, limit: float = inf, **more: Any
 ) -> list[str]:

@@ -5,7 +5,6 @@ from math import prod
 from typing import Any
 
 import numpy as np
-import pytest
 import xarray as xr
 from matplotlib.axes import Axes
 
@@ -36,12 +35,6 @@ def labelled(ax: Axes) -> dict[str, np.ndarray]:
         for line in ax.lines
         if not str(line.get_label()).startswith("_")
     }
-
-
-def same(found: object, x: object, y: object) -> bool:
-    """Whether a line has these x and y, to rounding."""
-    wanted = np.array([x, y], dtype=float)
-    return bool(np.shape(found) == wanted.shape and found == pytest.approx(wanted, rel=1e-9))
 
 
 def words(text: str) -> str:

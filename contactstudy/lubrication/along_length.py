@@ -157,7 +157,7 @@ class KrylovStep:
         if self.fourier is not None and 1 / TUNING.step_ratio < ratio < TUNING.step_ratio:
             return self
         free = ~(cavitated | linear.equation.fixed)
-        fourier = FourierStage.of(linear, free, touching, toeplitz(self.deflection))
+        fourier = FourierStage.of(linear, free, touching, influence_by_harmonic(self.deflection))
         return replace(self, fourier=fourier, built_for=time_step, iterations_at_build=None)
 
 
@@ -261,7 +261,7 @@ class StepSystem:
 
 @dataclass(frozen=True, eq=False)
 class FourierStage:
-    """Inverses (wave, x, x) of the system averaged over the length; that of the mean has the load as a last row."""
+    """Inverses (harmonic, x, x) of the system averaged over the length; that of the mean has the load as a last row."""
 
     mean: Array
     waves: Array
@@ -325,8 +325,8 @@ class FourierStage:
         return fft.irfft(solution, n=ny, axis=1), float(mean[-1])
 
 
-def toeplitz(deflection: Convolution) -> Array:
-    """Return the influence (wave, x, x) of cells across on each other, for the first waves along the length."""
+def influence_by_harmonic(deflection: Convolution) -> Array:
+    """Return the influence (harmonic, x, x) of cells across on each other, for the first harmonics along the length."""
     nx, ny = deflection.cells
     number = min(TUNING.waves, ny // 2 + 1)
     columns = fft.ifft(deflection.spectrum[:, :number], axis=0).real.astype(np.float32)

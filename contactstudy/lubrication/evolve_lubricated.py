@@ -174,10 +174,10 @@ def evolve_lubricated(
     every = None if times is None else instants
     history = _through(stepper, instants, every, error, step, tolerance, progress)
     long_step = None if step is None else 2 * step
-    wide = _through(
+    long_steps = _through(
         stepper, list(history.times), list(history.times), 8 * error, long_step, tolerance, None
     )
-    return replace(history, errors_by_steps=_errors_by_steps(history, wide))
+    return replace(history, errors_by_steps=_errors_by_steps(history, long_steps))
 
 
 def _errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mapping[str, Array]:
@@ -221,33 +221,35 @@ def _through(
 ) -> FilmTrajectory:
     """Step to the last of ``instants``; record every step if ``times`` is None."""
     recorded, contacts = [instants[0]], [stepper.contact()]
-    steps, worst, iterations, linear_iterations = 0, 0.0, 0, 0
-    first = stepper.posed.equation.cell[0] * stepper.unit
-    length = step or TUNING.first * first
+    steps, largest_error, iterations, linear_iterations = 0, 0.0, 0, 0
+    cell_passage = stepper.posed.equation.cell[0] * stepper.unit
+    length = step or TUNING.first * cell_passage
     for target in instants[1:]:
-        while stepper.time < target - 1e-9 * first:
+        while stepper.time < target - 1e-9 * cell_passage:
             remaining = target - stepper.time
             # avoid a tiny last step before an instant
             trial = remaining / max(np.ceil(remaining / length - 1e-3), 1)
-            stepped, size = stepper.stepped(trial)
+            stepped, step_error = stepper.stepped(trial)
             iterations += stepped.last.iterations
             linear_iterations += stepped.last.linear_iterations
             failed = not stepped.last.converged(tolerance)
-            if (failed or (step is None and size > error)) and trial > TUNING.least * first:
+            if (
+                failed or (step is None and step_error > error)
+            ) and trial > TUNING.least * cell_passage:
                 length = trial * (
-                    TUNING.shrink if failed else max(TUNING.shrink, (error / size) ** (1 / 3))
+                    TUNING.shrink if failed else max(TUNING.shrink, (error / step_error) ** (1 / 3))
                 )
                 continue
-            stepper, steps, worst = stepped, steps + 1, max(worst, size)
+            stepper, steps, largest_error = stepped, steps + 1, max(largest_error, step_error)
             if progress is not None:
                 progress(stepper.time, instants[-1])
-            factor = TUNING.safety * (error / size) ** (1 / 3) if size > 0 else 1.0
+            factor = TUNING.safety * (error / step_error) ** (1 / 3) if step_error > 0 else 1.0
             grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
             # a step shortened to end at an instant does not limit the next one
             length = step or max(grown, length if trial < length else 0.0)
             if failed:
                 break
-            if times is None and stepper.time < target - 1e-9 * first:
+            if times is None and stepper.time < target - 1e-9 * cell_passage:
                 recorded.append(stepper.time)
                 contacts.append(stepper.contact())
         recorded.append(target)
@@ -260,7 +262,7 @@ def _through(
         steps,
         iterations,
         linear_iterations,
-        worst,
+        largest_error,
     )
 
 

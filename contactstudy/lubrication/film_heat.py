@@ -30,7 +30,7 @@ from contactstudy.scene.film_heat import FilmHeat, ThermalBody
 MAX_STEPS, TOLERANCE, TEMPERATURE_STEP = 100, 1e-9, 1e-3
 
 
-def heated(
+def thermal_shear(
     scales: FilmScales,
     grid: Grid,
     mean_speed: float,
@@ -51,7 +51,7 @@ def heated(
         for side, body in ((1, heat.first), (-1, heat.second))
     ]
     shear, surface = np.zeros_like(pressure), np.zeros((2, *pressure.shape))
-    mean, missed = np.zeros_like(pressure), 0.0
+    mean, largest_residual = np.zeros_like(pressure), 0.0
     for column in range(pressure.shape[1]):
         line = _Line(
             scales,
@@ -61,12 +61,13 @@ def heated(
             film_fraction[:, column],
             None if contact is None else contact[:, column],
         )
-        surfaces, of_film = _of_heat(influence, heat.conductivity / film[:, column])
-        mean[:, column], residual = _agreeing(of_film, sliding, line)
-        shear[:, column], missed = line.stress(mean[:, column]), max(missed, residual)
+        surfaces, of_film = _temperature_influence(influence, heat.conductivity / film[:, column])
+        mean[:, column], residual = _solve_temperature(of_film, sliding, line)
+        shear[:, column] = line.stress(mean[:, column])
+        largest_residual = max(largest_residual, residual)
         surface[:, :, column] = surfaces @ (sliding * np.abs(shear[:, column]))
     loading = thermal_loading(scales, heat)
-    return shear, FilmTemperatures(surface, mean, reduction, loading, missed)
+    return shear, FilmTemperatures(surface, mean, reduction, loading, largest_residual)
 
 
 class _Line(NamedTuple):
@@ -126,7 +127,7 @@ def _source_integral(distance: Array) -> Array:
     return np.asarray(np.where(distance > 0, downstream, -upstream))
 
 
-def _of_heat(influence: list[Array], conductance: Array) -> tuple[Array, Array]:
+def _temperature_influence(influence: list[Array], conductance: Array) -> tuple[Array, Array]:
     """Return the rises of both surfaces (2, x, x') and of the mean of the film (x, x') for a unit heat in each cell."""
     first, second = influence
     n = len(conductance)
@@ -139,7 +140,7 @@ def _of_heat(influence: list[Array], conductance: Array) -> tuple[Array, Array]:
     return surfaces, surfaces.mean(axis=0) + np.diag(1 / (12 * conductance))
 
 
-def _agreeing(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float]:
+def _solve_temperature(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float]:
     """Return the rise of temperature (x,) of the heat that sliding [m/s] makes at it, and its relative residual.
 
     Newton's method from no rise comes from below, as the heat falls ever more slowly.
@@ -151,11 +152,11 @@ def _agreeing(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float
 
     for _ in range(MAX_STEPS):
         made = heat(rise)
-        missing = of_film @ made - rise
+        residuals = of_film @ made - rise
         slope = (heat(rise + TEMPERATURE_STEP) - made) / TEMPERATURE_STEP
-        rise = rise + np.linalg.solve(np.eye(len(rise)) - of_film * slope, missing)
+        rise = rise + np.linalg.solve(np.eye(len(rise)) - of_film * slope, residuals)
         largest = float(np.abs(rise).max())
-        if float(np.abs(missing).max()) <= TOLERANCE * largest:
+        if float(np.abs(residuals).max()) <= TOLERANCE * largest:
             break
     residual = float(np.abs(of_film @ heat(rise) - rise).max())
     return rise, residual / largest if largest else 0.0

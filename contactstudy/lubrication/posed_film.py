@@ -43,7 +43,8 @@ def lubricated_scales(scene: Scene) -> FilmScales:
     """
     if not isinstance(scene, Scene) or scene.lubrication is None:
         raise InvalidInput(
-            "Scene.lubrication is None, and a film needs one: give a Lubrication(lubricant, mean_speed=...)."
+            "Scene.lubrication is None, and a film needs one: give a Lubrication(lubricant, mean_speed=...), "
+            "or call contactstudy.solve for a dry contact."
         )
     if scene.hertz is None:
         raise NotDefined(

@@ -204,7 +204,7 @@ def iterate(
 ) -> FilmIteration:
     """Iterate from ``start`` until the residual converges or stagnates, at the limit, or when steps vanish."""
     linear = equation.linearise(start, storage)
-    active = _sets_of(equation, start, cavitated)
+    active = _initial_active_sets(equation, start, cavitated)
     last = FilmIteration(start, linear, active, _residual(linear, start), 0, 0)
     time_step, best, waited, longest = controls.time_step, last.residual, 0, inf
     while (
@@ -216,8 +216,8 @@ def iterate(
     ):
         step = _step_of_active_sets(last, solver, time_step, controls)
         solver = step.change.solver
-        fraction = _fraction(last, step, controls)
-        film = _moved(last, step, fraction, controls)
+        fraction = _damping_factor(last, step, controls)
+        film = _updated_film(last, step, fraction, controls)
         refused = fraction < controls.shortest or not (film.film > 0).all()
         if not refused:
             linear, active = equation.linearise(film, storage), step.next
@@ -268,7 +268,7 @@ def _flow(linear: Linearised) -> float:
     return float(np.abs(linear.flux[1:-1]).max() * linear.residual.shape[1])
 
 
-def _sets_of(equation: FilmEquation, start: Film, cavitated: Mask | None) -> ActiveSets:
+def _initial_active_sets(equation: FilmEquation, start: Film, cavitated: Mask | None) -> ActiveSets:
     """Return the active sets of a start: all cells filled, if neither cavitated cells nor asperities are given."""
     if start.contact is None:
         return ActiveSets(np.zeros_like(equation.fixed) if cavitated is None else cavitated)
@@ -304,7 +304,7 @@ def _step_of_active_sets(
         iterations += change.iterations
         if not change.solved:
             break
-        next_active = _sets_after(last, active, change)
+        next_active = _corrected_active_sets(last, active, change)
         converged = active.changes(next_active) <= allowed
         if converged:
             break
@@ -323,7 +323,7 @@ def _height_off_boundary(equation: FilmEquation, film: Film) -> Array | float:
     return np.where((film.contact > 0) | (height < 0), height, 0.0)
 
 
-def _sets_after(last: FilmIteration, active: ActiveSets, change: FilmStep) -> ActiveSets:
+def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: FilmStep) -> ActiveSets:
     """Return the active sets that hold after a whole step."""
     film, equation = last.film, last.linear.equation
     cavitated = np.where(
@@ -344,7 +344,7 @@ def _change_of_film(equation: FilmEquation, change: FilmStep) -> Array:
     return equation.deflection(total) + change.separation
 
 
-def _fraction(last: FilmIteration, step: _ActiveSetStep, controls: FilmControls) -> float:
+def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmControls) -> float:
     """Return the largest fraction of a step, up to 1, that keeps film and viscosity within their limits.
 
     Zero for a step that was not solved, and for one whose sets have to converge and do not.
@@ -368,7 +368,7 @@ def _fraction(last: FilmIteration, step: _ActiveSetStep, controls: FilmControls)
     return 1.0 if largest <= 1 else 1 / largest
 
 
-def _moved(
+def _updated_film(
     last: FilmIteration, step: _ActiveSetStep, fraction: float, controls: FilmControls
 ) -> Film:
     """Return the film after a ``fraction`` of a step, with pressures and voids in their range."""

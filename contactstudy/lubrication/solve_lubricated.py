@@ -306,16 +306,16 @@ def _compared(
         )
 
     def parts(name: str) -> ErrorParts:
-        fine, wide, widest, long = (
+        fine, half, quarter, long_inlet = (
             float(getattr(film, name)) for film in (contact, coarse, coarsest, longer)
         )
         scale = abs(fine) or 1.0
-        change = abs(fine - wide)
+        change = abs(fine - half)
         if coarsest.status not in unresolved:
-            change = max(change, NEXT_CHANGE * abs(wide - widest))
+            change = max(change, NEXT_CHANGE * abs(half - quarter))
         return ErrorParts(
             discretisation=change / scale,
-            inlet=INLET_ERROR_OVER_CHANGE * abs(wide - long) / scale,
+            inlet=INLET_ERROR_OVER_CHANGE * abs(half - long_inlet) / scale,
             residual=residual,
             reason=reason,
         )

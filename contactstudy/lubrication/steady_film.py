@@ -225,9 +225,9 @@ def contact_of(
     if scales.lubrication.thermal is None:
         shear, temperatures = shear_stress(scales, mean_speed, *state), None
     else:
-        from contactstudy.lubrication.film_heat import heated
+        from contactstudy.lubrication.film_heat import thermal_shear
 
-        shear, temperatures = heated(scales, grid, mean_speed, *state)
+        shear, temperatures = thermal_shear(scales, grid, mean_speed, *state)
     return FilmSolution(
         scene=scene,
         grid=grid,

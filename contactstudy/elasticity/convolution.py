@@ -56,7 +56,7 @@ class Convolution:
     """Linear map from pressure to displacement on one grid, ``displacement = K * pressure``.
 
     Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. That of an even kernel is symmetric, and
-    positive definite except for a rigid shift; that of :func:`antisymmetric` is neither. Rows of zeros are not
+    positive definite except for a rigid shift; that of an odd kernel is neither. Rows of zeros are not
     transformed along y, and only the rows of the grid are transformed back.
 
     Parameters

@@ -142,7 +142,7 @@ def _slots(cls: type) -> tuple[str, ...]:
 
 
 def _array(value: "np.ndarray | np.generic") -> Tree:
-    """Return the type, the shape and a hash of the bytes of an array, also of its mask; the digits of a scalar."""
+    """Return type, shape, order and a hash of the bytes of an array, also of its mask; the digits of a scalar."""
     cls, dtype = type(value), value.dtype
     is_known = cls in ARRAYS if isinstance(value, np.ndarray) else cls is dtype.type
     if dtype.hasobject or not is_known or _has_own_attributes(value):
@@ -158,6 +158,8 @@ def _array(value: "np.ndarray | np.generic") -> Tree:
         tree |= {"mask": _array(np.ma.getmaskarray(value)), "fill": repr(value.fill_value)}
         tree["hard"] = value.hardmask
         value = value.data
+    if not value.flags.c_contiguous:  # sums over other strides differ in their last bits
+        tree["strides"] = list(value.strides)
     return tree | {"is": hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()}
 
 

@@ -31,7 +31,7 @@ class StudyCommand(click.Command):
                 with formatter.section(title):
                     formatter.write_dl(rows[of_scenes])
         name = ctx.meta.get(STUDY)
-        if not isinstance(name, str):
+        if not isinstance(name, str) or name.endswith(".toml"):
             return
         study = load(name)
         with formatter.section(f"Axes of {study.name}"):

@@ -8,7 +8,7 @@ import pickle
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cached_property, partial
 from types import CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
@@ -180,6 +180,11 @@ class States:
             for name, value in vars(kind).items()
             if not name.startswith("__") or (callable(value) and not _is_generated(value))
         }
+        if is_dataclass(kind):
+            factories = [part.default_factory for part in fields(kind)]
+            attributes["__dataclass_fields__"] = self.held(
+                [factory for factory in factories if factory is not MISSING], None
+            )
         return [name, [self.of_class(base) for base in kind.__bases__], attributes]
 
 

@@ -256,9 +256,10 @@ def test_help_on_a_study_of_ones_own_has_its_units(tmp_path: Path) -> None:
 
 
 def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_meant() -> None:
-    plain = CliRunner().invoke(cli, ["run", "--help"])
-    assert plain.exit_code == 0
-    assert "Axes of" not in plain.output
+    for arguments in (["--help"], ["examples/oil.toml", "--help"]):
+        plain = CliRunner().invoke(cli, ["run", *arguments])
+        assert plain.exit_code == 0
+        assert "Axes of" not in plain.output
     wrong = CliRunner().invoke(cli, ["run", "peroid", "--help"])
     assert isinstance(wrong.exception, InvalidInput)
     assert "did you mean 'period'" in str(wrong.exception)

@@ -111,6 +111,16 @@ def partial_with_an_attribute(scale: float) -> Measures:
     return made
 
 
+def class_with_a_made_default(scale: float) -> Measures:
+    made = functools.partial(float, scale)
+
+    @dataclass(frozen=True)
+    class Part:
+        factor: float = field(default_factory=made)
+
+    return over(Part)
+
+
 KINDS: dict[str, Callable[[float], Any]] = {
     made.__name__: made
     for made in (closure, closure_of_a_function, closure_of_a_table, closure_of_functions, default, attribute)
@@ -118,6 +128,7 @@ KINDS: dict[str, Callable[[float], Any]] = {
     "decorated": decorated,
     "list with an attribute": lambda scale: over(Named(scale)),
     "frozen dataclass with more than its fields": with_more_than_its_fields,
+    "class with a made default": class_with_a_made_default,
     "partial with an attribute": partial_with_an_attribute,
     "partial": lambda scale: functools.partial(pow, scale),
     "frozen dataclass": Frozen,

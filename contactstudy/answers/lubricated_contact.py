@@ -48,8 +48,8 @@ class LubricatedContact(Answer, FilmSolution):
     def judged(self) -> tuple[str, ErrorParts]:
         """The larger bound of the central and the minimum film thickness."""
         films = self.error.central_film, self.error.minimum_film
-        known = [parts for parts in films if parts is not None]
-        return "in the film", max(known, key=lambda parts: parts.total)
+        film_errors = [parts for parts in films if parts is not None]
+        return "in the film", max(film_errors, key=lambda parts: parts.total)
 
     @property
     def counts(self) -> Counts:

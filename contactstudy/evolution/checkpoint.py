@@ -81,11 +81,11 @@ class Checkpoint:
         with self._report_damage():
             content = read_verified(self.folder / "request.json")
             stored = json.loads(content or b"")
-            found = [stored[name] for name in identity]
+            stored_identity = [stored[name] for name in identity]
         what = "an integration of another version of this program"
-        if found[0] != identity["request"]:
+        if stored_identity[0] != identity["request"]:
             what = "the integration of another scene, grid or request"
-        if found != list(identity.values()):
+        if stored_identity != list(identity.values()):
             raise InvalidInput(
                 f"evolve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
             )

@@ -217,8 +217,8 @@ def _at_stick_slip_border(solution: Solution, traction: Traction) -> NDArray[np.
     """
     touching, stick = solution.pressure > 0, np.asarray(traction.stick, bool)
     if isinstance(traction, RollingTraction) and not stick.any():
-        ahead = np.pad(touching, ((1, 1), (0, 0)))
-        return touching & ~(ahead[2:] & ahead[:-2])
+        padded = np.pad(touching, ((1, 1), (0, 0)))
+        return touching & ~(padded[2:] & padded[:-2])
     paddings = solution.problem.paddings
     beside = np.zeros_like(touching)
     for axis in (0, 1):

@@ -49,11 +49,11 @@ def quantity(field: str, value: object, unit: Unit) -> float:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     if not match[2] and match[1].endswith("inf"):  # infinite in any unit
         return float(match[1])
-    given, wanted = decimal_unit(match[2]), decimal_unit(unit.symbol)
-    if given is not None and wanted is not None:
-        if given[1] == wanted[1]:
+    source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
+    if source is not None and target is not None:
+        if source[1] == target[1]:
             with suppress(ArithmeticError):
-                return float(Decimal(match[1]).scaleb(given[0] - wanted[0]))
+                return float(Decimal(match[1]).scaleb(source[0] - target[0]))
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     pint = import_for("a unit", "pint")  # slow to import, and needed only here
     registry = _registry()
@@ -215,11 +215,11 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
         }
         if len(fitting) == 1 and default not in fitting:
             return fitting.pop()
-        own = {field.name for field in fields(default)} if default is not None else set()
+        own_fields = {field.name for field in fields(default)} if default is not None else set()
         for name, kind in named.items():
-            foreign = {field.name for field in fields(kind)} & set(table) - own
-            if default is not None and foreign and own & set(table):
-                keys = ", ".join(sorted(own & set(table) | foreign))
+            foreign = {field.name for field in fields(kind)} & set(table) - own_fields
+            if default is not None and foreign and own_fields & set(table):
+                keys = ", ".join(sorted(own_fields & set(table) | foreign))
                 raise InvalidInput(
                     f"it has {keys} together: give the keys of {default.__name__}, or those of {name}."
                 )

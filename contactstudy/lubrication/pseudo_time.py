@@ -259,8 +259,8 @@ def _residual(linear: Linearised, film: Film) -> float:
         return residual
     boundary = linear.equation.boundary
     rise = film.film / boundary - 1
-    apart = float(np.minimum(np.abs(rise), film.contact).max())
-    return max(residual, apart, -float(rise.min()))
+    violation = float(np.minimum(np.abs(rise), film.contact).max())
+    return max(residual, violation, -float(rise.min()))
 
 
 def _flow(linear: Linearised) -> float:
@@ -373,13 +373,13 @@ def _updated_film(
 ) -> Film:
     """Return the film after a ``fraction`` of a step, with pressures and voids in their range."""
     film, equation, change = last.film, last.linear.equation, step.change
-    moved = fraction * change.pressure
+    pressure_change = fraction * change.pressure
     if film.contact is None:
-        largest = np.full_like(moved, inf)
+        largest = np.full_like(pressure_change, inf)
         log_slope = equation.log_viscosity(film.pressure)[1]
         np.divide(controls.viscosity_change, log_slope, out=largest, where=log_slope > 0)
-        moved = np.clip(moved, -largest, largest)
-    pressure = np.maximum(film.pressure + moved, 0)
+        pressure_change = np.clip(pressure_change, -largest, largest)
+    pressure = np.maximum(film.pressure + pressure_change, 0)
     largest_void = 1 - TUNING.content_fall * (1 - film.void) if equation.conserves else inf
     void = np.clip(film.void + fraction * change.void, 0, largest_void)
     contact = None

@@ -252,9 +252,9 @@ class Comparison:
             )
             if not candidates:
                 return None
-            own = [measured for measured in candidates if measured.label == self.own_label]
+            own_settings = [measured for measured in candidates if measured.label == self.own_label]
             best = min(candidates, key=_by_error)
-            nearest = min(own, key=_by_error, default=best)
+            nearest = min(own_settings, key=_by_error, default=best)
             # below the reference's own bound errors are equal
             if nearest.error <= best.error + self.floor:
                 best = nearest

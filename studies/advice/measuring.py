@@ -276,11 +276,11 @@ class _Comparing:
             rungs += [] if rung is None else [rung]
         if not rungs:
             return
-        own = self._solved(self.subject, self.subject.own, rungs)
-        bounded = [k for k, measured in enumerate(own) if measured.is_bounded]
-        enough = [k for k in bounded if own[k].error + floor <= self.error] or bounded[-1:]
+        own_settings = self._solved(self.subject, self.subject.own, rungs)
+        bounded = [k for k, measured in enumerate(own_settings) if measured.is_bounded]
+        enough = [k for k in bounded if own_settings[k].error + floor <= self.error] or bounded[-1:]
         near = slice(max(0, enough[0] - 1), enough[0] + 2) if enough else slice(None)
-        least = min((own[k].error for k in bounded), default=inf)
+        least = min((own_settings[k].error for k in bounded), default=inf)
         worth_timing = max(MAX_PADDING_ERROR_FACTOR * least, self.error)
         candidates = [
             (self.subject, item.padding, label_of(item.padding))
@@ -290,7 +290,9 @@ class _Comparing:
         if self.subject.exact is not None and self.subject.unit[1] > 1:
             line = replace(self.subject, unit=(self.subject.unit[0], 1))
             candidates.insert(0, (line, cs.ExactPeriodicity(), LINE))
-        times = {rung.multiple: measured.time for rung, measured in zip(rungs, own, strict=True)}
+        times = {
+            rung.multiple: measured.time for rung, measured in zip(rungs, own_settings, strict=True)
+        }
         outside = [rung for rung in rungs if rung not in rungs[near]]
         untimed: list[str] = []
         for part in (rungs[near], outside):

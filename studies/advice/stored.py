@@ -84,10 +84,10 @@ def to_dataset(measured: Comparison) -> xr.Dataset:
         "quantity": np.array(quantities, dtype=object),
         "tolerance": list(measured.tolerances),
     }
-    rest = {name: getattr(measured, name) for name in AS_JSON}
+    texts = {name: getattr(measured, name) for name in AS_JSON}
     attributes = {
         "title": f"Settings of {measured.name}", "scene": measured.text, "own": as_text(measured.own),
-        "comparison": json.dumps(rest),
+        "comparison": json.dumps(texts),
     }  # fmt: skip
     return xr.Dataset(data, coords, attributes)
 
@@ -108,10 +108,10 @@ def from_dataset(dataset: xr.Dataset) -> Comparison:
     alone = zip(
         values["padding_alone"], values["padding_error_l1"], values["padding_change"], strict=True
     )
-    rest = json.loads(dataset.attrs["comparison"])
-    tuples = {name: tuple(value) for name, value in rest.items() if isinstance(value, list)}
+    attributes = json.loads(dataset.attrs["comparison"])
+    tuples = {name: tuple(value) for name, value in attributes.items() if isinstance(value, list)}
     return Comparison(
-        **rest | tuples,
+        **attributes | tuples,
         own=from_text(dataset.attrs["own"]),
         paddings=tuple(
             PaddingError(

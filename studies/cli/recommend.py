@@ -96,8 +96,8 @@ def measured_scene(
     from studies.report.scene_sections import comparison_of
 
     positive("seconds", seconds, "must be a time above 0 s, such as 60")
-    rest = kept * (perf_counter() - start)
-    budget = Budget(max(seconds - rest, seconds / 4), start)
+    reserved = kept * (perf_counter() - start)
+    budget = Budget(max(seconds - reserved, seconds / 4), start)
     described = paper_described() if scene is None else described_in(scene)
     folder = out if scene is None else out / scene.stem
     return comparison_of(described, error, budget, folder, log), folder

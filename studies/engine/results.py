@@ -141,13 +141,13 @@ class Results:
             if path == self.journal.path or self.options.fields == "kept":
                 continue
             with suppress(InvalidInput):  # a damaged journal is no other study's concern
-                other = Journal(path, self.request.context, machine())
-                for name in (other.records.keys() & set(missing)) - adopted:
-                    record, identity = other.records[name], self.request.identities[name]
+                other_journal = Journal(path, self.request.context, machine())
+                for name in (other_journal.records.keys() & set(missing)) - adopted:
+                    record, identity = other_journal.records[name], self.request.identities[name]
                     if record.case_status is CaseStatus.OK and record.is_of(identity):
-                        loaded = other.programs[record.stamp].loaded
+                        loaded = other_journal.programs[record.stamp].loaded
                         self.journal.add(identity, replace(record.outcome, loaded=loaded))
-                        for sample in other.samples_of(name):
+                        for sample in other_journal.samples_of(name):
                             self.journal.time(name, sample)
                         adopted.add(name)
         if adopted:

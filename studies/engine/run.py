@@ -67,12 +67,12 @@ def run(
     """
     chosen = options or RunOptions(workers=workers, repeats=repeats)
     study.check_size(chosen.most_points)
-    said = _with_name(study, log)
-    request = _request(study, said)
+    named_log = _with_name(study, log)
+    request = _request(study, named_log)
     folder = open_folder(out.absolute())
     with locked(folder / f".{study.name}.lock", log), Stop() as stop:
         remove_partial_files(folder)
-        results = Results.of(study, request, folder, chosen, said)
+        results = Results.of(study, request, folder, chosen, named_log)
         with results.journal:
             return _Run(results, stop).execute()
 
@@ -243,16 +243,16 @@ class _Run:
             )
             workers = 1
         cases = {name: self.request.cases[name] for name in missing}
-        given = cases, self.work, finished, self.stop
+        arguments = cases, self.work, finished, self.stop
         # what computes is imported where it is needed
         if workers or scheduler:
             from studies.engine.cluster import DaskRun
 
-            DaskRun(*given, workers=workers, address=scheduler, log=self.log).run()
+            DaskRun(*arguments, workers=workers, address=scheduler, log=self.log).run()
         else:
             from studies.engine.executors import compute_here
 
-            compute_here(*given, self.journal.begin)
+            compute_here(*arguments, self.journal.begin)
 
     def _check_program(self, outcome: Outcome) -> None:
         """Refuse an outcome of another program on another machine; report that a file here has been edited meanwhile."""

@@ -130,16 +130,16 @@ class Journal:
         loaded
             What the process that computed it had loaded.
         """
-        known = self._stamps.get((id(loaded), state))
-        if known is None:
+        cached = self._stamps.get((id(loaded), state))
+        if cached is None:
             program = {"part": dict(self._context.part), "state": state, "loaded": dict(loaded)}
             stamp = digest(text(program).encode())
             if stamp not in self.programs:
                 self._write({"program": stamp} | program)
             # what this run computes counts in it, also where a file has been edited meanwhile
             self._present.add(stamp)
-            known = self._stamps[id(loaded), state] = loaded, stamp
-        return known[1]
+            cached = self._stamps[id(loaded), state] = loaded, stamp
+        return cached[1]
 
     def begin(self, key: str) -> None:
         """Write that this process begins a case, so that the next run knows the case in which a run died."""
@@ -370,8 +370,8 @@ class Journal:
             os.fsync(aside.fileno())
         self._end -= sum(map(len, self._damaged.values()))
         with self.path.open("rb") as file, replacing(self.path) as partial:
-            kept = [raw for number, raw in enumerate(file) if number not in self._damaged]
-            partial.write_bytes(b"".join(kept)[: self._end])
+            undamaged = [raw for number, raw in enumerate(file) if number not in self._damaged]
+            partial.write_bytes(b"".join(undamaged)[: self._end])
             file.close()  # Windows replaces no open file
         self.notes.append(
             f"{len(self._damaged)} damaged lines of the journal are set aside in {damaged}; what they held is recomputed"

@@ -105,7 +105,7 @@ class States:
             return self.held(value.__wrapped__, holder)
         if isinstance(value, np.ufunc):  # of a library; another one may be made of any function
             libraries = np, sys.modules.get("scipy.special")
-            is_known = any(getattr(one, value.__name__, None) is value for one in libraries)
+            is_known = any(getattr(library, value.__name__, None) is value for library in libraries)
             return repr(value) if is_known else None
         name = getattr(value, "__qualname__", None)
         owner = getattr(value, "__self__", None)
@@ -126,8 +126,8 @@ class States:
     def _function(self, function: FunctionType, holder: str | None) -> Tree:
         """Return the code of a function, what it holds, and the values that it names."""
         self.modules.add(function.__module__)
-        held = [function.__defaults__, function.__kwdefaults__, vars(function)]
-        parts = [f"{function.__module__}.{function.__qualname__}", self.held(held, holder)]
+        values = [function.__defaults__, function.__kwdefaults__, vars(function)]
+        parts = [f"{function.__module__}.{function.__qualname__}", self.held(values, holder)]
         for cell in function.__closure__ or ():
             try:
                 content = cell.cell_contents

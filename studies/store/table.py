@@ -77,7 +77,7 @@ def assemble(
         if kind.dims != (name,):
             values = _filled(variables, len(rows))[index]
             data[name] = xr.Variable(names + kind.dims, values, dict(kind.attrs))
-        elif all(np.array_equal(kind.values, one.values) for one in variables.values()):
+        elif all(np.array_equal(kind.values, variable.values) for variable in variables.values()):
             coords[name] = kind
         else:
             left_out.append(f"{name}, a coordinate that is not the same at every point")
@@ -91,15 +91,15 @@ def _chosen(
     outcomes: Sequence[Outcome | None], points: int, left_out: list[str]
 ) -> Iterator[tuple[str, Variables]]:
     """Yield for each name the variables that most cases have, unless their dimensions contradict those of others."""
-    found: dict[str, dict[int, xr.Variable]] = defaultdict(dict)
+    columns: dict[str, dict[int, xr.Variable]] = defaultdict(dict)
     for row, outcome in enumerate(outcomes):
         for name, variable in outcome.variables.items() if outcome is not None else ():
-            found[name][row] = variable
+            columns[name][row] = variable
     no_coordinates = {
-        name for name, every in found.items() if any(v.dims != (name,) for v in every.values())
+        name for name, every in columns.items() if any(v.dims != (name,) for v in every.values())
     }
     sizes: dict[Hashable, int] = {}
-    for name, every in found.items():
+    for name, every in columns.items():
         alike: dict[Hashable, dict[int, xr.Variable]] = defaultdict(dict)
         for row, variable in every.items():
             alike[_signature(variable)][row] = variable

@@ -27,8 +27,8 @@ def picture(solved: xr.Dataset) -> Figure:
     """Draw a contact as its dataset labels it: pressure, cross-sections, gap and stress."""
     plane_strain = solved.sizes["y"] == 1
     drawn = [_across, _gap] if plane_strain else [_map, _along, _across, _gap]
-    more = {"shear_x": _shear, "von_mises": _stress}
-    drawn += [draw for name, draw in more.items() if name in solved]
+    drawers = {"shear_x": _shear, "von_mises": _stress}
+    drawn += [draw for name, draw in drawers.items() if name in solved]
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(len(drawn), columns=2 if len(drawn) < 5 else 3, width=4.6, height=3.4)
         for draw, ax in zip(drawn, axes, strict=True):

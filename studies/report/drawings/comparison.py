@@ -320,9 +320,11 @@ def _costs(measured: Comparison) -> Table:
         if verdict is None or not verdict.meets:
             continue
         best = verdict.best
-        others = [label for label in measured.labels if label != best.label and measured.of(label)]
+        other_labels = [
+            label for label in measured.labels if label != best.label and measured.of(label)
+        ]
         rival_shown = min(verdict.rivals, key=lambda rival: rival.ratio, default=None)
-        finest = {label: measured.of(label)[-1].setting.cells[0] for label in others}
+        finest = {label: measured.of(label)[-1].setting.cells[0] for label in other_labels}
         is_judged = finest and min(finest.values()) >= best.setting.cells[0]
         beside = "none meets it" if is_judged else "not timed on such grids"
         if rival_shown is not None:
@@ -363,7 +365,7 @@ def _changes(measured: Comparison) -> Table:
     names = [
         (name, long_name)
         for name, long_name in quantities
-        if any(abs(one.changes.get(name, inf)) >= ZERO_CHANGE for one in measured.paddings)
+        if any(abs(padding.changes.get(name, inf)) >= ZERO_CHANGE for padding in measured.paddings)
     ]
 
     def signed(value: float) -> str:

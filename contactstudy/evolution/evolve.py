@@ -35,7 +35,7 @@ from contactstudy.evolution.steps import (
 )
 from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import instantaneous, is_layered, response
+from contactstudy.scene.bodies import instantaneous, is_layered, response, yields
 from contactstudy.scene.fretting import Fretting
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory
@@ -85,7 +85,7 @@ def coupled_state_variable(
     InvalidInput
         For a padding on which plastic strain has no operator.
     """
-    if not any(getattr(body, "yields", False) for body in scene.solids):
+    if not any(map(yields, scene.solids)):
         return None
 
     # imported only for scenes with such a body

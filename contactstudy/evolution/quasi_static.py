@@ -20,7 +20,7 @@ from contactstudy.evolution.steps import schedule
 from contactstudy.evolution.time_stepper import unloaded
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
-from contactstudy.scene.bodies import instantaneous
+from contactstudy.scene.bodies import creeps, instantaneous
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.motion import check_slow
 from contactstudy.scene.scene import PosedScene, Scene
@@ -73,7 +73,7 @@ def follow_load(
     elastic = scene
     if scene.rolling is not None:
         assert scene.rolling.speed is not None
-        if any(getattr(solid, "creeps", False) for solid in scene.solids):
+        if any(map(creeps, scene.solids)):
             check_slow("Scene.rolling", scene.rolling.speed, load, scene.hertz)
         elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
     largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)

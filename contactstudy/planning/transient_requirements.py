@@ -10,7 +10,7 @@ from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import layers
 from contactstudy.planning.grid_requirements import WIDTH_FACTOR
-from contactstudy.scene.bodies import Body, instantaneous
+from contactstudy.scene.bodies import Body, instantaneous, yields
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.scene import AnyLoad, Scene
@@ -90,11 +90,7 @@ def yielding(scene: Scene) -> Yielding | None:
 
     None where nothing yields, or no curvature determines the width of the contact.
     """
-    limits = [
-        float(getattr(body, "yield_stress", 0.0))
-        for body in scene.solids
-        if getattr(body, "yields", False)
-    ]
+    limits = [float(getattr(body, "yield_stress", 0.0)) for body in filter(yields, scene.solids)]
     if not limits or scene.hertz is None:
         return None
     return Yielding(scene.hertz.peak_pressure / min(limits), scene.hertz.half_width, len(limits))

@@ -16,7 +16,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
-from contactstudy.scene.bodies import BodyContext
+from contactstudy.scene.bodies import BodyContext, yields
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
@@ -128,7 +128,7 @@ class Adhesion:
                 )
         self._check_friction(scene.friction)
         for number, solid in enumerate(scene.solids):
-            if getattr(solid, "yields", False):
+            if yields(solid):
                 raise InvalidInput(
                     f"Scene.solids[{number}] yields together with Adhesion: the attraction on a surface that flows is "
                     "not known, give an elastic body, or no adhesion."

@@ -156,6 +156,16 @@ def is_layered(solid: object) -> TypeGuard[Layered]:
     return hasattr(solid, "compliance_at")
 
 
+def creeps(solid: object) -> bool:
+    """Return whether a body creeps: its displacement follows its pressure with a delay."""
+    return getattr(solid, "creeps", False)
+
+
+def yields(solid: object) -> bool:
+    """Return whether a body yields: it keeps a plastic strain."""
+    return getattr(solid, "yields", False)
+
+
 @runtime_checkable
 class Inelastic(Protocol):
     """Body that responds like an elastic half-space to a first, sudden load."""

@@ -23,7 +23,9 @@ from contactstudy.scene.bodies import (
     HalfSpace,
     Homogeneous,
     Inelastic,
+    creeps,
     is_layered,
+    yields,
 )
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.shapes.shape import Shape
@@ -140,7 +142,7 @@ class Sliding:
             )
         if are_similar(scene.solids) or self.coefficient == 0:
             return
-        if any(getattr(solid, "creeps", False) for solid in scene.solids):
+        if any(map(creeps, scene.solids)):
             raise InvalidInput(
                 f"Scene.solids are elastically dissimilar (Dundurs' beta {beta:.3g}) together with Sliding, and one "
                 "creeps: creep of their coupling is not supported, give equal bodies, or an incompressible one on a "
@@ -354,13 +356,12 @@ def check_tangential_response(
 ) -> None:
     """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
-        creeps = getattr(solid, "creeps", False)
-        if (creeps and creeping) or isinstance(solid, HalfSpace | CoatedHalfSpace):
+        if (creeps(solid) and creeping) or isinstance(solid, HalfSpace | CoatedHalfSpace):
             continue
         reason = "its response to shear is not known"
-        if getattr(solid, "yields", False):
+        if yields(solid):
             reason = "shear makes it flow along its surface, which is not computed"
-        elif creeps:
+        elif creeps(solid):
             reason = "it keeps shear from before, which is not computed"
         raise InvalidInput(
             f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: {reason}, give a HalfSpace or a "

@@ -25,7 +25,7 @@ from contactstudy.domain.units import (
     PressureViscosity,
     Seconds,
 )
-from contactstudy.scene.bodies import BodyContext
+from contactstudy.scene.bodies import BodyContext, creeps, yields
 from contactstudy.scene.film_heat import FilmHeat
 from contactstudy.scene.load import History
 
@@ -540,8 +540,6 @@ class Lubrication:
 
     def check(self, scene: "Flooded") -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not supported with a film."""
-        creeps = any(getattr(body, "creeps", False) for body in scene.solids)
-        yields = any(getattr(body, "yields", False) for body in scene.solids)
         for present, field, reason in (
             (
                 scene.wear is not None,
@@ -563,8 +561,12 @@ class Lubrication:
                 "hardness",
                 "a limit to the pressure would break the balance of flow",
             ),
-            (creeps, "solids", "the film is steady, and a creeping body is not"),
-            (yields, "solids", "the linearised film has no plastic strain"),
+            (
+                any(map(creeps, scene.solids)),
+                "solids",
+                "the film is steady, and a creeping body is not",
+            ),
+            (any(map(yields, scene.solids)), "solids", "the linearised film has no plastic strain"),
         ):
             if present:
                 raise InvalidInput(

@@ -34,8 +34,10 @@ from contactstudy.scene.bodies import (
     Body,
     RestrictedBody,
     contact_modulus,
+    creeps,
     is_layered,
     response,
+    yields,
 )
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
 from contactstudy.scene.resulting_load import Approach, PullOff
@@ -473,7 +475,7 @@ class Scene:
         if getattr(self.friction, "times", None) is not None:
             return "Scene.friction"
         for number, solid in enumerate(self.solids):
-            if getattr(solid, "creeps", False) or getattr(solid, "yields", False):
+            if creeps(solid) or yields(solid):
                 return f"Scene.solids[{number}]"
         if self.lubrication is None:
             return None
@@ -492,8 +494,7 @@ class Scene:
     @property
     def is_quasi_static(self) -> bool:
         """True if each instant is in equilibrium by itself, as with adhesion and in steady rolling."""
-        creeps = any(getattr(solid, "creeps", False) for solid in self.solids)
-        adheres = self.adhesion is not None and not creeps
+        adheres = self.adhesion is not None and not any(map(creeps, self.solids))
         return adheres or self.rolling is not None or getattr(self.friction, "is_steady", False)
 
     @property

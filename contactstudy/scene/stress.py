@@ -27,7 +27,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 from contactstudy.problem.problem import Field
-from contactstudy.scene.bodies import Body, Homogeneous
+from contactstudy.scene.bodies import Body, Homogeneous, yields
 
 Z = {"axis": "Z", "positive": "down"}
 # Value of `depths` that chooses them.
@@ -79,7 +79,7 @@ class SubsurfaceStress:
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, one that is no half-space, or one that yields."""
         body = solids[self.solid]
-        if any(getattr(solid, "yields", False) for solid in solids):
+        if any(map(yields, solids)):
             raise InvalidInput(
                 "SubsurfaceStress is that of elastic bodies, and one of Scene.solids yields: its stress, total "
                 "and residual, is in the answer already, leave this output out."

@@ -14,7 +14,12 @@ from contactstudy.accuracy.discretisation import (
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
 from contactstudy.accuracy.truncation import truncation
-from contactstudy.accuracy.two_grids import compare_grids, pull_off_error, range_errors
+from contactstudy.accuracy.two_grids import (
+    PEAK_WITHOUT_LIMIT,
+    compare_grids,
+    pull_off_error,
+    range_errors,
+)
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
@@ -183,10 +188,11 @@ def error_estimate(
     area = ErrorParts(l1_images, cells.contact_area, l1_residual)
     gap = ErrorParts(CONSTANTS.gap_error_by_images * l1_images, cells.mean_gap, l1_residual)
     if by_range := range_errors(solution):
-        l1 = replace(l1, range=by_range.l1)
-        peak = replace(peak, range=by_range.peak_pressure, reason=by_range.warnings[0])
-        area = replace(area, range=by_range.contact_area)
-        gap = replace(gap, range=_gap_error(solution, by_range.l1, 0.0, 0.0))
+        l1_by_range, area_by_range = by_range
+        l1 = replace(l1, range=l1_by_range)
+        peak = replace(peak, range=inf, reason=PEAK_WITHOUT_LIMIT)
+        area = replace(area, range=area_by_range)
+        gap = replace(gap, range=_gap_error(solution, l1_by_range, 0.0, 0.0))
     return ErrorEstimate(
         l1,
         peak,

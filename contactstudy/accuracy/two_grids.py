@@ -33,6 +33,10 @@ PULL_OFF_OVER_JKR = (
 # Bound over the errors by a finite range, of cylinders of a Tabor parameter of 0.4 to 6.4 beside the JKR limit: it was
 # at most 1.09 times what :func:`range_errors` has without it, and nearest at the largest parameter.
 RANGE_MARGIN = 1.25
+PEAK_WITHOUT_LIMIT = (
+    "No bound for the peak pressure: in the limit of short ranges the pressure grows without limit beside the "
+    "attraction, give Adhesion.range."
+)
 # Errors fall in proportion to the cell, so that the change from cells of twice the size is the error of these.
 FIRST_ORDER_MARGIN = 1.5
 # The part of a pull-off load that coarse cells may add by trapping the edge of the contact, by the cells in the zone.
@@ -59,8 +63,10 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
     )
 
 
-def range_errors(solution: Solution) -> DiscretisationErrors | None:
-    """Return the errors by a range of the attraction that was chosen for the grid; None for a range that is given.
+def range_errors(solution: Solution) -> tuple[float, float] | None:
+    """Return the relative errors of the L1 pressure and of the contact area by a range that was chosen for the grid.
+
+    None for a range that is given.
 
     In the JKR limit the traction has a root singularity at the edge of the contact, which a range r replaces by a
     cohesive zone. That moves the force E* r per length of edge, and the edge by at most the zone (Maugis 1992). There
@@ -77,15 +83,8 @@ def range_errors(solution: Solution) -> DiscretisationErrors | None:
     zone = pi * modulus * adhesion.range**2 / (4 * posed.scene.adhesion.work)
     edges = RANGE_MARGIN * contact_perimeter(touching, grid, problem.paddings) / grid.cell_area
     net_traction = np.abs(solution.pressure - adhesion.traction).sum()
-    return DiscretisationErrors(
-        edges * modulus * adhesion.range / float(net_traction),
-        inf,
-        edges * zone / int(touching.sum()),
-        0.0,
-        warnings=(
-            "No bound for the peak pressure: in the limit of short ranges the pressure grows without limit beside the "
-            "attraction, give Adhesion.range.",
-        ),
+    return edges * modulus * adhesion.range / float(net_traction), edges * zone / int(
+        touching.sum()
     )
 
 

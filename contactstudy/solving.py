@@ -38,8 +38,8 @@ class Progress:
 
     Attributes
     ----------
-    done
-        Fraction that is done, from 0 to 1.
+    fraction
+        Fraction of the solve that is done, from 0 to 1.
     text
         What has been reached, in words.
     pressure
@@ -48,7 +48,7 @@ class Progress:
         Grid of that pressure; None for others.
     """
 
-    done: float
+    fraction: float
     text: str
     pressure: Array | None = None
     grid: Grid | None = None

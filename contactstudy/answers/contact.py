@@ -149,10 +149,14 @@ class Contact(Answer, Solution):
             return pressed
         numbers = [self.quantities[name] for name in OF_SHEAR if name in self.quantities]
         least = max(numbers, key=lambda number: number.relative_bound if number.value else 0.0)
-        known = least.relative_bound
-        if known <= self.requested or not least.value:
+        relative_bound = least.relative_bound
+        if relative_bound <= self.requested or not least.value:
             return pressed
-        text = f"is known to {100 * known:.2g} %" if isfinite(known) else "has no bound"
+        text = (
+            f"is known to {100 * relative_bound:.2g} %"
+            if isfinite(relative_bound)
+            else "has no bound"
+        )
         return f"{pressed}; the {least.label} {text}"
 
     @property

@@ -301,7 +301,7 @@ def interpolated_outside(
     `contact` is 1 in the contact and 0 elsewhere; `displacement` is zero outside it.
     """
     rows, columns = blocks.shape
-    one, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
+    full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
     near = np.empty(columns + 2, dtype=displacement.dtype)  # and its periodic neighbours
     line = np.empty(2 * columns, dtype=displacement.dtype)
     for i in range(2 * begin, 2 * end):
@@ -315,7 +315,7 @@ def interpolated_outside(
             line[2 * m] = middle + least * near[m]
             line[2 * m + 1] = middle + least * near[m + 2]
         for j in range(2 * columns):
-            extended[i, j] = line[j] * (one - contact[i, j]) + displacement[i, j]
+            extended[i, j] = line[j] * (full - contact[i, j]) + displacement[i, j]
 
 
 @exact
@@ -324,16 +324,16 @@ def interpolated_outside_transposed(
 ) -> None:
     """Gather the pressure outside the contact to blocks: the transpose of :func:`interpolated_outside`."""
     rows, columns = blocks.shape
-    one, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
+    full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
     line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # and its periodic neighbours
     for k in range(begin, end):
         first, last = 2 * k, 2 * k + 1
         above, below = (first - 1) % (2 * rows), (last + 1) % (2 * rows)
         for j in range(2 * columns):
-            inner = (one - contact[first, j]) * pressure[first, j]
-            inner += (one - contact[last, j]) * pressure[last, j]
-            outer = (one - contact[above, j]) * pressure[above, j]
-            outer += (one - contact[below, j]) * pressure[below, j]
+            inner = (full - contact[first, j]) * pressure[first, j]
+            inner += (full - contact[last, j]) * pressure[last, j]
+            outer = (full - contact[above, j]) * pressure[above, j]
+            outer += (full - contact[below, j]) * pressure[below, j]
             line[j + 1] = most * inner + least * outer
         line[0], line[2 * columns + 1] = line[2 * columns], line[1]
         for m in range(columns):

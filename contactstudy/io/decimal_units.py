@@ -30,5 +30,7 @@ def decimal_unit(symbol: str) -> Scale | None:
         power, powers = KNOWN[name.strip()]
         times = int(exponent or 1) * (1 if sign == "*" else -1)
         total += times * power
-        totals = tuple(before + times * own for before, own in zip(totals, powers, strict=True))
+        totals = tuple(
+            before + times * unit_power for before, unit_power in zip(totals, powers, strict=True)
+        )
     return total, totals

@@ -104,18 +104,18 @@ def evolution_quantities(
             slid, "m", "largest distance slipped", inf, NO_BOUND_OF_SLIP
         )
     if "residual_displacement" in fields:
-        left = fields[
+        residual = fields[
             "residual_displacement"
         ].values  # into the bodies, from the undeformed surface
         for name, height, words in (
             (
                 "dent_depth",
-                left.max(),
+                residual.max(),
                 "depth of the dent at the end, below the undeformed surface",
             ),
             (
                 "shoulder_height",
-                -left.min(),
+                -residual.min(),
                 "height of its shoulders, above the undeformed surface",
             ),
         ):

@@ -377,12 +377,12 @@ def _balance_along(
     """Return the balance of the flow along the length, and add its derivatives to the bands."""
     along = _poiseuille_flow(cells, cells.next_along(), factor)
     last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
-    for bands, ahead, behind, last_ahead, last_behind in (
+    for bands, by_behind, by_before, last_by_behind, last_by_before in (
         (pressure, along.pressure_behind, along.pressure_before, *last[1:3]),
         (film, along.film_behind, along.film_before, *last[3:5]),
     ):
-        bands[0, 0] = bands[0, 0] + behind - last_behind
-        bands[0, 1], bands[0, -1] = ahead, -last_ahead
+        bands[0, 0] = bands[0, 0] + by_before - last_by_before
+        bands[0, 1], bands[0, -1] = by_behind, -last_by_behind
     return np.asarray(along.flux - last.flux)
 
 

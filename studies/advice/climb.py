@@ -119,7 +119,7 @@ class Climb:
         start = process_time()
         try:
             answer = self.subject.solve(
-                Setting(self.subject.own, self.cells(multiple), TIGHT_TOLERANCE)
+                Setting(self.subject.boundary, self.cells(multiple), TIGHT_TOLERANCE)
             )
         except cs.InvalidInput:
             if multiple >= RESOLVED_FROM:

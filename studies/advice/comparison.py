@@ -149,7 +149,7 @@ class Comparison:
         Name of the scene, and the scene as TOML.
     extent
         Width and length [m].
-    own
+    boundary
         The boundary of the scene itself.
     error
         Requested relative L1 error.
@@ -174,7 +174,7 @@ class Comparison:
     name: str
     text: str
     extent: tuple[float, float]
-    own: cs.Padding | cs.Paddings
+    boundary: cs.Padding | cs.Paddings
     error: float
     floor: float
     reference: tuple[int, int] | None
@@ -193,7 +193,7 @@ class Comparison:
     @property
     def own_label(self) -> str:
         """Name of the scene's own boundary."""
-        return label_of(self.own)
+        return label_of(self.boundary)
 
     def of(self, label: str) -> list[Measured]:
         """Return the settings of one padding, from the coarsest."""

@@ -138,7 +138,7 @@ class _Comparing:
             name=subject.name,
             text=subject.text,
             extent=subject.extent,
-            own=subject.own,
+            boundary=subject.boundary,
             error=self.error,
             floor=floor,
             reference=None if self.reference is None else climb.cells(self.reference),
@@ -165,7 +165,7 @@ class _Comparing:
 
     def _candidates(self) -> Sequence[cs.Padding | cs.Paddings]:
         """Return the paddings other than the own boundary."""
-        if self.subject.is_free and label_of(self.subject.own) != "free":
+        if self.subject.is_free and label_of(self.subject.boundary) != "free":
             return ()
         circular = [cs.CircularSuperposition(n) for n in CIRCULAR_IMAGES]
         if self.subject.unit[1] == 1:
@@ -228,7 +228,7 @@ class _Comparing:
 
     def _error_by(self, tolerance: float, multiple: int) -> float | None:
         """Return the error by a tolerance on a rung; None where the steps of the scene refuse a tolerance as loose."""
-        setting = Setting(self.subject.own, self.climb.cells(multiple), tolerance)
+        setting = Setting(self.subject.boundary, self.climb.cells(multiple), tolerance)
         try:
             answer = self.subject.solve(setting)
         except cs.InvalidInput:
@@ -276,7 +276,7 @@ class _Comparing:
             rungs += [] if rung is None else [rung]
         if not rungs:
             return
-        own_settings = self._solved(self.subject, self.subject.own, rungs)
+        own_settings = self._solved(self.subject, self.subject.boundary, rungs)
         bounded = [k for k, measured in enumerate(own_settings) if measured.is_bounded]
         enough = [k for k in bounded if own_settings[k].error + floor <= self.error] or bounded[-1:]
         near = slice(max(0, enough[0] - 1), enough[0] + 2) if enough else slice(None)
@@ -321,9 +321,9 @@ class _Comparing:
         """Return whether a padding is timed: without an n, with a small one, or with the largest if that is needed."""
         images = getattr(item.padding, "images", 0)
         is_short = any(
-            other.l1 > TOLERANCE_FRACTION * self.error
-            for other in paddings
-            if getattr(other.padding, "images", 0) == max(TIMED_IMAGES)
+            candidate.l1 > TOLERANCE_FRACTION * self.error
+            for candidate in paddings
+            if getattr(candidate.padding, "images", 0) == max(TIMED_IMAGES)
         )
         return images in (0, *TIMED_IMAGES) or (is_short and images == max(CIRCULAR_IMAGES))
 

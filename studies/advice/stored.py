@@ -86,7 +86,7 @@ def to_dataset(measured: Comparison) -> xr.Dataset:
     }
     texts = {name: getattr(measured, name) for name in AS_JSON}
     attributes = {
-        "title": f"Settings of {measured.name}", "scene": measured.text, "own": as_text(measured.own),
+        "title": f"Settings of {measured.name}", "scene": measured.text, "own": as_text(measured.boundary),
         "comparison": json.dumps(texts),
     }  # fmt: skip
     return xr.Dataset(data, coords, attributes)
@@ -112,7 +112,7 @@ def from_dataset(dataset: xr.Dataset) -> Comparison:
     tuples = {name: tuple(value) for name, value in attributes.items() if isinstance(value, list)}
     return Comparison(
         **attributes | tuples,
-        own=from_text(dataset.attrs["own"]),
+        boundary=from_text(dataset.attrs["own"]),
         paddings=tuple(
             PaddingError(
                 from_text(text),

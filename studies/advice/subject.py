@@ -77,7 +77,7 @@ class Subject:
         The scene, with random surfaces of the extent.
     extent
         Width and length [m] of every grid.
-    own
+    boundary
         The boundary of the scene itself: all images, or free ends.
     unit
         Cells of which every grid has a multiple, see :func:`~studies.advice.ladder.unit_of`.
@@ -94,7 +94,7 @@ class Subject:
     name: str
     scene: cs.Scene
     extent: tuple[float, float]
-    own: cs.Padding | cs.Paddings
+    boundary: cs.Padding | cs.Paddings
     unit: tuple[int, int]
     options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
     times: cs.TimeSteps | None = None
@@ -118,12 +118,12 @@ class Subject:
 
     def fits(self, cells: tuple[int, int]) -> bool:
         """Return whether this machine's memory holds a solve at the own boundary."""
-        return memory(self.grid(cells), self.own) <= MEMORY_FRACTION * available_bytes()
+        return memory(self.grid(cells), self.boundary) <= MEMORY_FRACTION * available_bytes()
 
     @property
     def is_free(self) -> bool:
         """True if the scene itself ends along its length, so that no image belongs to it."""
-        return isinstance(self.own, tuple)
+        return isinstance(self.boundary, tuple)
 
     @cached_property
     def exact(self) -> "cs.analytic.HertzLine | None":
@@ -334,7 +334,7 @@ def balanced(subject: Subject, cells: tuple[int, int]) -> Subject:
         along = max(4, round(sqrt(TRIAL / ratio)))
         trial = max(4, round(ratio * along)), along
         answers = [
-            subject.solve(Setting(subject.own, tried, TRIAL_TOLERANCE))
+            subject.solve(Setting(subject.boundary, tried, TRIAL_TOLERANCE))
             for tried in (trial, (2 * trial[0], trial[1]), (trial[0], 2 * trial[1]))
         ]
         widest = requirements_of(subject.scene).widest

@@ -33,7 +33,7 @@ def solved(
 
         def show(progress: cs.Progress) -> None:
             last[:] = [progress]
-            bar.n = round(100 * progress.done)
+            bar.n = round(100 * progress.fraction)
             bar.set_postfix_str(progress.text, refresh=False)
             bar.update(0)
 

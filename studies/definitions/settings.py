@@ -79,7 +79,7 @@ def preset(name: str, subject: Subject) -> Study:
         chosen["paper"] = (PAPER_CELLS,)
     hertz = subject.exact
     of_period = "over the scene's own" if hertz is None else "over Hertz half-width"
-    own: tuple[Value, ...] = (1,) if hertz is None else (WIDTH,)
+    own_periods: tuple[Value, ...] = (1,) if hertz is None else (WIDTH,)
     axes = [
         Axis(
             "padding",
@@ -89,7 +89,7 @@ def preset(name: str, subject: Subject) -> Study:
         Axis("images", IMAGES.get(name, (6,)), "periods superposed on each side"),
         Axis(
             "period",
-            (OWN_PERIODS if hertz is None else PERIODS).get(name, own),
+            (OWN_PERIODS if hertz is None else PERIODS).get(name, own_periods),
             f"period length {of_period}",
         ),
         Axis(
@@ -105,7 +105,9 @@ def preset(name: str, subject: Subject) -> Study:
     if hertz is None:
         cells = cells_at(subject.unit, finest)
         tight = replace(subject.options, tolerance=TIGHT)
-        reference = SceneCase(subject.scene, subject.grid(cells), subject.own, tight, subject.times)
+        reference = SceneCase(
+            subject.scene, subject.grid(cells), subject.boundary, tight, subject.times
+        )
         against = f"a solution on {cells[0]} x {cells[1]} cells at the scene's own boundary"
     return Study(
         name,
@@ -128,7 +130,7 @@ class _SettingAt:
         subject = self.subject
         mode = str(point["padding"])
         padding = (
-            subject.own if mode == FREE and subject.is_free
+            subject.boundary if mode == FREE and subject.is_free
             else padding_at(mode, int(point["images"]))
         )  # fmt: skip
         across = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")

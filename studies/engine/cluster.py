@@ -68,7 +68,7 @@ def client_of_dask(address: str | None, threads: int, patience: float) -> "Itera
     from distributed import Client
 
     # an idle dask takes 3 % of a core
-    here = {
+    local_cluster = {
         "n_workers": 1,
         "threads_per_worker": threads,
         "processes": False,
@@ -81,7 +81,7 @@ def client_of_dask(address: str | None, threads: int, patience: float) -> "Itera
         try:
             if address and ":" not in address:
                 raise ValueError(address)
-            arguments = {} if address else here
+            arguments = {} if address else local_cluster
             client = Client(address, timeout=patience, set_as_default=False, **arguments)
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise InvalidInput(

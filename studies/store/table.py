@@ -209,11 +209,11 @@ def stored_table(study: Study, request: Request, journal: Journal) -> PointTable
         return PointTable(study.points, request.keys)
     points = product(*(axis.values for axis in study.points))
     keys, states = dict(zip(points, request.keys, strict=True)), CaseStates()
-    found = [
+    case_keys = [
         keys.get(values) or _stored_key(study, values, journal, states)
         for values in product(*(axis.values for axis in axes))
     ]
-    table = np.array(found, dtype=object).reshape(shape)
+    table = np.array(case_keys, dtype=object).reshape(shape)
     chosen = [np.unique(indices) for indices in (table != "").nonzero()]
     axes_in_use = tuple(
         replace(axis, values=tuple(axis.values[index] for index in indices))

@@ -68,8 +68,8 @@ def matching(wavelengths: Array) -> Array:
     functions = []
     for bells in MATCHING:
         total = np.zeros_like(wavelengths)
-        for height, centre, left, right in bells:
-            width = np.where(wavelengths < centre, left, right)
+        for height, centre, width_below, width_above in bells:
+            width = np.where(wavelengths < centre, width_below, width_above)
             total += height * np.exp(-(((wavelengths - centre) / width) ** 2) / 2)
         functions.append(total)
     return np.stack(functions, axis=-1)

@@ -149,13 +149,13 @@ def _table(name: str) -> Array:
         rows = [row[:-1] for row in rows]
     uneven = next((number for number, row in enumerate(rows) if len(row) != len(rows[0])), None)
     if not rows or uneven is not None:
-        found = (
+        fault = (
             f", whose row {uneven + 1} has {len(rows[uneven])} numbers beside {len(rows[0])}"
             if uneven
             else ""
         )
         raise InvalidInput(
-            f"path is {name!r}{found}: give rows of equally many numbers, separated by commas, semicolons, tabs or "
+            f"path is {name!r}{fault}: give rows of equally many numbers, separated by commas, semicolons, tabs or "
             "blanks."
         )
     return np.array([[_value(name, word) for word in row] for row in rows])

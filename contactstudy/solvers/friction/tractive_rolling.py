@@ -234,13 +234,13 @@ class TractiveShear:
         sliding = 1 - sqrt(1 - min(part, 1.0))  # creepage over that at which all slides
         if self.force is None:
             free = size
-            moved = 4 * sliding * max(1 - sliding, edge) * edge / max(part, LEAST_SLIDING)
+            edge_error = 4 * sliding * max(1 - sliding, edge) * edge / max(part, LEAST_SLIDING)
         else:
-            free, moved = force[1], edge / max(sliding, LEAST_SLIDING)
+            free, edge_error = force[1], edge / max(sliding, LEAST_SLIDING)
         return RollingErrors(
-            force=max(float(np.hypot(across, along)), moved * free),
-            creepage=max(float(creepage), moved * found_creepage),
-            power=max(float(power), moved * found_power),
+            force=max(float(np.hypot(across, along)), edge_error * free),
+            creepage=max(float(creepage), edge_error * found_creepage),
+            power=max(float(power), edge_error * found_power),
         )
 
 

@@ -210,7 +210,7 @@ def one(
 
 def of(*settings: Measured, floor: float = 0.0, error: float = 0.03) -> Comparison:
     return Comparison(
-        name="hand", text="", extent=(1e-3, 1e-3), own=EXACT, error=error, floor=floor, reference=(96, 96),
+        name="hand", text="", extent=(1e-3, 1e-3), boundary=EXACT, error=error, floor=floor, reference=(96, 96),
         bounds={"pressure_l1": floor, "peak_pressure": inf}, paddings=(PaddingError(COPIED, 0.02, {"mean_gap": 0.1}),),
         paddings_on=(48, 48), tolerances={1e-2: 1e-3}, settings=settings, notes=("A note.",), spent=3.0,
     )  # fmt: skip

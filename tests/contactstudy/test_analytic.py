@@ -127,12 +127,10 @@ def test_hertz_line_refuses_what_is_not_above_zero(field: str) -> None:
 @pytest.mark.parametrize(
     ("load", "viscosity", "regime"),
     [
-        (1e-3, 0.0, "rigid, isoviscous"),
-        (1e4, 0.0, "elastic, isoviscous"),
-        (1.0, 1e6, "rigid, piezoviscous"),
+        (1e-3, 0.0, "rigid, isoviscous"), (1e4, 0.0, "elastic, isoviscous"), (1.0, 1e6, "rigid, piezoviscous"),
         (1e6, 1e3, "elastic, piezoviscous"),
     ],
-)
+)  # fmt: skip
 def test_the_film_of_moes_is_that_of_its_regime_at_the_ends(
     load: float, viscosity: float, regime: str
 ) -> None:

@@ -8,11 +8,7 @@ from studies.reference.hard_case import PADDINGS, SOLVERS
 from studies.reference.hard_cases import CASES
 
 # Solutions that claim nothing, and say why.
-UNFINISHED = {
-    cs.Status.ITERATION_LIMIT,
-    cs.Status.STALLED,
-    cs.Status.NO_ADMISSIBLE_PRESSURE,
-}
+UNFINISHED = {cs.Status.ITERATION_LIMIT, cs.Status.STALLED, cs.Status.NO_ADMISSIBLE_PRESSURE}
 
 
 def every(group: str) -> pytest.MarkDecorator:

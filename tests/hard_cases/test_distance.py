@@ -24,14 +24,12 @@ def peak(padding: cs.Padding, period: float) -> float:
 @pytest.mark.parametrize(
     ("padding", "period"),
     [
-        (cs.Superposition(1), 10.0),
-        (cs.CircularSuperposition(1), 10.0),
-        (cs.Superposition(100), 0.05),
+        (cs.Superposition(1), 10.0), (cs.CircularSuperposition(1), 10.0), (cs.Superposition(100), 0.05),
         (cs.CircularSuperposition(100), 0.05),
         (cs.CircularSuperposition(10_000), 1e-3),
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_any_number_of_images_leaves_what_lies_beyond_them(
     padding: cs.Padding, period: float
 ) -> None:

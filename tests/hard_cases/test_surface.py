@@ -41,28 +41,14 @@ def labelled(heights: np.ndarray) -> xr.DataArray:
 @pytest.mark.parametrize(
     "form",
     [
-        np.asfortranarray,
-        strided,
-        read_only,
-        lambda heights: heights.astype(">f8"),
-        np.ma.asarray,
-        labelled,
+        np.asfortranarray, strided, read_only, lambda heights: heights.astype(">f8"),
+        np.ma.asarray, labelled,
         lambda heights: labelled(heights).transpose(),
         lambda heights: labelled(heights).chunk({"width": 8, "length": 5}),
         lambda heights: heights.tolist(),
     ],
-    ids=[
-        "Fortran",
-        "strided",
-        "read-only",
-        "big-endian",
-        "masked",
-        "xarray",
-        "turned",
-        "dask",
-        "list",
-    ],
-)
+    ids=["Fortran", "strided", "read-only", "big-endian", "masked", "xarray", "turned", "dask", "list"],
+)  # fmt: skip
 def test_heights_are_the_same_in_any_form(form: object) -> None:
     plain = cs.solve(bumpy(ROUGH).problem(grid(), EXACT))
     given = form(HEIGHTS)  # type: ignore[operator]

@@ -35,10 +35,7 @@ class CoverageRecord:
         self.folder.mkdir(parents=True, exist_ok=True)
         command = [sys.executable, *f"-m pytest -q -n {jobs} -p no:cacheprovider".split()]
         measured = ["--cov=contactstudy", "--cov=studies", "--cov-context=test", "--cov-report="]
-        environment = os.environ | {
-            "PYTHONPATH": str(copy),
-            "COVERAGE_FILE": str(self._lines),
-        }
+        environment = os.environ | {"PYTHONPATH": str(copy), "COVERAGE_FILE": str(self._lines)}
         subprocess.run(
             [*command, *measured, f"--junitxml={self._outcomes}"], cwd=copy, env=environment
         )

@@ -41,14 +41,10 @@ AXIS = 'Axis("number", (1, 2), "a number"),'
         ("class Number:", "class Number", r"line 6: SyntaxError: expected ':'"),
         ("def figure", "1 / 0\ndef figure", r"line 14: ZeroDivisionError: division by zero"),
         ("def figure", "raise SystemExit(3)\ndef figure", r"line 14: SystemExit: 3"),
-        (
-            "def measures(case, result): return {}",
-            "measures = 5",
-            r"line 13: measures is no function",
-        ),
+        ("def measures(case, result): return {}", "measures = 5", r"line 13: measures is no function"),
         ("def figure", "times = 'some'\ndef figure", r"line 14: times is 'some'"),
     ],
-)
+)  # fmt: skip
 def test_a_mistake_is_said_with_its_line(old: str, new: str, said: str, tmp_path: Path) -> None:
     path = tmp_path / "mine.py"
     assert old in GOOD
@@ -60,14 +56,11 @@ def test_a_mistake_is_said_with_its_line(old: str, new: str, said: str, tmp_path
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        (
-            "raise KeyError('x')",
-            r"raises KeyError in scene_at \(mine\.py, line 12\) at .*'number': 1",
-        ),
+        ("raise KeyError('x')", r"raises KeyError in scene_at \(mine\.py, line 12\) at .*'number': 1"),
         ("return None", r"gives None at .*: return a studies\.model\.case\.Case"),
         ("return [1]", r"gives \[1\] at"),
     ],
-)
+)  # fmt: skip
 def test_a_scene_that_is_none_is_said_with_its_point(body: str, said: str, tmp_path: Path) -> None:
     path = tmp_path / "mine.py"
     path.write_text(GOOD.replace('return Number(point["number"])', body))

@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.contact_edge import (
-    MIN_TOUCHING,
-    corrected_pressure,
-    half_widths,
-)
+from contactstudy.accuracy.contact_edge import MIN_TOUCHING, corrected_pressure, half_widths
 from tests.conftest import STEEL, LineContact
 
 EXACT = cs.ExactPeriodicity()

@@ -26,15 +26,13 @@ def test_cells_are_the_extent_parted() -> None:
         ((1, 8), (1.0, 1.0), "Grid.cells[0]", "1"),
         ((8, 0), (1.0, 1.0), "Grid.cells[1]", "0"),
         ((8.5, 8), (1.0, 1.0), "Grid.cells[0]", "8.5"),
-        ((True, 8), (1.0, 1.0), "Grid.cells[0]", "True"),
-        (8, (1.0, 1.0), "Grid.cells", "8"),
+        ((True, 8), (1.0, 1.0), "Grid.cells[0]", "True"), (8, (1.0, 1.0), "Grid.cells", "8"),
         ((8, 8), (1.0, 0.0), "Grid.extent[1]", "0.0"),
         ((8, 8), (-1.0, 1.0), "Grid.extent[0]", "-1.0"),
         ((8, 8), (float("nan"), 1.0), "Grid.extent[0]", "nan"),
-        ((8, 8), (1.0, float("inf")), "Grid.extent[1]", "inf"),
-        ((8, 8), 1.0, "Grid.extent", "1.0"),
+        ((8, 8), (1.0, float("inf")), "Grid.extent[1]", "inf"), ((8, 8), 1.0, "Grid.extent", "1.0"),
     ],
-)
+)  # fmt: skip
 def test_a_bad_grid_is_refused_in_one_sentence(
     cells: object, extent: object, field: str, value: str
 ) -> None:

@@ -123,13 +123,11 @@ def with_a_unit(values: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     "value",
     [
-        object(),
-        Celsius(1.0),
-        with_a_unit(np.ma.masked_array([1.0])),
+        object(), Celsius(1.0), with_a_unit(np.ma.masked_array([1.0])),
         with_a_unit(np.rec.array([(1.0,)], [("a", "f8")])),
     ],
     ids=lambda value: type(value).__name__,
-)
+)  # fmt: skip
 def test_what_is_known_by_its_address_or_may_keep_more_is_refused(value: object) -> None:
     with pytest.raises(InvalidInput, match="make its class a frozen dataclass"):
         canonical(value)

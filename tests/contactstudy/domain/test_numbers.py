@@ -60,15 +60,11 @@ def test_truncated_images_cost_what_was_published(
 @pytest.mark.parametrize(
     ("padding", "period"),
     [
-        (cs.DuplicatedPadding(), 3.0),
-        (cs.DuplicatedPadding(), 6.0),
-        (cs.DuplicatedPadding(), 12.0),
-        (cs.Superposition(images=1), 2.4),
-        (cs.Superposition(images=6), 0.6),
-        (cs.Superposition(images=20), 0.3),
+        (cs.DuplicatedPadding(), 3.0), (cs.DuplicatedPadding(), 6.0), (cs.DuplicatedPadding(), 12.0),
+        (cs.Superposition(images=1), 2.4), (cs.Superposition(images=6), 0.6), (cs.Superposition(images=20), 0.3),
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_peak_error_follows_the_square_of_the_reach(
     padding: cs.Padding, period: float, line_contact: LineContact
 ) -> None:

@@ -134,13 +134,10 @@ def test_ten_thousand_images_lose_no_digits() -> None:
 @pytest.mark.parametrize(
     ("padding", "reach"),
     [
-        (cs.ZeroPadding(), 0.5),
-        (cs.DuplicatedPadding(), 1.0),
-        (cs.Superposition(6), 6.5),
-        (cs.CircularSuperposition(6), 6.5),
-        (cs.ExactPeriodicity(), np.inf),
+        (cs.ZeroPadding(), 0.5), (cs.DuplicatedPadding(), 1.0), (cs.Superposition(6), 6.5),
+        (cs.CircularSuperposition(6), 6.5), (cs.ExactPeriodicity(), np.inf),
     ],
-)
+)  # fmt: skip
 def test_reach_is_counted_in_periods(padding: cs.Padding, reach: float) -> None:
     assert padding.reach(3.0) == 3 * reach
 

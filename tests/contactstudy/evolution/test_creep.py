@@ -126,12 +126,10 @@ def test_two_bodies_creep_together() -> None:
 @pytest.mark.parametrize(
     ("relaxation", "modulus"),
     [
-        (((0.6, 1e12),), 1.0),
-        (((0.6, 1e-9),), 0.4),
-        ((), 0.4),
+        (((0.6, 1e12),), 1.0), (((0.6, 1e-9),), 0.4), ((), 0.4),
     ],
     ids=["never relaxes", "has relaxed", "no terms"],
-)
+)  # fmt: skip
 def test_limits_of_the_relaxation_times_are_elastic(
     relaxation: tuple[tuple[float, float], ...], modulus: float
 ) -> None:

@@ -193,14 +193,11 @@ def test_a_dataset_names_all_that_was_found() -> None:
 @pytest.mark.parametrize(
     "padding",
     [
-        (cs.ZeroPadding(), cs.ZeroPadding()),
-        cs.DuplicatedPadding(),
-        cs.Superposition(2),
-        cs.CircularSuperposition(2),
+        (cs.ZeroPadding(), cs.ZeroPadding()), cs.DuplicatedPadding(), cs.Superposition(2), cs.CircularSuperposition(2),
         (EXACT, EXACT),
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     """A wavy creeping cylinder that wears: converged throughout, the load borne at the end."""
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))

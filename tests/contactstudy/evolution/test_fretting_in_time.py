@@ -173,18 +173,13 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
 @pytest.mark.parametrize(
     ("given", "changes", "sentence"),
     [
-        ({"forces": (0.1,), "displacements": (1.0,)}, {}, "give one of them"),
-        ({}, {}, "give one of them"),
+        ({"forces": (0.1,), "displacements": (1.0,)}, {}, "give one of them"), ({}, {}, "give one of them"),
         ({"displacements": (1.0,)}, {}, "give times"),
         ({"forces": (0.0, 0.1), "times": (0.0,)}, {}, "give one time for each"),
         ({"forces": (0.0, 0.1), "times": (1.0, 0.0)}, {}, r"Fretting.times\[1\] is 0.0"),
         ({"forces": (0.0, 0.4), "times": (0.0, 1.0)}, {}, "N/m at .* s, where friction transmits"),
         ({"forces": (0.1,)}, {"wear": cs.Wear(1.0, 0.0)}, "give Fretting.times"),
-        (
-            {"forces": (0.0, 0.1), "times": (0.0, 1.0)},
-            {"wear": cs.Wear(1.0, 1.0)},
-            "a speed of 0 m/s",
-        ),
+        ({"forces": (0.0, 0.1), "times": (0.0, 1.0)}, {"wear": cs.Wear(1.0, 1.0)}, "a speed of 0 m/s"),
         (
             {"displacements": (0.0, 0.1), "times": (0.0, 1.0)},
             {"load": cs.LoadHistory((0.0, 1.0), (1.0, 2.0))},
@@ -196,7 +191,7 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
             "flow along its surface",
         ),
     ],
-)
+)  # fmt: skip
 def test_what_does_not_fret_is_refused_in_a_sentence(
     given: dict[str, object], changes: dict[str, object], sentence: str
 ) -> None:

@@ -32,13 +32,11 @@ def solved(
 @pytest.mark.parametrize(
     "changes",
     [
-        {},
-        {"wear": cs.Wear(1e-15, 0.1)},
-        {"solids": (RUBBER, RIGID)},
+        {}, {"wear": cs.Wear(1e-15, 0.1)}, {"solids": (RUBBER, RIGID)},
         {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e12), STEEL)},
     ],
     ids=["history", "wear", "creep", "yield stress that nothing reaches"],
-)
+)  # fmt: skip
 def test_between_like_bodies_shear_is_the_coefficient_times_an_unchanged_pressure(
     changes: dict[str, object],
 ) -> None:
@@ -95,11 +93,7 @@ def test_shear_below_a_pressed_cell_is_that_of_cerruti_where_it_varies_along() -
 
 
 def yielding(
-    fraction: float,
-    place: int,
-    friction: cs.Sliding | None,
-    cells: int = 60,
-    ratio: float = 0.6093,
+    fraction: float, place: int, friction: cs.Sliding | None, cells: int = 60, ratio: float = 0.6093
 ) -> cs.Evolution:
     """A steel cylinder whose largest von Mises stress is a `fraction` of the yield stress of one body."""
     stress = 5e8
@@ -168,14 +162,11 @@ def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plast
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        (
-            {"solids": (replace(RUBBER, poisson_ratio=0.4), RIGID)},
-            "one creeps: creep of their coupling",
-        ),
+        ({"solids": (replace(RUBBER, poisson_ratio=0.4), RIGID)}, "one creeps: creep of their coupling"),
         ({"rolling": cs.Rolling(1.0), "solids": (STEEL, RIGID)}, "or TractiveRolling"),
         ({"rolling": cs.Rolling(passes=2)}, "has 2 passes together with Sliding"),
     ],
-)
+)  # fmt: skip
 def test_what_sliding_does_not_support_is_refused(
     changes: dict[str, object], sentence: str
 ) -> None:

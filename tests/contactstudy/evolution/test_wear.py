@@ -218,11 +218,7 @@ class Jagged:
 def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() -> None:
     """Several effects at once: every step converges, the load and the volume stay, the hardness holds."""
     grid = cs.Grid((96, 32), (0.6, 0.2))
-    scene = rolling_cylinder(
-        SOLID,
-        wear=cs.Wear(0.2, 1.0),
-        hardness=0.05,
-    )
+    scene = rolling_cylinder(SOLID, wear=cs.Wear(0.2, 1.0), hardness=0.05)
     rough = cs.Roughness(5e-4, hurst=0.8, roll_off=0.1, cut_off=0.025, seed=3)
     scene = replace(scene, shapes=(*scene.shapes, rough))
     found = evolve(scene, grid, EXACT, times=[0.0, 0.5, 2.0], step_error=NONE)
@@ -246,12 +242,9 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
 @pytest.mark.parametrize(
     ("arguments", "field"),
     [
-        ((-1.0, 1.0), "coefficient"),
-        ((1.0, -1.0), "speed"),
-        ((1.0, inf), "speed"),
-        ((1.0, 1.0, 2), "body"),
+        ((-1.0, 1.0), "coefficient"), ((1.0, -1.0), "speed"), ((1.0, inf), "speed"), ((1.0, 1.0, 2), "body"),
     ],
-)
+)  # fmt: skip
 def test_wear_says_what_is_wrong(arguments: tuple[float, ...], field: str) -> None:
     with pytest.raises(cs.InvalidInput, match=rf"^Wear\.{field} is .*: give .*\.$"):
         cs.Wear(*arguments)  # type: ignore[arg-type]

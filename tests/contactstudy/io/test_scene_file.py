@@ -134,16 +134,8 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
         ('"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),
         ('[load]\nper_length = "100 N/mm"', "", "load: it is missing."),
-        (
-            'per_length = "100 N/mm"',
-            "",
-            "it is missing: give a load per length, such as '100 N/mm'",
-        ),
-        (
-            "[load]",
-            '[load]\ntotal = "1 kN"',
-            "load: it has per_length, total together: give the keys of",
-        ),
+        ('per_length = "100 N/mm"', "", "it is missing: give a load per length, such as '100 N/mm'"),
+        ("[load]", '[load]\ntotal = "1 kN"', "load: it has per_length, total together: give the keys of"),
         ('"100 N/mm"', '"1,5 N/mm"', "with a decimal point"),
         ("hurst = 0.8", 'hurst = "much"', "shapes[1].hurst: it is 'much': give a number"),
         ("hurst = 0.8", "hurst = 1.5", "shapes[1]: Roughness.hurst is 1.5: give an exponent"),
@@ -154,7 +146,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ("images = 3", "images = 3.5", "padding.images: it is 3.5: give a whole number."),
         ("[load]", "[load", "is not valid TOML: Expected ']' at the end"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_used_is_named_by_its_key(
     good: str, bad: str, said: str, tmp_path: Path
 ) -> None:
@@ -267,10 +259,7 @@ def described(text: str, tmp_path: Path) -> cs.SceneFile:
 def test_a_solid_has_the_constants_of_its_material_and_what_is_given_beside(tmp_path: Path) -> None:
     text = STEEL_ROLLER + '[[shapes]]\nkind = "FiniteLength"\nlength = "10 mm"\n'
     solids = described(text, tmp_path).scene.solids
-    assert solids == (
-        cs.material("steel"),
-        replace(cs.material("100Cr6"), poisson_ratio=0.28),
-    )
+    assert solids == (cs.material("steel"), replace(cs.material("100Cr6"), poisson_ratio=0.28))
 
 
 def test_a_coat_and_its_substrate_have_materials(tmp_path: Path) -> None:
@@ -313,13 +302,10 @@ def test_a_material_gives_a_body_that_yields_its_yield_stress(tmp_path: Path) ->
         ('[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n', 8e-3),
         ('[grid]\ncells = [16, 8]\nextent = ["1 mm", "5 mm"]\n', 5e-3),
         ('[plan]\nperiod = "4 mm"\n', 4e-3),
-        (
-            '[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n[plan]\nperiod = "9 mm"\n',
-            8e-3,
-        ),
+        ('[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n[plan]\nperiod = "9 mm"\n', 8e-3),
     ],
     ids=["roller", "grid", "period", "roller on a longer grid"],
-)
+)  # fmt: skip
 def test_a_total_load_is_spread_over_the_roller_or_the_grid(
     extra: str, length: float, tmp_path: Path
 ) -> None:
@@ -329,17 +315,11 @@ def test_a_total_load_is_spread_over_the_roller_or_the_grid(
 @pytest.mark.parametrize(
     ("load", "sentence"),
     [
-        (
-            'per_length = "2 kN"',
-            "load.per_length: it is '2 kN': give a load per length, such as '100 N/mm'",
-        ),
-        (
-            'per_length = "125"',
-            "load.per_length: it is '125': give a load per length, such as '100 N/mm'",
-        ),
+        ('per_length = "2 kN"', "load.per_length: it is '2 kN': give a load per length, such as '100 N/mm'"),
+        ('per_length = "125"', "load.per_length: it is '125': give a load per length, such as '100 N/mm'"),
         ('total = "100 N/mm"', "load.total: it is '100 N/mm': give a load, such as '2 kN'"),
     ],
-)
+)  # fmt: skip
 def test_a_load_in_the_wrong_unit_is_refused(load: str, sentence: str, tmp_path: Path) -> None:
     with pytest.raises(cs.InvalidInput, match=re.escape(sentence)):
         described(STEEL_ROLLER.replace('total = "2 kN"', load), tmp_path)
@@ -374,13 +354,10 @@ def test_a_profile_may_be_given_as_in_python(keys: str, shape: cs.Shape, tmp_pat
     ("keys", "sentence"),
     [
         ('kind = "LundbergProfile"\nlength = 1e-2', "give amplitude and end_drop, for_load"),
-        (
-            'kind = "LundbergProfile"\nlength = 1e-2\namplitude = 1e-6',
-            "give amplitude and end_drop",
-        ),
+        ('kind = "LundbergProfile"\nlength = 1e-2\namplitude = 1e-6', "give amplitude and end_drop"),
         ('kind = "Crown"\nend_drop = 1e-6', "give its radius, or its end_drop and length"),
     ],
-)
+)  # fmt: skip
 def test_a_profile_that_is_half_described_is_refused(
     keys: str, sentence: str, tmp_path: Path
 ) -> None:

@@ -21,26 +21,14 @@ NUMBER = Unit("", "a number", "0.3")
 @pytest.mark.parametrize(
     ("written", "unit", "expected"),
     [
-        (0.01, METRES, 0.01),
-        (3, METRES, 3.0),
-        ("10 mm", METRES, 1e-2),
-        ("30 um", METRES, 3e-5),
-        ("30 µm", METRES, 3e-5),
-        ("2.5e-3 km", METRES, 2.5),
-        ("1 inch", METRES, 0.0254),
-        ("1.2 GPa", PASCALS, 1.2e9),
-        ("100 N/mm", LOAD, 1e5),
-        ("5 N*mm**-1", LOAD, 5e3),
-        ("5 N mm^-1", LOAD, 5e3),
-        ("20 1/GPa", PER_PASCAL, 2e-8),
-        ("0.3", NUMBER, 0.3),
-        ("30 %", NUMBER, 0.3),
-        ("30 %", METRES, None),
+        (0.01, METRES, 0.01), (3, METRES, 3.0), ("10 mm", METRES, 1e-2), ("30 um", METRES, 3e-5),
+        ("30 µm", METRES, 3e-5), ("2.5e-3 km", METRES, 2.5), ("1 inch", METRES, 0.0254), ("1.2 GPa", PASCALS, 1.2e9),
+        ("100 N/mm", LOAD, 1e5), ("5 N*mm**-1", LOAD, 5e3), ("5 N mm^-1", LOAD, 5e3), ("20 1/GPa", PER_PASCAL, 2e-8),
+        ("0.3", NUMBER, 0.3), ("30 %", NUMBER, 0.3), ("30 %", METRES, None),
         ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),
-        ("inf", PASCALS, math.inf),
-        (math.inf, PASCALS, math.inf),
+        ("inf", PASCALS, math.inf), (math.inf, PASCALS, math.inf),
     ],
-)
+)  # fmt: skip
 def test_a_text_with_a_unit_is_the_number_in_si(
     written: object, unit: Unit, expected: float | None
 ) -> None:

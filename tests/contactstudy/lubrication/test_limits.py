@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication.film_equation import (
-    Film,
-    FilmEquation,
-)
+from contactstudy.lubrication.film_equation import Film, FilmEquation
 from contactstudy.lubrication.plane_strain import DirectStep
 from contactstudy.lubrication.pseudo_time import FilmControls, iterate
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
@@ -166,8 +163,7 @@ def test_friction_that_hangs_on_a_spike_has_no_error_unless_its_stress_is_limite
 
 @pytest.mark.cases(2)
 @pytest.mark.parametrize(
-    ("load", "viscosity"),
-    10 ** np.random.default_rng(7).uniform((0.3, 0.0), (2.0, 1.0), (5, 2)),
+    ("load", "viscosity"), 10 ** np.random.default_rng(7).uniform((0.3, 0.0), (2.0, 1.0), (5, 2))
 )
 def test_errors_are_no_larger_than_their_estimates(load: float, viscosity: float) -> None:
     contact = solve_lubricated(by_moes(load, viscosity), error=2e-2)

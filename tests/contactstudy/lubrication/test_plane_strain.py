@@ -8,14 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
-from tests.contactstudy.lubrication.scenes import (
-    DRY,
-    STEEL,
-    by_moes,
-    grid,
-    in_moes_units,
-    total,
-)
+from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, total
 
 # M, L, inlet [a], film on the axis and smallest film: 1200 graded cells, extrapolated, to 2e-4 of the film
 REFERENCE = (

@@ -15,20 +15,14 @@ MOTION = cs.Lubrication(OIL, 1.0)
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        (
-            {"wear": cs.Wear(1e-15, 1.0)},
-            "Scene.wear is not supported together with Scene.lubrication",
-        ),
+        ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear is not supported together with Scene.lubrication"),
         ({"rolling": cs.Rolling(1.0)}, "Scene.rolling is not supported"),
         ({"friction": cs.Sliding(0.1)}, "Scene.friction is not supported"),
         ({"hardness": 2e9}, "Scene.hardness is not supported"),
-        (
-            {"solids": (cs.ViscoelasticHalfSpace(1e9, 0.4, ((1e9, 1.0),)), STEEL)},
-            "Scene.solids is not supported",
-        ),
+        ({"solids": (cs.ViscoelasticHalfSpace(1e9, 0.4, ((1e9, 1.0),)), STEEL)}, "Scene.solids is not supported"),
         ({"lubrication": OIL}, "give a Lubrication, or None"),
     ],
-)
+)  # fmt: skip
 def test_an_effect_that_is_not_known_with_a_film_is_refused(
     changed: dict[str, object], message: str
 ) -> None:

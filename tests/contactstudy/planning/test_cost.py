@@ -5,13 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import (
-    CostModel,
-    PowerLaw,
-    Timing,
-    log_work,
-    padded_points,
-)
+from contactstudy.planning.cost import CostModel, PowerLaw, Timing, log_work, padded_points
 from contactstudy.planning.forecast import forecast_of_grid
 from contactstudy.planning.grid_requirements import requirements_of
 from tests.conftest import LineContact

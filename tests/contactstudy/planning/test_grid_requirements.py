@@ -11,10 +11,7 @@ import contactstudy as cs
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.units import readable
 from contactstudy.planning.film_requirements import film_requirements
-from contactstudy.planning.grid_requirements import (
-    GridRequirements,
-    requirements_of,
-)
+from contactstudy.planning.grid_requirements import GridRequirements, requirements_of
 from contactstudy.planning.transient_requirements import yielding
 from contactstudy.scene.shapes.shape import LengthScales
 from tests.conftest import STEEL, LineContact
@@ -151,9 +148,7 @@ def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:
     assert steady.seconds < few.seconds < many.seconds
 
 
-def test_the_body_that_yields_first_counts_and_both_take_memory(
-    line_contact: LineContact,
-) -> None:
+def test_the_body_that_yields_first_counts_and_both_take_memory(line_contact: LineContact) -> None:
     highest = line_contact.hertz.peak_pressure
     soft, hard = (
         cs.ElasticPlasticHalfSpace(STEEL.youngs_modulus, STEEL.poisson_ratio, highest / ratio, 1e9)

@@ -16,11 +16,9 @@ def row(*values: float) -> np.ndarray:
     ("heights", "residual"),
     [
         # the mean gap under the pressure of free cells: (2 * 0.3 + 0.5 * 0.8) / 2.5
-        ((0.2, 0.3, -0.8, -0.1), 0.4),
-        ((0.6, 0.3, -0.8, -0.1), 0.6),
-        ((-0.6, 0.3, -0.8, -0.7), 0.7),
+        ((0.2, 0.3, -0.8, -0.1), 0.4), ((0.6, 0.3, -0.8, -0.1), 0.6), ((-0.6, 0.3, -0.8, -0.7), 0.7),
     ],
-)
+)  # fmt: skip
 def test_the_residual_is_the_largest_of_three(heights: tuple[float, ...], residual: float) -> None:
     assert WHICH.residual(row(4.0, 2.0, 0.5, 0.0), row(*heights), 6.5) == pytest.approx(residual)
     little = WHICH.residual(row(4.0, 0.5), row(-0.1, 0.25), 4.5)

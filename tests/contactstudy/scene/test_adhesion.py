@@ -175,9 +175,7 @@ FRICTIONS = [
 
 
 @pytest.mark.parametrize("friction", FRICTIONS)
-def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(
-    friction: Any,
-) -> None:
+def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(friction: Any) -> None:
     alone = cs.solve(WITH_RANGE, GRID, LINE, tolerance=1e-7)
     found = cs.solve(replace(WITH_RANGE, friction=friction), GRID, LINE, tolerance=1e-7)
     assert found.status is cs.Status.CONVERGED

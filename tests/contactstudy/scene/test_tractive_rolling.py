@@ -76,14 +76,10 @@ def test_creepage_in_any_direction_takes_at_most_75_applications(
 @pytest.mark.parametrize(
     ("poisson_ratio", "shape", "c11", "c22", "c23"),
     [
-        (0.0, 1.0, 3.40, 3.40, 1.33),
-        (0.25, 1.0, 4.12, 3.67, 1.47),
-        (0.5, 1.0, 5.20, 3.98, 1.63),
-        (0.25, 0.5, 3.62, 3.01, 0.929),
-        (0.25, 2.0, 5.10, 4.90, 2.62),
-        (0.25, 0.2, 3.37, 2.63, 0.603),
+        (0.0, 1.0, 3.40, 3.40, 1.33), (0.25, 1.0, 4.12, 3.67, 1.47), (0.5, 1.0, 5.20, 3.98, 1.63),
+        (0.25, 0.5, 3.62, 3.01, 0.929), (0.25, 2.0, 5.10, 4.90, 2.62), (0.25, 0.2, 3.37, 2.63, 0.603),
     ],
-)
+)  # fmt: skip
 def test_small_creepages_act_by_kalkers_coefficients(
     poisson_ratio: float, shape: float, c11: float, c22: float, c23: float
 ) -> None:
@@ -111,13 +107,11 @@ def test_small_creepages_act_by_kalkers_coefficients(
 @pytest.mark.parametrize(
     ("xi", "eta", "phi", "force", "stick"),
     [
-        (0.1, 0, 0, (0.42520, 0), 0.754),
-        (0.3, 0, 0, (0.89693, 0), 0.288),
-        (0.3, 0.3, 0, (0.71991, 0.66575), 0.113),
-        (0, 0, 0.5, (0, 0.61135), 0.080),
+        (0.1, 0, 0, (0.42520, 0), 0.754), (0.3, 0, 0, (0.89693, 0), 0.288),
+        (0.3, 0.3, 0, (0.71991, 0.66575), 0.113), (0, 0, 0.5, (0, 0.61135), 0.080),
         (0.2, 0.1, 0.4, (0.46419, 0.70450), 0.054),
     ],
-)
+)  # fmt: skip
 def test_a_sphere_with_creepage_and_spin(
     xi: float, eta: float, phi: float, force: tuple[float, float], stick: float
 ) -> None:

@@ -104,11 +104,7 @@ def test_units_do_not_change_the_answer(
 
 
 @settings(max_examples=25)
-@given(
-    load=st.floats(1e2, 1e7),
-    modulus=st.floats(1e6, 1e12),
-    radius=st.floats(1e-4, 10.0),
-)
+@given(load=st.floats(1e2, 1e7), modulus=st.floats(1e6, 1e12), radius=st.floats(1e-4, 10.0))
 def test_pressure_scales_as_the_root_of_load_times_modulus_over_radius(
     load: float, modulus: float, radius: float
 ) -> None:

@@ -72,10 +72,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (
-            ["run", "paddin"],
-            "Study 'paddin' is not known: did you mean 'padding', or give a .py file.",
-        ),
+        (["run", "paddin"], "Study 'paddin' is not known: did you mean 'padding', or give a .py file."),
         (
             ["run", "padding", "--perid", "1"],
             "Parameter 'perid' is not one of study 'padding': did you mean 'period'.",
@@ -87,21 +84,15 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
         ),
         (["run", "padding", "--grid", "1"], "grid is 1: give at least 2 cells across the width."),
         (["run", "padding", "--grid"], "Axis 'grid' has no values: write --grid values."),
-        (
-            ["run", "padding", "extra"],
-            "Argument 'extra' is not expected: write --axis values.",
-        ),
+        (["run", "padding", "extra"], "Argument 'extra' is not expected: write --axis values."),
         (
             ["run", "padding", "--out", "/dev/null/x"],
             "Output folder '/dev/null/x' cannot be written to (Not a directory): give another with --out.",
         ),
-        (
-            ["draw", "--out", "empty"],
-            "Comparison 'empty/settings.nc' does not exist: run contactstudy report first.",
-        ),
+        (["draw", "--out", "empty"], "Comparison 'empty/settings.nc' does not exist: run contactstudy report first."),
     ],
     ids=lambda part: " ".join(part) if isinstance(part, list) else "",
-)
+)  # fmt: skip
 def test_bad_input_is_one_sentence_and_leaves_nothing(
     arguments: list[str], sentence: str, call: Call, tmp_path: Path
 ) -> None:
@@ -114,13 +105,10 @@ def test_bad_input_is_one_sentence_and_leaves_nothing(
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["nothing"],
-        ["report", "--workers", "-1"],
-        ["run"],
-        ["report", "--sideways"],
-        ["run", "x.toml", "--ot", "y"],
+        ["nothing"], ["report", "--workers", "-1"],
+        ["run"], ["report", "--sideways"], ["run", "x.toml", "--ot", "y"],
     ],
-)
+)  # fmt: skip
 def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], call: Call) -> None:
     done = call(*arguments)
     assert done.returncode == 2

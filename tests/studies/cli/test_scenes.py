@@ -104,13 +104,9 @@ def test_what_is_wrong_with_a_grid_is_said_and_the_solution_flagged(tmp_path: Pa
     [
         ("smooth", ["--device", "gpu"], "^Gpu needs CuPy"),
         ("smooth", ["--device", "gpu", "--threads", "2"], "^--threads is for --device cpu"),
-        (
-            "rubber",
-            ["--device", "gpu"],
-            "^solve.on is given, and a scene that changes in time has no use for it",
-        ),
+        ("rubber", ["--device", "gpu"], "^solve.on is given, and a scene that changes in time has no use for it"),
     ],
-)
+)  # fmt: skip
 def test_a_device_that_cannot_solve_the_scene_is_refused(
     example: str, words: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -57,13 +57,11 @@ def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
     ("padding", "padded"),
     [
         (cs.ZeroPadding(), (2 * 64) * (2 * 4)),
-        (cs.Superposition(3), (2 * 64) * (2 * 4)),
-        (cs.DuplicatedPadding(), (2 * 64) * 4),
-        (cs.CircularSuperposition(3), (2 * 64) * 4),
-        (cs.ExactPeriodicity(), (2 * 64) * 4),
+        (cs.Superposition(3), (2 * 64) * (2 * 4)), (cs.DuplicatedPadding(), (2 * 64) * 4),
+        (cs.CircularSuperposition(3), (2 * 64) * 4), (cs.ExactPeriodicity(), (2 * 64) * 4),
     ],
     ids=str,
-)
+)  # fmt: skip
 def test_only_an_axis_that_does_not_wrap_is_doubled(padding: cs.Padding, padded: int) -> None:
     case = OperatorCase(1e11, LINE, padding, datum=1.0)
     assert int(case.record(case.prepare())["padded_cells"]) == padded
@@ -201,17 +199,14 @@ RIGHT, EXPLAINED, WRONG, NOT = range(4)
 @pytest.mark.parametrize(
     ("status", "residual", "padding", "error", "verdict"),
     [
-        (DONE, 1e-6, "exact", 0.02, RIGHT),
-        (DONE, 1e-6, "exact", 0.021, WRONG),
+        (DONE, 1e-6, "exact", 0.02, RIGHT), (DONE, 1e-6, "exact", 0.021, WRONG),
         # it claims nothing
         (DONE, 1.1e-6, "exact", 0.01, EXPLAINED),
         # no more can be had of its numbers, and that is a claim
-        (LIMIT, 1e-3, "exact", 0.01, RIGHT),
-        (STALLED, 1e-3, "exact", 0.01, WRONG),
-        (STALLED, 1e-7, "exact", 0.01, WRONG),
-        (DONE, 1e-7, "zero", 0.01, NOT),
+        (LIMIT, 1e-3, "exact", 0.01, RIGHT), (STALLED, 1e-3, "exact", 0.01, WRONG),
+        (STALLED, 1e-7, "exact", 0.01, WRONG), (DONE, 1e-7, "zero", 0.01, NOT),
     ],
-)
+)  # fmt: skip
 def test_a_case_is_right_within_its_stated_error_and_else_must_say_why(
     status: cs.Status,
     residual: float,

@@ -99,8 +99,7 @@ def study(how: str, where: str) -> Study:
 @pytest.mark.cases(3)
 @POSIX
 @pytest.mark.parametrize(
-    ("how", "where", "workers"),
-    [(how, "run", 1) for how in FORKS] + [("fork", "prepare", 2)],
+    ("how", "where", "workers"), [(how, "run", 1) for how in FORKS] + [("fork", "prepare", 2)]
 )
 def test_no_point_holds_the_number_of_another(
     how: str, where: str, workers: int, tmp_path: Path

@@ -217,9 +217,7 @@ def test_a_run_outlives_a_dask_worker(scheduler: tuple[str, Workers], tmp_path: 
     address, workers = scheduler
     log = tmp_path / "log"
     slow = trouble.study([n + 0.5 for n in range(24)], log=str(log), seconds=0.1)
-    watcher = subprocess.Popen(
-        [sys.executable, "-c", WATCH, str(log), str(workers[0].pid)],
-    )
+    watcher = subprocess.Popen([sys.executable, "-c", WATCH, str(log), str(workers[0].pid)])
     settings = RunOptions(scheduler=address, repeats=0)
     dataset = run(slow, tmp_path, options=settings, log=quiet)
     assert watcher.wait() == 0

@@ -9,12 +9,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.measured import (
-    LARGEST_RESULT,
-    NotANumberError,
-    check_size,
-    measured_variables,
-)
+from studies.model.measured import LARGEST_RESULT, NotANumberError, check_size, measured_variables
 from studies.store.netcdf import read, write
 
 AXES = frozenset({"number"})
@@ -109,24 +104,14 @@ def test_nan_is_an_error_of_its_own(value: Any) -> None:
 @pytest.mark.parametrize(
     "value",
     [
-        1,
-        -0.0,
-        np.inf,
-        True,
-        2**53,
-        "",
-        "größer\n✓",
-        np.float16(0.1),
-        np.float32(0.1),
-        np.int8(-3),
-        xr.DataArray([1.0, 2.0], dims="k"),
-        xr.Variable(("k",), np.arange(3, dtype=">f8")),
-        xr.Variable(("k",), ["a", "bcd"]),
+        1, -0.0, np.inf, True, 2**53, "", "größer\n✓",
+        np.float16(0.1), np.float32(0.1), np.int8(-3), xr.DataArray([1.0, 2.0], dims="k"),
+        xr.Variable(("k",), np.arange(3, dtype=">f8")), xr.Variable(("k",), ["a", "bcd"]),
         xr.Variable(("k", "m"), np.asfortranarray(np.arange(6.0).reshape(2, 3))),
         scalar(units="1/m", n=3, x=0.1, word="a", row=np.array([1, 2], dtype=np.int8)),
         scalar(words=["a", "b"]),
     ],
-)
+)  # fmt: skip
 def test_what_is_accepted_comes_back_from_netcdf_as_it_was(value: Any, tmp_path: Path) -> None:
     measured = measured_variables({"q": value}, AXES)["q"]
     write(xr.Dataset({"q": measured}), tmp_path / "q.nc")

@@ -288,10 +288,8 @@ def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
 @pytest.mark.parametrize(
     ("variation", "text"),
     [
-        (0.012, "1.2\u00a0% of p_{H}"),
-        (1.5e-12, "1.5e-10\u00a0% of p_{H}"),
-        (1e-12, "rounding only"),
+        (0.012, "1.2\u00a0% of p_{H}"), (1.5e-12, "1.5e-10\u00a0% of p_{H}"), (1e-12, "rounding only"),
     ],
-)
+)  # fmt: skip
 def test_what_varies_by_no_more_than_1e_12_is_rounding(variation: float, text: str) -> None:
     assert variation_text(xr.Dataset({"length_variation": variation})) == text

@@ -159,14 +159,10 @@ EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
 @pytest.mark.parametrize(
     ("paddings", "round_the_ends"),
     [
-        (None, 0),
-        ((FREE, FREE), 0),
-        ((EXACT, FREE), 3),
-        ((FREE, EXACT), 4),
-        ((EXACT, EXACT), 7),
+        (None, 0), ((FREE, FREE), 0), ((EXACT, FREE), 3), ((FREE, EXACT), 4), ((EXACT, EXACT), 7),
         ((FREE, cs.DuplicatedPadding()), 4),
     ],
-)
+)  # fmt: skip
 def test_a_perimeter_counts_the_edges_of_cells_round_the_ends_that_repeat(
     paddings: cs.Paddings | None, round_the_ends: float
 ) -> None:

@@ -41,13 +41,9 @@ def scenes(study: studies.Study) -> list[SceneCase]:
         ("solve.max_iterations", "3:9:3", [3, 6, 9]),
         ("precision", "single,double", ["single", "double"]),
         ("solver", "PolonskyKeer,PreconditionedCG", ["PolonskyKeer", "PreconditionedCG"]),
-        (
-            "padding",
-            "ExactPeriodicity,DuplicatedPadding",
-            ["ExactPeriodicity", "DuplicatedPadding"],
-        ),
+        ("padding", "ExactPeriodicity,DuplicatedPadding", ["ExactPeriodicity", "DuplicatedPadding"]),
     ],
-)
+)  # fmt: skip
 def test_every_field_is_an_axis_in_si_units(
     smooth: Path, field: str, values: object, expected: list[object]
 ) -> None:

@@ -110,15 +110,11 @@ def test_lattice_has_its_reference_values() -> None:
 @pytest.mark.parametrize(
     ("across", "width", "length"),
     [
-        ((-7, 0), (-6, 0), (-6, 0)),
-        ((-1, 1), (-6, 0), (-6, 0)),
-        ((0, 4), (-6, 0), (-6, 0)),
-        ((-3, 4), (0, 3), (-6, 0)),
-        ((-3, 6), (3, 6), (-6, 0)),
-        ((-7, 4), (-6, 3), (0, 0)),
+        ((-7, 0), (-6, 0), (-6, 0)), ((-1, 1), (-6, 0), (-6, 0)), ((0, 4), (-6, 0), (-6, 0)),
+        ((-3, 4), (0, 3), (-6, 0)), ((-3, 6), (3, 6), (-6, 0)), ((-7, 4), (-6, 3), (0, 0)),
     ],
     ids=["near", "handover", "far", "wide", "very wide", "one per period"],
-)
+)  # fmt: skip
 def test_lattice_is_exact(
     across: tuple[int, int], width: tuple[int, int], length: tuple[int, int]
 ) -> None:

@@ -150,13 +150,10 @@ def test_no_slope_is_no_surface() -> None:
 @pytest.mark.parametrize(
     ("field", "value"),
     [
-        ("peklenik", 0.0),
-        ("peklenik", np.inf),
-        ("extent", 1e-3),
-        (r"extent\[0\]", (0.0, 1e-3)),
+        ("peklenik", 0.0), ("peklenik", np.inf), ("extent", 1e-3), (r"extent\[0\]", (0.0, 1e-3)),
         (r"extent\[1\]", (1e-3, np.nan)),
     ],
-)
+)  # fmt: skip
 def test_a_lay_or_extent_that_cannot_be_is_refused(field: str, value: object) -> None:
     with pytest.raises(cs.InvalidInput, match=rf"^Roughness\.{field} is "):
         replace(ROUGH, **{field.partition("\\")[0]: value})  # type: ignore[arg-type]

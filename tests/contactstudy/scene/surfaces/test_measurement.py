@@ -66,14 +66,11 @@ def test_coordinates_that_fall_are_turned_to_rise() -> None:
     ("heights", "message"),
     [
         (labelled(width=np.arange(6)), "coordinates for 1 of its dimensions"),
-        (
-            labelled(width=np.arange(6) ** 2, length=np.arange(4)),
-            "width has coordinates that are not",
-        ),
+        (labelled(width=np.arange(6) ** 2, length=np.arange(4)), "width has coordinates that are not"),
         (labelled(width=np.zeros(6), length=np.arange(4)), "width has coordinates that are not"),
         (labelled().assign_attrs(units="nm"), "heights has the units 'nm': convert to m"),
     ],
-)
+)  # fmt: skip
 def test_labels_that_do_not_say_sizes_in_metres_are_refused(
     heights: xr.DataArray, message: str
 ) -> None:
@@ -184,12 +181,10 @@ def rows(separator: str, *, decimal: str = ".", end: str = "") -> str:
         ("heights.csv", rows(",")),
         ("heights.csv", "# heights\n" + rows(";")),
         ("comma.csv", rows(";", decimal=",")),
-        ("blanks.txt", rows("  ", decimal=",")),
-        ("titles.csv", "a,b,c\n" + rows(",")),
-        ("rows.txt", rows(" ")),
+        ("blanks.txt", rows("  ", decimal=",")), ("titles.csv", "a,b,c\n" + rows(",")), ("rows.txt", rows(" ")),
         ("rows.asc", rows("\t", end="\t")),
     ],
-)
+)  # fmt: skip
 def test_rows_of_numbers_are_read_in_their_unit(tmp_path: Path, name: str, text: str) -> None:
     (tmp_path / name).write_text(text)
     points, extent = read(tmp_path / name, (2e-3, 3e-3), "um")

@@ -18,10 +18,7 @@ def numbered(axes: Mapping[str, Any], *variables: str) -> xr.Dataset:
     count = prod(shape)
     return xr.Dataset(
         {
-            name: (
-                tuple(axes),
-                1e-4 * (1 + np.arange(n * count, (n + 1) * count)).reshape(shape),
-            )
+            name: (tuple(axes), 1e-4 * (1 + np.arange(n * count, (n + 1) * count)).reshape(shape))
             for n, name in enumerate(variables)
         },
         coords={name: list(values) for name, values in axes.items()},

@@ -4,10 +4,7 @@ import numpy as np
 import xarray as xr
 
 from studies.model.outcome import CaseStatus
-from tests.studies.report.drawings.drawn import (
-    findings,
-    numbered,
-)
+from tests.studies.report.drawings.drawn import findings, numbered
 
 CELLS = np.array([16, 32, 128])
 

@@ -5,10 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from tests.studies.report.drawings.drawn import (
-    findings,
-    numbered,
-)
+from tests.studies.report.drawings.drawn import findings, numbered
 
 RMS, SEEDS, PADDINGS = (
     [0.0, 0.1, 0.3],
@@ -133,10 +130,7 @@ def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> No
     assert "With 8 steps and 48 cells (276 layers)" in cost
     assert "the dent within 2.3 % and the largest plastic strain within 2.5 %" in cost
     fallen = dataset.copy(deep=True)
-    fallen["peak_pressure_error"].loc[{"pressure": 3.0, "hardening": 0.1, "grid": 48}] = [
-        0.1,
-        0.04,
-    ]
+    fallen["peak_pressure_error"].loc[{"pressure": 3.0, "hardening": 0.1, "grid": 48}] = [0.1, 0.04]
     assert (
         "From 2 steps to 8 the error of the pressure falls by a factor of 2.5"
         in findings("plastic", fallen)[1]

@@ -390,7 +390,7 @@ def dowson_higginson_film(load_parameter: float, viscosity_parameter: float) -> 
     return float(2.65 / 2**0.7 * viscosity_parameter**0.54 * load_parameter**-0.13)
 
 
-def truncation_error(half_width: ArrayLike, reach: ArrayLike) -> Array:
+def image_error(half_width: ArrayLike, reach: ArrayLike) -> Array:
     """Return the relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact whose images reach only to D.
 
     Images beyond D would have lowered the cylinder's curvature by the factor ``1 + a^2 / (4 D^2)``: leading term of the

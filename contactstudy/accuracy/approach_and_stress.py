@@ -39,7 +39,7 @@ def approach_error(
         The same contact on cells of twice the size; None where none was solved.
     """
     size = abs(solution.approach)
-    images = estimate.l1.truncation or 0.0
+    images = estimate.l1.images or 0.0
     if images or not size:
         return ErrorParts(inf if images else 0.0, inf, 0.0, reason=NO_DATUM if images else "")
     change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
@@ -82,7 +82,7 @@ def stress_errors(
     largest = von_mises.max(axis=(1, 2))
     level, x, y = np.unravel_index(int(von_mises.argmax()), von_mises.shape)
     peak = float(largest[level])
-    images, residual = estimate.l1.truncation or 0.0, estimate.l1.residual or 0.0
+    images, residual = estimate.l1.images or 0.0, estimate.l1.residual or 0.0
     if coarse is None or not peak > 0:
         no_bound = ErrorParts(images, inf, residual, reason=NO_COARSER)
         return no_bound, no_bound

@@ -1,4 +1,4 @@
-"""Estimated errors of a solution, by cause: truncation of images, discretisation, and the solver's residual."""
+"""Estimated errors of a solution, by cause: missing images, discretisation, and the solver's residual."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -11,9 +11,9 @@ from contactstudy.accuracy.discretisation import (
     contact_area,
     discretisation,
 )
+from contactstudy.accuracy.image_errors import image_errors
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
-from contactstudy.accuracy.truncation import truncation
 from contactstudy.accuracy.two_grids import (
     PEAK_WITHOUT_LIMIT,
     compare_grids,
@@ -140,7 +140,7 @@ def error_estimate(
         If the confidence is not between 0 and 1.
     NotDefined
         If the problem does not say its paddings, or no law is known for them, see
-        :func:`~contactstudy.accuracy.truncation.truncation`.
+        :func:`~contactstudy.accuracy.image_errors.image_errors`.
     """
     problem = solution.problem
     if not 0 < confidence < 1:
@@ -163,7 +163,7 @@ def error_estimate(
         )
     peak_images, l1_images = 0.0, 0.0
     if problem.source is None or not problem.source.ends_along:
-        peak_images, l1_images = truncation(solution.pressure, problem.grid, problem.paddings)
+        peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings)
     peak_residual, l1_residual = _residual(solution)
     if (
         solution.adhesion is not None

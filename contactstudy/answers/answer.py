@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # What to change where the bound is too large, by the cause of its largest part.
 REMEDIES = {
-    "truncation": "the images that the padding leaves out: give ExactPeriodicity",
+    "images": "the images that the padding leaves out: give ExactPeriodicity",
     "discretisation": "the cells: give an error to plan for, or a grid of more cells",
     "residual": "the residual of the solver: give a smaller tolerance",
     "steps": "the steps in time: give them a smaller error",

@@ -10,7 +10,7 @@ class ErrorParts:
 
     Attributes
     ----------
-    truncation
+    images
         Error by the images that the padding leaves out.
     discretisation
         Error by the cells.
@@ -26,7 +26,7 @@ class ErrorParts:
         Sentence on why a part is infinite; empty where none is.
     """
 
-    truncation: float | None = None
+    images: float | None = None
     discretisation: float | None = None
     residual: float | None = None
     steps: float | None = None

@@ -332,7 +332,7 @@ class AdaptiveIntegrator:
                 / total
             )
         factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
-        parts = ErrorParts(estimate.l1.truncation, cells, estimate.l1.residual)
+        parts = ErrorParts(estimate.l1.images, cells, estimate.l1.residual)
         return parts.scaled(factor), estimate.warnings
 
     def _relative_to_largest_load(self, pressures: float) -> float:

@@ -87,7 +87,7 @@ def evolution_quantities(
         worn, (area, period) = fields["worn_depth"].values, cell
         volume = float(worn.sum() * area)
         # sliding wears in proportion to the load, which is exact, and to the pressure before
-        by_load = replace(error, truncation=None, discretisation=None)
+        by_load = replace(error, images=None, discretisation=None)
         by_slip = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
         slips = "friction_energy" in fields
         numbers["worn_volume"] = bounded(

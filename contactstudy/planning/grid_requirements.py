@@ -312,7 +312,7 @@ class GridRequirements:
             )
         else:
             padding = (
-                "padding exact: all images are summed in closed form, without a truncation error; the "
+                "padding exact: all images are summed in closed form, so that none is left out; the "
                 "transform is half as long as with zero padding."
             )
         coatings = (self._coating(coating, grid) for coating in self.coatings)

@@ -25,7 +25,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Causes of the error other than the cells, in words, and their remedies.
 OTHER_CAUSES = {
-    "truncation": ("the images that the padding leaves out contribute", "give ExactPeriodicity()"),
+    "images": ("the images that the padding leaves out contribute", "give ExactPeriodicity()"),
     "residual": ("the residual of the solver contributes", "give a smaller tolerance"),
 }
 

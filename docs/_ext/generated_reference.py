@@ -66,7 +66,7 @@ INNER = (
     "answers.answer.Answer",
     "accuracy.contact_edge.edge_error",
     "accuracy.discretisation.discretisation",
-    "accuracy.truncation.truncation",
+    "accuracy.image_errors.image_errors",
     "domain.device.Device",
     "domain.device.Namespace",
     "elasticity.tangential.GeneralConvolution",

@@ -179,9 +179,7 @@ def bounds_of(answer: Answer) -> dict[str, float]:
     names = {"l1": "pressure_l1"}
     return {
         names.get(name, name): sum(
-            part
-            for cause, part in parts.by_cause.items()
-            if cause not in ("truncation", "residual")
+            part for cause, part in parts.by_cause.items() if cause not in ("images", "residual")
         )
         for name, parts in last_of(answer).error
         if name == "l1" or name in REPORTED

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.analytic import truncation_error
+from contactstudy.analytic import image_error
 from contactstudy.domain.checks import divides, non_negative, positive, whole_number
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis
@@ -123,7 +123,7 @@ def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.So
     Beyond the window's reach D the logarithm lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
     that is a parabola and a tilt, whatever the surface.
     """
-    curvature = 2 * truncation_error(HERTZ.half_width, padding.reach(exact.grid.period))
+    curvature = 2 * image_error(HERTZ.half_width, padding.reach(exact.grid.period))
     opened = sum(shape.gap(exact.grid) for shape in SCENE.shapes) * curvature
     return exact.run(replace(problem, undeformed_gap=problem.undeformed_gap + opened))
 

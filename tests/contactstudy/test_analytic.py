@@ -3,7 +3,7 @@ import pytest
 from scipy.integrate import quad
 
 import contactstudy as cs
-from contactstudy.analytic import truncation_error
+from contactstudy.analytic import image_error
 
 LINE = cs.analytic.HertzLine(load_per_length=1e5, radius=0.01, contact_modulus=1.15e11)
 POINT = cs.analytic.HertzPoint(load=100.0, radius=0.01, contact_modulus=1.15e11)
@@ -113,8 +113,8 @@ def test_lightly_loaded_westergaard_is_hertz() -> None:
         assert wave.peak_pressure == pytest.approx(line.peak_pressure, rel=fraction)
 
 
-def test_truncation_error_is_one_eighth_of_the_squared_ratio() -> None:
-    np.testing.assert_array_equal(truncation_error(2.0, [4.0, 8.0]), [1 / 32, 1 / 128])
+def test_image_error_is_one_eighth_of_the_squared_ratio() -> None:
+    np.testing.assert_array_equal(image_error(2.0, [4.0, 8.0]), [1 / 32, 1 / 128])
 
 
 @pytest.mark.parametrize("field", ["load_per_length", "radius", "contact_modulus"])

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.analytic import truncation_error
+from contactstudy.analytic import image_error
 from studies.reference.hard_case import P_H, A, grid
 from studies.reference.line_contact import HERTZ, SCENE
 from tests.hard_cases.judged import ends_well, every
@@ -33,7 +33,7 @@ def peak(padding: cs.Padding, period: float) -> float:
 def test_any_number_of_images_leaves_what_lies_beyond_them(
     padding: cs.Padding, period: float
 ) -> None:
-    law = truncation_error(1.0, padding.reach(period))
+    law = image_error(1.0, padding.reach(period))
     found = peak(padding, period) - peak(cs.ExactPeriodicity(), period)
     # leading term; the next is of the order of its square
     assert found == pytest.approx(float(law), rel=0.1)

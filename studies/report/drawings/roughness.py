@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from contactstudy.analytic import truncation_error
+from contactstudy.analytic import image_error
 from studies.model.drawing import CaptionedFigure, Finding
 from studies.reference.line_contact import covers, padding_at
 from studies.report.style import (
@@ -96,7 +96,7 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
 def law_of(dataset: xr.Dataset) -> float:
     """Return a²/(8D²) of one padding at one n and period."""
     padding = padding_at(str(dataset["padding"].values), int(dataset["images"]))
-    return float(truncation_error(1, padding.reach(float(dataset["period"]))))
+    return float(image_error(1, padding.reach(float(dataset["period"]))))
 
 
 def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:

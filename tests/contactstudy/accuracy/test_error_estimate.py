@@ -137,9 +137,9 @@ def test_each_cause_shows_in_its_own_part_alone(line_contact: LineContact) -> No
         return error_estimate(cs.solve(problem, tolerance=tolerance)).l1
 
     plain = parts(64, EXACT, 1e-8)
-    assert plain.truncation == 0
+    assert plain.images == 0
     cut = parts(64, cs.CircularSuperposition(3), 1e-8)
-    assert cut.truncation > 1e-3
+    assert cut.images > 1e-3
     assert cut.residual < 1e-6
     # by the rate 23 times less, of which the leap of the edge may take a factor of 8
     assert parts(512, EXACT, 1e-8).discretisation < plain.discretisation / 3

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.analytic import truncation_error
+from contactstudy.analytic import image_error
 from tests.conftest import LineContact
 
 
@@ -71,7 +71,7 @@ def test_peak_error_follows_the_square_of_the_reach(
     """Within 10 % from a reach of 3 a on, the grid's own error taken off."""
     truncated, *_ = errors(line_contact, padding, (96, 48), period)
     whole, *_ = errors(line_contact, cs.ExactPeriodicity(), (96, 1), period)
-    law = truncation_error(1.0, padding.reach(period))
+    law = image_error(1.0, padding.reach(period))
     assert truncated - whole == pytest.approx(law, rel=0.1)
 
 

@@ -44,7 +44,7 @@ def test_dataset_holds_an_estimate_by_cause(line_contact: LineContact, tmp_path)
     dataset = solution.to_dataset()
     for name, parts in (("peak_pressure", estimate.peak_pressure), ("pressure_l1", estimate.l1)):
         error = dataset[f"{name}_error_estimate"]
-        assert float(error.sel(cause="truncation")) == parts.truncation
+        assert float(error.sel(cause="images")) == parts.images
         assert float(error.sum("cause")) == pytest.approx(parts.total, rel=1e-14)
         assert error.attrs["units"]
         assert error.attrs["long_name"]

@@ -1,4 +1,4 @@
-"""Truncation errors: those of the images that a padding leaves out."""
+"""Image errors: those by the images that a padding leaves out."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ L1_OVER_NARROWING = 4 / np.pi
 END_VARIATION, END_VARIATION_POWER = 0.5, 0.7
 
 
-def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, float]:
+def image_errors(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 by the images that a padding leaves out.
 
     A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
@@ -30,7 +30,7 @@ def truncation(pressure: Array, grid: Grid, paddings: Paddings) -> tuple[float, 
     grid
         Its grid.
     paddings
-        Boundary conditions (across, along).
+        Paddings (across, along).
 
     Raises
     ------
@@ -80,7 +80,7 @@ def _end_errors(pressure: Array, along: Padding, ratio: float) -> tuple[float, f
     pressure
         Pressure (x, y).
     along
-        Boundary condition along the length.
+        Padding along the length.
     ratio
         Half-width over period.
     """

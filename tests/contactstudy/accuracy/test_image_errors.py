@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.truncation import truncation
+from contactstudy.accuracy.image_errors import image_errors
 from tests.conftest import STEEL, LineContact
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
@@ -29,7 +29,7 @@ def test_uniform_window_s_error_is_found_to_second_order(
     for period in (2.4, 4.8):
         cut = solved(line_contact, (128, along), period, padding)
         whole = solved(line_contact, (128, along), period, EXACT)
-        peak, l1 = truncation(cut.pressure, cut.problem.grid, (FREE, padding))
+        peak, l1 = image_errors(cut.pressure, cut.problem.grid, (FREE, padding))
         # the next order, a fraction (a / D)^2 = 8 peak; and the edge's leap from its cell, at its two rates
         order = 8 * peak**2 + (2.4 / 128) ** 2
         assert cut.pressure.max() / whole.pressure.max() - 1 == pytest.approx(peak, abs=order)
@@ -58,7 +58,7 @@ def test_where_all_is_seen_nothing_is_lost(line_contact: LineContact) -> None:
     whole = solved(line_contact, (24, 6), 1.2, EXACT)
     for paddings in ((FREE, EXACT), (EXACT, EXACT), (EXACT, FREE)):
         pressure = np.pad(whole.pressure[:, :4], ((0, 0), (1, 1)))
-        assert truncation(pressure, whole.problem.grid, paddings) == (0.0, 0.0)
+        assert image_errors(pressure, whole.problem.grid, paddings) == (0.0, 0.0)
 
 
 def test_a_free_length_is_a_cut_only_where_contact_reaches_its_ends() -> None:
@@ -67,15 +67,15 @@ def test_a_free_length_is_a_cut_only_where_contact_reaches_its_ends() -> None:
     grid = cs.Grid(cells=(32, 32), extent=(length, length))
     point = cs.solve(scene.problem(grid, (FREE, FREE)))
     assert not point.pressure[:, [0, -1]].any()
-    assert truncation(point.pressure, grid, (FREE, FREE)) == (0.0, 0.0)
-    assert min(truncation(np.ones((32, 32)), grid, (FREE, FREE))) > 0
+    assert image_errors(point.pressure, grid, (FREE, FREE)) == (0.0, 0.0)
+    assert min(image_errors(np.ones((32, 32)), grid, (FREE, FREE))) > 0
 
 
 @pytest.mark.parametrize("across", [EXACT, cs.DuplicatedPadding()], ids=str)
 def test_windows_beside_images_are_refused(across: cs.Padding) -> None:
     grid = cs.Grid(cells=(8, 8), extent=(1.0, 1.0))
     with pytest.raises(cs.InvalidInput, match=r"^padding is .*: give ExactPeriodicity"):
-        truncation(np.ones((8, 8)), grid, (across, cs.Superposition(1)))
+        image_errors(np.ones((8, 8)), grid, (across, cs.Superposition(1)))
 
 
 @pytest.mark.parametrize("images", [1, 2, 6])
@@ -87,8 +87,8 @@ def test_load_varies_along_a_centred_window_by_the_measured_law(
     cut = solved(line_contact, (32, 64), period, cs.Superposition(images))
     load = cut.pressure.sum(axis=0)
     varies = np.abs(load / load.mean() - 1).mean()
-    _, l1 = truncation(cut.pressure, cut.problem.grid, (FREE, cs.Superposition(images)))
-    even, narrower = truncation(
+    _, l1 = image_errors(cut.pressure, cut.problem.grid, (FREE, cs.Superposition(images)))
+    even, narrower = image_errors(
         cut.pressure.mean(axis=1, keepdims=True),
         cs.Grid((32, 1), cut.problem.grid.extent),
         (FREE, cs.CircularSuperposition(images)),

@@ -27,10 +27,10 @@ from .problem.bare_problem import BareProblem
 from .problem.constraint import (
     Compressive,
     Constraint,
+    Control,
     Gap,
     HardnessLimited,
     PrescribedLoad,
-    Resultant,
 )
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
@@ -108,6 +108,7 @@ __all__ = [
     "ConstantDensity",
     "Constraint",
     "Contact",
+    "Control",
     "Convolution",
     "Cosine",
     "Cpu",
@@ -166,7 +167,6 @@ __all__ = [
     "Quantity",
     "Ra",
     "RefuseMissing",
-    "Resultant",
     "ReynoldsCavitation",
     "RmsSlope",
     "Roelands",

@@ -27,7 +27,7 @@ from contactstudy.domain.fields import MIN_COMPILED_CELLS, Array, in_blocks, inn
 from contactstudy.domain.grid import axis_first
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.domain.units import readable
-from contactstudy.problem.constraint import violation
+from contactstudy.problem.constraint import cell_violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import is_layered
 from contactstudy.scene.scene import PosedScene
@@ -255,9 +255,9 @@ def _cells(
     wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
     if reason := _cut_off(solution) or _unresolved_length(problem):
         return DiscretisationErrors.unbounded(reason)
-    if solution.adhesion is not None or problem.resultant.approach is not None:
+    if solution.adhesion is not None or problem.control.approach is not None:
         errors = compare_grids(solution, coarse)
-        load_is_result = problem.resultant.approach is not None or _is_pull_off(solution)
+        load_is_result = problem.control.approach is not None or _is_pull_off(solution)
         return errors if load_is_result else replace(errors, load=None)
     heights = heights or SubgridHeights.from_problem(problem, confidence)
     if heights is None:
@@ -469,7 +469,7 @@ def _residual(solution: Solution) -> tuple[float, float]:
         pressure: Array, gap: Array, cells: Array, correction: Array
     ) -> tuple[float, ...]:
         # cells at a limit that should not be there, and the pressure that closes the others
-        pressure_error = violation(pressure, gap, cells) / (scales.gap * compliance)
+        pressure_error = cell_violation(pressure, gap, cells) / (scales.gap * compliance)
         pressure_error += np.abs((correction - level) * cells)
         pressure_error *= CONSTANTS.inverse_margin * scales.pressure
         return float(pressure_error.sum()), float((pressure + pressure_error).max())

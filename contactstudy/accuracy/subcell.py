@@ -389,11 +389,11 @@ def _modulus(problem: Problem, axis: int) -> float:
     across, along = (np.ones(count) for count in problem.grid.cells)
     (along if axis else across)[1::2] = -1
     if isinstance(problem.operator, Convolution):
-        work = problem.operator.work_of_product(across, along)
+        energy = problem.operator.energy_of_product(across, along)
     else:
         wave = across[:, None] * along
-        work = float((problem.operator(wave) * wave).sum())
-    return 2 * problem.grid.cell[axis] * prod(problem.grid.cells) / (pi * work)
+        energy = float((problem.operator(wave) * wave).sum())
+    return 2 * problem.grid.cell[axis] * prod(problem.grid.cells) / (pi * energy)
 
 
 @dataclass(frozen=True)

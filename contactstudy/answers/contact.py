@@ -15,7 +15,7 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
 from contactstudy.io.contact_quantities import contact_quantities, scene_of
 from contactstudy.io.quantities import Quantities
-from contactstudy.problem.problem import Field, Sheared
+from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution
 
@@ -124,7 +124,7 @@ class Contact(Answer, Solution):
         """Fields of the outputs that the scene names, such as stress below the surface."""
         fields: dict[str, Field] = {}
         for output in self.problem.outputs:
-            sheared = self.traction is not None and isinstance(output, Sheared)
+            sheared = self.traction is not None and isinstance(output, DependsOnShear)
             under = output.under(self.traction.shear) if sheared else output  # type: ignore[union-attr, attr-defined]
             fields |= under.fields(self.pressure)
         return fields

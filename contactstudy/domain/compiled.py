@@ -1,4 +1,4 @@
-"""Passes over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
+"""Loops over fields compiled by numba (extra ``fast``): each reads and writes its fields once.
 
 Each takes the place of several array operations. Fields (x, y) are C-contiguous: others would be compiled again.
 ``results`` (x, results) takes the sums of each row, so that they do not depend on the number of threads. ``limit`` is
@@ -14,21 +14,21 @@ from numba import njit
 
 from contactstudy.domain.device import Array
 
-Pass = TypeVar("Pass", bound=Callable[..., Any])
+Loop = TypeVar("Loop", bound=Callable[..., Any])
 
 # Reordered sums; nan and inf keep their meaning.
 REASSOCIATED = {"reassoc", "nsz"}
 
 
-def exact(function: Pass) -> Pass:
-    """Compile a pass whose sums are taken in the order that is written."""
-    return cast(Pass, njit(cache=True, nogil=True, error_model="numpy")(function))
+def exact(function: Loop) -> Loop:
+    """Compile a loop whose sums are taken in the order that is written."""
+    return cast(Loop, njit(cache=True, nogil=True, error_model="numpy")(function))
 
 
-def summing(function: Pass) -> Pass:
-    """Compile a pass whose sums are taken in any order."""
+def summing(function: Loop) -> Loop:
+    """Compile a loop whose sums are taken in any order."""
     return cast(
-        Pass, njit(cache=True, nogil=True, error_model="numpy", fastmath=REASSOCIATED)(function)
+        Loop, njit(cache=True, nogil=True, error_model="numpy", fastmath=REASSOCIATED)(function)
     )
 
 
@@ -85,7 +85,7 @@ def gap(
 def active_set(
     pressure: Array, height: Array, limit: float, cells: Array, active_gap: Array
 ) -> None:
-    """Write the active set, cells in contact at no limit (1, others 0), and their gap."""
+    """Write the active set, free cells in contact (1, others 0), and their gap."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
             loaded = pressure[i, j]
@@ -116,70 +116,69 @@ def add_entering(
 
 
 @summing
-def direction_sums(cells: Array, residual: Array, results: Array) -> None:
-    """Write for each row the number of `cells`, and the sum of the preconditioned `residual`."""
+def direction_sums(cells: Array, preconditioned: Array, results: Array) -> None:
+    """Write for each row the number of `cells`, and the sum of the `preconditioned` residual."""
     for i in range(cells.shape[0]):
-        count = residual_sum = 0.0
+        count = preconditioned_sum = 0.0
         for j in range(cells.shape[1]):
             count += cells[i, j]
-            residual_sum += residual[i, j]
-        results[i, 0], results[i, 1] = count, residual_sum
+            preconditioned_sum += preconditioned[i, j]
+        results[i, 0], results[i, 1] = count, preconditioned_sum
 
 
 @summing
 def conjugacy_sums(
-    gap: Array, residual: Array, active: Array, before: Array, after: Array,
+    gap: Array, preconditioned: Array, active: Array, before: Array, after: Array,
     displacement_before: Array, displacement_after: Array, results: Array,
 ) -> None:  # fmt: skip
     """Write for each row the sums that make a direction conjugate to the last step, in the order of `ConjugacySums`."""
     for i in range(gap.shape[0]):
-        cells = residual_sum = gap_residual = residual_response = 0.0
+        cells = preconditioned_sum = gap_preconditioned = preconditioned_response = 0.0
         active_response = gap_step = step_sum = 0.0
         for j in range(gap.shape[1]):
-            step = active[i, j] * (before[i, j] - after[i, j])
-            response = displacement_before[i, j] - displacement_after[i, j]
+            step = active[i, j] * (after[i, j] - before[i, j])
+            response = displacement_after[i, j] - displacement_before[i, j]
             cells += active[i, j]
-            residual_sum += residual[i, j]
-            gap_residual += gap[i, j] * residual[i, j]
-            residual_response += residual[i, j] * response
+            preconditioned_sum += preconditioned[i, j]
+            gap_preconditioned += gap[i, j] * preconditioned[i, j]
+            preconditioned_response += preconditioned[i, j] * response
             active_response += active[i, j] * response
             gap_step += gap[i, j] * step
             step_sum += step
-        results[i, 0], results[i, 1], results[i, 2] = cells, residual_sum, gap_residual
-        results[i, 3], results[i, 4] = residual_response, active_response
+        results[i, 0], results[i, 1], results[i, 2] = cells, preconditioned_sum, gap_preconditioned
+        results[i, 3], results[i, 4] = preconditioned_response, active_response
         results[i, 5], results[i, 6] = gap_step, step_sum
 
 
 @summing
 def trial(
-    pressure: Array, height: Array, residual: Array, cells: Array, shift: float, conjugate: float,
+    pressure: Array, height: Array, preconditioned: Array, cells: Array, shift: float, beta: float,
     step_length: float, limit: float, step: Array, results: Array,
 ) -> None:  # fmt: skip
     """Write the pressure one step ahead, without tension, over the pressure before the last `step`.
 
-    The direction is `shift` less the preconditioned `residual`, plus `conjugate` times the last step, which counts from
-    its end to its beginning; it is zero outside the `cells`. Each row gets the number of cells that were beyond a limit,
-    the load, the number of cells with pressure and the work of the gap on the step; the first row also gets the largest
-    pressure of all rows.
+    The direction is `shift` less the `preconditioned` residual, plus `beta` times the last step; it is zero outside the
+    `cells`. Each row gets the number of cells that were beyond a limit, the load, the number of cells with pressure and
+    the slope of the energy along the step; the first row also gets the largest pressure of all rows.
     """
     columns = pressure.shape[1]
     largest = np.zeros(columns)
     for i in range(pressure.shape[0]):
-        cut = load = loaded = work = 0.0
+        cut = load = loaded = slope = 0.0
         for j in range(columns):
-            direction = shift - residual[i, j]
-            if conjugate != 0:
-                direction += conjugate * (step[i, j] - pressure[i, j])
+            direction = shift - preconditioned[i, j]
+            if beta != 0:
+                direction += beta * (pressure[i, j] - step[i, j])
             change = direction * cells[i, j] * step_length
             after = pressure[i, j] + change
-            work += height[i, j] * change
+            slope += height[i, j] * change
             cut += 1.0 if (after < 0) | (after > limit) else 0.0
             after = 0.0 if after <= 0 else after  # and nan stays
             step[i, j] = after
             load += after
             loaded += 1.0 if after > 0 else 0.0
             largest[j] = after if after > largest[j] else largest[j]
-        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = cut, load, loaded, work
+        results[i, 0], results[i, 1], results[i, 2], results[i, 3] = cut, load, loaded, slope
         results[i, 4] = 0.0
     results[0, 4] = largest.max()
 
@@ -188,12 +187,12 @@ def trial(
 def load_above(trial: Array, shift: float, results: Array) -> None:
     """Write for each row the load of a pressure less a `shift`, without tension, and its number of loaded cells."""
     for i in range(trial.shape[0]):
-        carried, cells = 0.0, 0.0
+        load, cells = 0.0, 0.0
         for j in range(trial.shape[1]):
             shifted_pressure = trial[i, j] - shift
-            carried += 0.0 if shifted_pressure <= 0 else shifted_pressure
+            load += 0.0 if shifted_pressure <= 0 else shifted_pressure
             cells += 1.0 if shifted_pressure > 0 else 0.0
-        results[i, 0], results[i, 1] = carried, cells
+        results[i, 0], results[i, 1] = load, cells
 
 
 @summing
@@ -202,27 +201,28 @@ def project(
 ) -> None:
     """Subtract a shift from a trial pressure, cut it off at zero and multiply it by a factor, in place.
 
-    Each row gets the work of the gap on the step from `pressure`.
+    Each row gets the slope of the energy along the step from `pressure`.
     """
     for i in range(trial.shape[0]):
-        work = 0.0
+        slope = 0.0
         for j in range(trial.shape[1]):
             shifted_pressure = trial[i, j] - shift
             trial[i, j] = (0.0 if shifted_pressure <= 0 else shifted_pressure) * scale
-            work += height[i, j] * (trial[i, j] - pressure[i, j])
-        results[i, 0] = work
+            slope += height[i, j] * (trial[i, j] - pressure[i, j])
+        results[i, 0] = slope
 
 
 @summing
 def curvature(
     trial: Array, pressure: Array, trial_displacement: Array, displacement: Array, results: Array
 ) -> None:
-    """Write for each row the work of a step on the displacement that it makes."""
+    """Write for each row the inner product of a step with the displacement that it makes."""
     for i in range(trial.shape[0]):
-        work = 0.0
+        product = 0.0
         for j in range(trial.shape[1]):
-            work += (trial[i, j] - pressure[i, j]) * (trial_displacement[i, j] - displacement[i, j])
-        results[i, 0] = work
+            change = trial_displacement[i, j] - displacement[i, j]
+            product += (trial[i, j] - pressure[i, j]) * change
+        results[i, 0] = product
 
 
 @exact

@@ -23,7 +23,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Metres
 
 # Largest ratio of the sides of a cell.
-LARGEST_ELONGATION = 1e9
+LARGEST_ASPECT_RATIO = 1e9
 
 
 @suggest_fields
@@ -63,11 +63,11 @@ class Grid:
         )
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "extent", extent)
-        elongation = self.cell[1] / self.cell[0]
-        if not 1 / LARGEST_ELONGATION <= elongation <= LARGEST_ELONGATION:
+        aspect_ratio = self.cell[1] / self.cell[0]
+        if not 1 / LARGEST_ASPECT_RATIO <= aspect_ratio <= LARGEST_ASPECT_RATIO:
             raise InvalidInput(
-                f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LARGEST_ELONGATION:g} times as "
-                f"long as wide, or as wide as long; these are {elongation:g} times as long."
+                f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LARGEST_ASPECT_RATIO:g} times "
+                f"as long as wide, or as wide as long; these are {aspect_ratio:g} times as long."
             )
 
     @property

@@ -41,7 +41,7 @@ class InverseConstants:
         contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
     noise
         Roundings of the largest weight below which a weight is noise of a transform.
-    elongation
+    aspect_ratio
         Ratio of the sides of a cell above which cells are not joined to blocks of 2 x 2. Joining them makes solves 1.1
         to 2 times as fast.
     """
@@ -49,7 +49,7 @@ class InverseConstants:
     single_range: float = 1e4
     holes: float = 2.0
     noise: float = 100.0
-    elongation: float = 4.0
+    aspect_ratio: float = 4.0
 
 
 CONSTANTS = InverseConstants()
@@ -64,7 +64,7 @@ class ExactInverse:
         Displacement of each cell under a unit pressure on each cell (cells, cells).
     """
 
-    work = 0.0
+    cost = 0.0
 
     def __init__(self, compliance: Array) -> None:
         self.compliance, self.real = compliance, compliance.dtype
@@ -134,9 +134,9 @@ class SpectralInverse:
         self._coarser, self._transformed = self._on_blocks(spectrum), 0
 
     @property
-    def work(self) -> float:
+    def cost(self) -> float:
         """Number of cells transformed so far."""
-        return self._transformed + (self._coarser.work if self._coarser is not None else 0.0)
+        return self._transformed + (self._coarser.cost if self._coarser is not None else 0.0)
 
     def extension(self, contact: Array) -> "CoveringExtension":
         """Return the map from the displacement of a `contact` (x, y) to that of all cells."""
@@ -160,8 +160,8 @@ class SpectralInverse:
         nx, ny = self._cells
         if compiled_loops(self._cells) is None or nx % 4 or ny % 4:
             return None
-        elongation = float(spectrum[0, -1]) / float(spectrum[nx // 2, 0])
-        if not 1 / CONSTANTS.elongation < elongation < CONSTANTS.elongation:
+        aspect_ratio = float(spectrum[0, -1]) / float(spectrum[nx // 2, 0])
+        if not 1 / CONSTANTS.aspect_ratio < aspect_ratio < CONSTANTS.aspect_ratio:
             return None
         low = np.concatenate([spectrum[: nx // 4, :], spectrum[nx - nx // 4 :, :]])
         return SpectralInverse(

@@ -33,9 +33,9 @@ class WithWinklerLayer:
         return displacement
 
     @property
-    def work(self) -> float:
+    def cost(self) -> float:
         """Number of cells transformed in one application."""
-        return self.convolution.work
+        return self.convolution.cost
 
     @property
     def self_compliance(self) -> float:

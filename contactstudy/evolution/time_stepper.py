@@ -84,7 +84,7 @@ def solved_or_unloaded(
     tolerance_factor
         Factor on the tolerance of `options`.
     """
-    if problem.adhesion is None and problem.resultant.uniform(1) == 0:
+    if problem.adhesion is None and problem.control.uniform(1) == 0:
         return unloaded(problem)
     begin = start if start is not None and start.any() else None
     return solve_contact(
@@ -340,7 +340,7 @@ class TimeStepper:
         return replace(
             problem,
             operator=self._operator(problem, weights, local),
-            resultant=PrescribedLoad(load * grid.period / grid.cell_area),
+            control=PrescribedLoad(load * grid.period / grid.cell_area),
             scales=self._scales(load, compliance_ratio) if load > 0 else problem.scales,
         )
 

@@ -132,7 +132,7 @@ def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
     """Return the approach, which is exact where it is given, and the point that it is counted from."""
     datum = approach_datum(solution)
     detail = f", from {readable(datum)} beside the axis" if datum else ""
-    if solution.problem.resultant.approach is not None:
+    if solution.problem.control.approach is not None:
         return Quantity(solution.approach, "m", "approach", 0.0, "", detail=detail)
     approach = Quantity(solution.approach, "m", "approach", detail=detail)
     return bounded(approach, estimate.approach, estimate.warnings)

@@ -19,7 +19,7 @@ from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.quantities import Quantities, own_length, per_length
 from contactstudy.io.scene_writer import scene_text
-from contactstudy.problem.problem import Field, Sheared
+from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.load import ChangingLoad, ConstantLoad
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
@@ -345,7 +345,7 @@ def _outputs(evolution: "Trajectory") -> dict[str, xr.Variable]:
         instants = []
         for frame in evolution.frames:
             traction = evolution.traction(frame)
-            if traction is not None and isinstance(output, Sheared):
+            if traction is not None and isinstance(output, DependsOnShear):
                 instants.append(output.under(traction.shear).fields(frame.pressure))
             else:
                 instants.append(output.fields(frame.pressure))
@@ -430,7 +430,7 @@ def film_dataset(
     dataset = film_fields(contact)
     for output in contact.scene.outputs:
         derived = output.of(contact.scene.solids, contact.grid, across_and_along(contact.padding))
-        if isinstance(derived, Sheared):
+        if isinstance(derived, DependsOnShear):
             # friction across on the first body
             derived = derived.under(np.stack((-contact.shear, np.zeros_like(contact.shear))))
         for name, field in derived.fields(contact.pressure).items():

@@ -6,9 +6,9 @@ from math import inf, prod
 
 from contactstudy.domain.device import arrays
 from contactstudy.domain.fields import Array, inner, largest_size, total
-from contactstudy.problem.constraint import Constraint, Gap, Resultant, largest_of
+from contactstudy.problem.constraint import Constraint, Control, Gap, largest_of
+from contactstudy.problem.field_operations import ArrayOperations, operations_for
 from contactstudy.problem.operator import Operator
-from contactstudy.problem.passes import ArrayPasses, passes_for
 
 # Rounding error of a gap, in roundings of the largest displacement; residuals stop falling at half of it.
 GAP_ROUNDINGS = 2.0
@@ -20,14 +20,14 @@ class WinklerConstants:
 
     Attributes
     ----------
-    compliance
+    compliance_ratio
         Compliance of the first foundation over that of a cell. From 1 to 20 the convolutions change by 0.9 to 1.4 times.
-    elongation
+    aspect_ratio
         Ratio of the sides of a cell above which the start is uniform. With 3 a roller takes 2 convolutions more.
     """
 
-    compliance: float = 4.0
-    elongation: float = 30.0
+    compliance_ratio: float = 4.0
+    aspect_ratio: float = 30.0
 
 
 CONSTANTS = WinklerConstants()
@@ -48,30 +48,30 @@ class BareProblem:
         Map from pressure to displacement, both (x, y) in units of their scales.
     constraint
         Limits of the pressure of each cell.
-    resultant
-        The given load, which is the sum of the pressure, or the given approach.
-    elongation
+    control
+        The load, which is the sum of the pressure, or the approach.
+    aspect_ratio
         Length of a cell over its width.
-    chosen_passes
-        Passes over fields; None chooses them by size and device.
+    chosen_operations
+        Operations on fields; None chooses them by size and device.
     """
 
     undeformed_gap: Array
     operator: Operator
     constraint: Constraint
-    resultant: Resultant
-    elongation: float = field(default=1.0, kw_only=True)
-    chosen_passes: ArrayPasses | None = field(default=None, kw_only=True, repr=False)
+    control: Control
+    aspect_ratio: float = field(default=1.0, kw_only=True)
+    chosen_operations: ArrayOperations | None = field(default=None, kw_only=True, repr=False)
 
     @cached_property
-    def passes(self) -> ArrayPasses:
-        """Passes over the fields of the problem, which coarser grids share."""
-        return self.chosen_passes or passes_for(self.constraint, self.undeformed_gap.shape)
+    def operations(self) -> ArrayOperations:
+        """Operations on the fields of the problem, which coarser grids share."""
+        return self.chosen_operations or operations_for(self.constraint, self.undeformed_gap.shape)
 
     def uniform(self) -> Array:
-        """Return the uniform pressure (x, y) that meets the resultant."""
+        """Return the uniform pressure (x, y) with the prescribed load, or none under a prescribed approach."""
         gap = self.undeformed_gap
-        return arrays().full_like(gap, self.resultant.uniform(prod(gap.shape)))
+        return arrays().full_like(gap, self.control.uniform(prod(gap.shape)))
 
     def winkler_start(self) -> Array:
         """Return the pressure (x, y) of a Winkler foundation with the compliance of the operator under such a pressure.
@@ -79,9 +79,9 @@ class BareProblem:
         It is uniform where no compliance follows, and on elongated cells, where waves along the shorter side are much
         stiffer than others.
         """
-        if not 1 / CONSTANTS.elongation < self.elongation < CONSTANTS.elongation:
+        if not 1 / CONSTANTS.aspect_ratio < self.aspect_ratio < CONSTANTS.aspect_ratio:
             return self.uniform()
-        compliance = CONSTANTS.compliance * self.operator.self_compliance
+        compliance = CONSTANTS.compliance_ratio * self.operator.self_compliance
         pressure = self.project(-self.undeformed_gap / compliance)
         free = self.constraint.free(pressure)
         cells = total(free)
@@ -92,20 +92,20 @@ class BareProblem:
             return self.uniform()
         return self.project(-self.undeformed_gap / compliance)
 
-    def make_admissible(self, trial: Array) -> Array:
-        """Cut a `trial` pressure off at the limits and scale it to meet the resultant, in place."""
-        return self.resultant.make_admissible(trial, self.constraint)
+    def clip_and_scale(self, trial: Array) -> Array:
+        """Cut a `trial` pressure off at the limits, and scale it to the load if one is prescribed, in place."""
+        return self.control.clip_and_scale(trial, self.constraint)
 
     def project(self, trial: Array) -> Array:
-        """Replace a `trial` pressure by the nearest admissible one, in place."""
-        return self.resultant.project(trial, self.constraint)
+        """Project a `trial` pressure in L2 onto the admissible ones, in place."""
+        return self.control.project(trial, self.constraint)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual: the largest of complementarity, penetration and error of the load.
 
         `gap` is the gap under `pressure`. See :func:`~contactstudy.solve`.
         """
-        return largest_of(gap.violation, self.resultant.error(gap.load))
+        return largest_of(gap.violation, self.control.error(gap.load))
 
     def gap(self, pressure: Array, displacement: Array, into: Gap | None = None) -> Gap:
         """Return the gap under a `pressure` that makes this `displacement`, both (x, y).
@@ -115,16 +115,16 @@ class BareProblem:
         height = arrays().empty_like(pressure) if into is None else into.height
         fields = self.undeformed_gap, displacement, pressure, height
         # heights are counted from an approach that is given
-        approach = None if self.resultant.approach is None else 0.0
-        return self.passes.gap(*fields, approach)
+        approach = None if self.control.approach is None else 0.0
+        return self.operations.gap(*fields, approach)
 
-    def ends(
+    def should_stop(
         self, residual: float, displacement: Array, tolerance: float, largest: float | None = None
     ) -> bool:
-        """Return whether no iteration can improve on `residual`, or none needs to.
+        """Return whether the residual is below the `tolerance`, at the rounding of a gap, or not finite.
 
-        It is not finite, below the `tolerance`, or below the rounding of a gap under `displacement`, whose largest
-        absolute value is found unless it is given as `largest`.
+        That rounding follows from the largest absolute value of the `displacement`, which is found unless it is given as
+        `largest`.
         """
         largest = largest_size(displacement) if largest is None else largest
         rounding = float(GAP_ROUNDINGS * arrays().finfo(displacement.dtype).eps * largest)
@@ -140,13 +140,13 @@ class BareProblem:
             gap = (gap[::2, :] + gap[1::2, :]) / 2
         if along == 2:
             gap = (gap[:, ::2] + gap[:, 1::2]) / 2
-        resultant = self.resultant.scaled(1.0, across * along)
+        control = self.control.scaled(1.0, across * along)
         operator = self.operator.coarsened()
         return BareProblem(
             gap,
             operator,
             self.constraint,
-            resultant,
-            elongation=self.elongation * along / across,
-            chosen_passes=self.passes,
+            control,
+            aspect_ratio=self.aspect_ratio * along / across,
+            chosen_operations=self.operations,
         )

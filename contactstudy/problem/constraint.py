@@ -27,7 +27,7 @@ class Gap:
     approach
         Approach of the bodies.
     violation
-        The larger of complementarity and penetration, see :meth:`Constraint.residual`.
+        The larger of complementarity and penetration, see :meth:`Constraint.violation`.
     load
         Sum of the pressure.
     largest_displacement
@@ -48,7 +48,7 @@ def scaled_in_double(field: Array, factor: float) -> Array:
     return double
 
 
-def violation(pressure: Array, height: Array, free: Array) -> Array:
+def cell_violation(pressure: Array, height: Array, free: Array) -> Array:
     """Return by how much cells (x, y) that are not `free` violate their condition, which is at least 0.
 
     Cells without pressure should not penetrate, and cells at the upper limit should have no open gap.
@@ -87,7 +87,7 @@ class Constraint(Protocol):
         """
         ...
 
-    def approach(self, pressure: Array, height: Array) -> float:
+    def approach_without_free_cells(self, pressure: Array, height: Array) -> float:
         """Return the approach from the `height` of the gap (x, y) where no cell of `pressure` is free."""
         ...
 
@@ -104,13 +104,14 @@ class Constraint(Protocol):
         ...
 
     def project(self, trial: Array, total: float) -> Array:
-        """Replace a `trial` pressure by the nearest one of this set that has the sum `total`, in place."""
+        """Project a `trial` pressure in L2 onto the pressures of this set that have the sum `total`, in place."""
         ...
 
     def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
-        """Cut a `trial` pressure off at the limits and shift its `cells` (1, others 0) to the sum `total`, in place.
+        """Shift the `cells` (1, others 0) of a `trial` pressure, cut off at its limits, to the sum `total`, in place.
 
-        Where these cells alone cannot carry it, all cells do.
+        Other cells end at a limit of their pressure: without an upper one they become zero, else they keep
+        their pressure, cut off at the limits. Where the cells cannot carry the rest, all cells are scaled to the load.
         """
         ...
 
@@ -118,7 +119,7 @@ class Constraint(Protocol):
         """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
         ...
 
-    def residual(self, pressure: Array, height: Array, load: float) -> float:
+    def violation(self, pressure: Array, height: Array, load: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale.
 
         `height` is that of the gap (x, y), `load` the sum of `pressure`. See :func:`~contactstudy.solve`.
@@ -179,7 +180,7 @@ class Compressive:
         """Return 1 for cells in contact, and 0 for the others."""
         return arrays().astype(pressure > 0, pressure.dtype)
 
-    def approach(self, pressure: Array, height: Array) -> float:
+    def approach_without_free_cells(self, pressure: Array, height: Array) -> float:
         """Return nan: there is no approach without cells in contact, and a load needs some."""
         return nan
 
@@ -204,7 +205,8 @@ class Compressive:
     def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Shift the `cells` of a `trial` pressure to the sum `total`, with tension set to zero, in place.
 
-        The shift is found in Newton's steps, each of which cuts off more: the sum is convex in the shift.
+        Other cells become zero. The shift is found in Newton's steps, each of which cuts off more: the sum is convex in
+        the shift.
         """
         xp = arrays()
         trial *= cells
@@ -222,14 +224,14 @@ class Compressive:
             return float(xp.sum(above)) - shift * above.shape[0], above.shape[0]
 
         epsilon = float(xp.finfo(trial.dtype).eps)
-        shift, factor = load_multiplier(total, carried, loaded.shape[0], load_above, epsilon)
+        shift, factor = shift_to_load(total, carried, loaded.shape[0], load_above, epsilon)
         return replace_blocks(trial, lambda block: xp.maximum(block - shift, 0) * factor)
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells without pressure that penetrate, and 0 for the others."""
         return arrays().astype((pressure == 0) & (height < 0), height.dtype)
 
-    def residual(self, pressure: Array, height: Array, load: float) -> float:
+    def violation(self, pressure: Array, height: Array, load: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale."""
         xp = arrays()
 
@@ -242,28 +244,29 @@ class Compressive:
         return largest_of(complementarity, *deepest)
 
 
-def load_multiplier(
+def shift_to_load(
     load: float,
-    carried: float,
-    loaded: float,
+    current_load: float,
+    loaded_cells: float,
     load_above: Callable[[float], tuple[float, float]],
     epsilon: float,
 ) -> tuple[float, float]:
-    """Return the shift, the Lagrange multiplier of the load, and the factor that make a pressure carry `load`.
+    """Return the shift and the factor that make a pressure, cut off at zero, carry `load`.
 
-    The pressure has the sum `carried` in a number of `loaded` cells; `load_above` returns both for a shift. The factor
-    corrects what rounding leaves; it is 1 within 16 roundings `epsilon`.
+    The shift is the Lagrange multiplier of the load. The pressure has the sum `current_load` in a number of
+    `loaded_cells`; `load_above` returns both for a shift. The factor corrects what rounding leaves; it is 1 within 16
+    roundings `epsilon`.
     """
     shift, before = 0.0, -1.0
-    while carried > load and loaded != before:
-        shift, before = shift + (carried - load) / loaded, loaded
-        carried, loaded = load_above(shift)
-    return shift, 1.0 if abs(carried / load - 1) <= 16 * epsilon else load / carried
+    while current_load > load and loaded_cells != before:
+        shift, before = shift + (current_load - load) / loaded_cells, loaded_cells
+        current_load, loaded_cells = load_above(shift)
+    return shift, 1.0 if abs(current_load / load - 1) <= 16 * epsilon else load / current_load
 
 
 @dataclass(frozen=True)
 class HardnessLimited:
-    """Constraint of a perfectly plastic contact: ``0 <= p <= hardness``.
+    """Constraint of an elastic-perfectly plastic contact: ``0 <= p <= hardness``.
 
     Where the pressure is at the hardness the bodies may overlap, by the plastic indentation of the softer one.
     `hardness` is in the unit of the pressure, above 0. Source: Almqvist, Sahlin, Larsson & Glavatskih (2007), sect. 2.
@@ -288,7 +291,7 @@ class HardnessLimited:
         """Return 1 for cells in contact below the hardness, and 0 for the others."""
         return arrays().astype((pressure > 0) & (pressure < self.hardness), pressure.dtype)
 
-    def approach(self, pressure: Array, height: Array) -> float:
+    def approach_without_free_cells(self, pressure: Array, height: Array) -> float:
         """Return the smallest approach that leaves no gap open where all cells have yielded."""
         return float(arrays().max(height[pressure > 0]))
 
@@ -334,7 +337,10 @@ class HardnessLimited:
         return project_capped_simplex(trial, total, self.hardness)
 
     def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shift the `cells` of a `trial` pressure to the sum `total`, or scale all cells if these cannot, in place."""
+        """Shift the `cells` of a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place.
+
+        Other cells keep their pressure. Where the `cells` cannot carry the rest, all are scaled to the load.
+        """
         xp = arrays()
         self.clip(trial)
         chosen = cells > 0
@@ -346,21 +352,21 @@ class HardnessLimited:
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells that penetrate without pressure or are open at the hardness, and 0 for the others."""
-        violations = violation(pressure, height, self.free(pressure))
+        violations = cell_violation(pressure, height, self.free(pressure))
         return arrays().astype(violations > 0, height.dtype)
 
-    def residual(self, pressure: Array, height: Array, load: float) -> float:
+    def violation(self, pressure: Array, height: Array, load: float) -> float:
         """Return the largest of complementarity in free cells, penetration, and open gaps of yielding cells."""
         xp = arrays()
         free = self.free(pressure)
         moment, of_free = inner(pressure, xp.abs(height) * free), inner(pressure, free)
         complementarity = moment / of_free if of_free > 0 else 0.0
-        return largest_of(complementarity, float(xp.max(violation(pressure, height, free))))
+        return largest_of(complementarity, float(xp.max(cell_violation(pressure, height, free))))
 
 
 @dataclass(frozen=True)
 class PrescribedLoad:
-    """Resultant of a given load: ``sum(p) = total``.
+    """Load control: ``sum(p) = total``.
 
     `total` is the load over the area of a cell, in the unit of p.
     """
@@ -380,12 +386,12 @@ class PrescribedLoad:
         """Return the pressure of the load spread evenly over a number of `cells`."""
         return self.total / cells
 
-    def make_admissible(self, trial: Array, constraint: Constraint) -> Array:
-        """Scale a `trial` pressure within the limits of `constraint` to the load, in place."""
+    def clip_and_scale(self, trial: Array, constraint: Constraint) -> Array:
+        """Cut a `trial` pressure off at the limits of `constraint` and scale it to the load, in place."""
         return constraint.scale_to_load(trial, self.total)
 
     def project(self, trial: Array, constraint: Constraint) -> Array:
-        """Replace a `trial` pressure by the nearest one within the limits of `constraint` with this load, in place.
+        """Project a `trial` pressure in L2 onto those within the limits of `constraint` with this load, in place.
 
         A step against the gap that ends there lowers the energy.
         """
@@ -402,7 +408,7 @@ class PrescribedLoad:
 
 @dataclass(frozen=True)
 class PrescribedApproach:
-    """A given approach [m], from which heights are counted: the pressures carry any load, or none."""
+    """Approach control, with a given `approach` [m], from which heights are counted: the load follows, or is zero."""
 
     approach: float
 
@@ -418,7 +424,7 @@ class PrescribedApproach:
         """Return 0: no pressure meets the condition too."""
         return 0.0
 
-    def make_admissible(self, trial: Array, constraint: Constraint) -> Array:
+    def clip_and_scale(self, trial: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 
@@ -435,5 +441,5 @@ class PrescribedApproach:
         return 0.0
 
 
-# What closes the problem: a given load, which is the sum of the pressure, or a given approach.
-Resultant = PrescribedLoad | PrescribedApproach
+# What closes the problem: the load, which is the sum of the pressure, or the approach.
+Control = PrescribedLoad | PrescribedApproach

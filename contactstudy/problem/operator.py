@@ -37,7 +37,7 @@ class ApproximateInverse(Protocol):
         ...
 
     @property
-    def work(self) -> float:
+    def cost(self) -> float:
         """Number of cells transformed so far."""
         ...
 
@@ -50,7 +50,7 @@ class Operator(Protocol):
     """Symmetric linear map from pressure to displacement, both (x, y)."""
 
     @property
-    def work(self) -> float:
+    def cost(self) -> float:
         """Number of cells transformed in one application."""
         ...
 

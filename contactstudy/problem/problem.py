@@ -1,4 +1,4 @@
-"""The contact problem in SI units: a gap, an operator, a constraint, a resultant, and what follows from its pressure."""
+"""The contact problem in SI units: a gap, an operator, a constraint, a control, and what follows from its pressure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ from contactstudy.domain.device import Device, Precision, device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.problem.bare_problem import BareProblem
-from contactstudy.problem.constraint import Constraint, Resultant
+from contactstudy.problem.constraint import Constraint, Control
 from contactstudy.problem.operator import Operator
 
 
@@ -37,7 +37,7 @@ class Derived(Protocol):
 
 
 @runtime_checkable
-class Sheared(Protocol):
+class DependsOnShear(Protocol):
     """Derived quantities that also depend on shear on the surface."""
 
     def under(self, shear: Array) -> Derived:
@@ -120,8 +120,8 @@ class Problem:
         Map from pressure [Pa] to displacement [m].
     constraint
         Limits of the pressure of each cell.
-    resultant
-        The given load, which is the sum of the pressure, or the given approach.
+    control
+        The load, which is the sum of the pressure, or the approach.
     scales
         Units that the solver works in.
     open_edges, open_ends
@@ -148,7 +148,7 @@ class Problem:
     undeformed_gap: Array
     operator: Operator
     constraint: Constraint
-    resultant: Resultant
+    control: Control
     scales: Scales
     open_edges: tuple[int, ...] = ()
     open_ends: tuple[int, ...] = ()
@@ -161,22 +161,22 @@ class Problem:
     row_lengths: Array | None = None
 
     @property
-    def datum(self) -> float:
-        """Height [m] that a bare problem counts from, the given approach or else the smallest undeformed gap.
+    def reference_height(self) -> float:
+        """Height [m] that a bare problem counts from: the prescribed approach, or else the smallest undeformed gap.
 
         Large heights have large rounding errors, which should be far from where the bodies touch.
         """
-        approach = self.resultant.approach
+        approach = self.control.approach
         return float(self.undeformed_gap.min()) if approach is None else approach
 
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
-        """Return this problem in its own scales, with heights counted from its datum, on the device in use."""
-        heights = self.undeformed_gap - self.datum
+        """Return this problem in its own scales, heights counted from its reference height, on the device in use."""
+        heights = self.undeformed_gap - self.reference_height
         heights /= self.scales.gap
         return BareProblem(
             device().to_device(heights.astype(precision.real, copy=False)),
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),
             self.constraint.scaled(1 / self.scales.pressure),
-            self.resultant.scaled(1 / self.scales.pressure),
-            elongation=self.grid.cell[1] / self.grid.cell[0] if self.grid.cells[1] > 1 else 1.0,
+            self.control.scaled(1 / self.scales.pressure),
+            aspect_ratio=self.grid.cell[1] / self.grid.cell[0] if self.grid.cells[1] > 1 else 1.0,
         )

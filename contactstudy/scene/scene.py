@@ -23,10 +23,10 @@ from contactstudy.elasticity.convolution import superposed
 from contactstudy.problem.constraint import (
     Compressive,
     Constraint,
+    Control,
     HardnessLimited,
     PrescribedApproach,
     PrescribedLoad,
-    Resultant,
 )
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import AdhesionLaw, Derived, Problem, Scales
@@ -418,7 +418,7 @@ class Scene:
             undeformed_gap=gap,
             operator=superposed(response(self.solids, self.datum(scales, grid)), grid, paddings),
             constraint=self._constraint(solver),
-            resultant=self._resultant(grid, padding),
+            control=self._control(grid, padding),
             scales=scales,
             paddings=paddings,
             open_edges=(0, -1) if _is_free(paddings[0]) else (),
@@ -453,7 +453,7 @@ class Scene:
         assert not isinstance(load, ChangingLoad | Approach)
         return load.over(grid.period)
 
-    def _resultant(self, grid: Grid, padding: Padding | Paddings) -> Resultant:
+    def _control(self, grid: Grid, padding: Padding | Paddings) -> Control:
         """Return the condition on the pressures of all cells of `grid`."""
         if isinstance(self.load, Approach):
             return PrescribedApproach(self.load.approach)

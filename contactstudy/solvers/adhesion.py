@@ -155,10 +155,10 @@ class PullOffSearch:
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the last stable state; its part `adhesion` has the first unstable load."""
-        assert isinstance(problem.resultant, PrescribedLoad)
+        assert isinstance(problem.control, PrescribedLoad)
         last_stable = self.solver.solve(problem, options, start, on)
         iterations, convolutions = last_stable.iterations, last_stable.convolutions
-        load, first_unstable = problem.resultant.total, -inf
+        load, first_unstable = problem.control.total, -inf
         options = replace(
             options, max_iterations=CONSTANTS.more_iterations * options.max_iterations
         )
@@ -168,7 +168,7 @@ class PullOffSearch:
             assert last_stable.adhesion is not None
             pull = CONSTANTS.load_step * float(last_stable.adhesion.traction.sum())
             trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
-            lowered = replace(problem, resultant=PrescribedLoad(trial))
+            lowered = replace(problem, control=PrescribedLoad(trial))
             state = self.solver.after(last_stable).solve(lowered, options, last_stable.pressure, on)
             iterations += state.iterations
             convolutions += state.convolutions
@@ -274,19 +274,18 @@ class OuterIteration:
 
     def _is_weak(self) -> bool:
         """Return whether the largest traction everywhere is below the tolerance of the load."""
-        resultant = self.problem.resultant
+        control = self.problem.control
         largest = self.solver.law.strength * self.problem.undeformed_gap.size
         return (
-            isinstance(resultant, PrescribedLoad)
-            and largest < self.options.tolerance * resultant.total
+            isinstance(control, PrescribedLoad) and largest < self.options.tolerance * control.total
         )
 
     def _contact_load(self, traction: Array) -> float:
         """Return the load of the pressure alone, over the area of a cell [Pa]; infinite under a given approach."""
-        resultant = self.problem.resultant
-        if not isinstance(resultant, PrescribedLoad):
+        control = self.problem.control
+        if not isinstance(control, PrescribedLoad):
             return inf
-        return resultant.total + float(traction.sum())
+        return control.total + float(traction.sum())
 
     def _inner_tolerance(self, gap_error: float) -> float:
         """Return the dimensionless tolerance of a contact for an error of its gap, a fraction of the range."""
@@ -316,11 +315,11 @@ class OuterIteration:
     ) -> _State:
         """Return the contact under a frozen `traction`, which displaces the surface by `displacement`."""
         problem, law = self.problem, self.solver.law
-        resultant = problem.resultant if load == inf else PrescribedLoad(load)
+        control = problem.control if load == inf else PrescribedLoad(load)
         frozen = replace(
             problem,
             undeformed_gap=problem.undeformed_gap - displacement,
-            resultant=resultant,
+            control=control,
             adhesion=None,
         )
         options = replace(self.options, tolerance=self._inner_tolerance(gap_error))

@@ -14,7 +14,7 @@ class Iterate:
     pressure, displacement
         Fields (x, y).
     approach
-        Approach of the bodies, counted from the smallest undeformed gap, or from the given approach.
+        Approach of the bodies, counted from the reference height of the problem.
     residual
         Largest of complementarity, penetration and error of the load.
     iterations

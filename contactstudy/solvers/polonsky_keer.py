@@ -12,7 +12,10 @@ from contactstudy.solvers.iterate import Iterate, Stall
 class PolonskyKeer:
     """Conjugate gradients on the cells in contact, restarted when the contact gains a cell.
 
-    An iteration takes two convolutions. Source: Polonsky & Keer (1999), Wear 231, sect. 3.
+    Source: Polonsky & Keer (1999), Wear 231, sect. 3, whose steps are numbered in the code. An iteration takes two
+    convolutions. Additions: an upper limit of the pressure, a prescribed approach, a restart where the direction is not
+    one of descent, the step of a Winkler foundation for a single cell, and a projected gradient step where scaling to
+    the load has turned the step uphill.
 
     Parameters
     ----------
@@ -33,44 +36,53 @@ class PolonskyKeer:
         """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         xp, constraint = arrays(), problem.constraint
         initial = problem.uniform() if start is None else xp.asarray(start, copy=True)
-        pressure = problem.make_admissible(initial)
+        pressure = problem.clip_and_scale(initial)
         direction = xp.zeros_like(pressure)
-        previous_squared_norm, conjugate = 1.0, 0.0
+        previous_squared_norm, delta = (
+            1.0,
+            0.0,
+        )  # delta: 0 after the contact has gained cells, else 1
         stall = Stall(self.patience)
         compliance = problem.operator.self_compliance
         iteration = 0
         while True:
+            # 1. the gap, whose mean over the contact is zero under a prescribed load
             displacement = problem.operator(pressure)
             gap = problem.gap(pressure, displacement)
             residual = problem.residual(pressure, gap)
-            ended = problem.ends(residual, displacement, tolerance, gap.largest_displacement)
+            ended = problem.should_stop(residual, displacement, tolerance, gap.largest_displacement)
             if ended or iteration == max_iterations or stall.stalled(residual):
-                work = 2.0 * iteration + 1
-                return Iterate(pressure, displacement, gap.approach, residual, iteration, work)
+                convolutions = 2.0 * iteration + 1
+                return Iterate(
+                    pressure, displacement, gap.approach, residual, iteration, convolutions
+                )
             iteration += 1
+            # 2. the conjugate direction in the contact
             free = constraint.free(pressure)
             contact_gap = gap.height * free
             squared_norm = inner(contact_gap, contact_gap)
             beta = (
-                conjugate * squared_norm / previous_squared_norm
-                if previous_squared_norm > 0
-                else 0.0
+                delta * squared_norm / previous_squared_norm if previous_squared_norm > 0 else 0.0
             )
             direction = contact_gap + beta * direction * free
             previous_squared_norm = squared_norm
-            if inner(contact_gap, direction) <= 0:  # not a descent direction: restart
+            if inner(contact_gap, direction) <= 0:  # addition: restart
                 direction = contact_gap
+            # 3. the step length, by the second convolution
             response = problem.operator(direction)
-            if problem.resultant.approach is None:
+            if problem.control.approach is None:
                 response -= mean_over(free, response)
             curvature = inner(response, direction)
-            # a single cell in contact has no curvature: take the step of a Winkler foundation
+            # addition: a single cell in contact has no curvature
             step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance
+            # 4. the step, without tension
             before, pressure = pressure, constraint.clip(pressure - step * direction)
+            # 5. cells that overlap enter the contact
             at_limit = 1 - constraint.free(pressure)
             trial = xp.maximum(pressure - step * gap.height * at_limit, 0)
-            conjugate = 1.0 if xp.all(trial == pressure) else 0.0
-            pressure = problem.make_admissible(trial)
-            # not a descent direction after projection
+            delta = 1.0 if xp.all(trial == pressure) else 0.0
+            # 6. the load
+            pressure = problem.clip_and_scale(trial)
+            # addition: the projected gradient step where that one leads uphill
             if inner(gap.height, pressure - before) >= 0:
-                conjugate, pressure = 0.0, problem.project(before - step * gap.height)
+                delta, pressure = 0.0, problem.project(before - step * gap.height)

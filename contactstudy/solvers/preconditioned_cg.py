@@ -7,8 +7,8 @@ from contactstudy.domain.device import arrays
 from contactstudy.domain.fields import Array, equal, inner, total
 from contactstudy.problem.bare_problem import BareProblem
 from contactstudy.problem.constraint import Gap
+from contactstudy.problem.field_operations import Direction
 from contactstudy.problem.operator import Extension
-from contactstudy.problem.passes import Direction
 from contactstudy.solvers.iterate import Iterate, Stall
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
@@ -23,8 +23,8 @@ class DescentConstants:
         A step that a limit cut off is taken in whole where the energy is least beyond this fraction of it: the whole
         step then lowers the energy too.
     longest, shortest
-        Limits of the step length. The preconditioner is stiffer than the contact, not softer, so that steps beyond 1
-        overshoot; the lower limit keeps rounding from shortening all further steps.
+        Limits of the trial step length. The preconditioner is stiffer than the contact, not softer, so that steps
+        beyond 1 overshoot; the lower limit keeps rounding from shortening all further steps.
     coarse_reduction
         Fraction of its first residual at which a coarse grid ends. Interpolation to a rough surface has about a third of
         that residual, so that a smaller fraction gains nothing; 0.1 costs an iteration on rough contacts of 96 x 96 and
@@ -88,7 +88,7 @@ class ContactState:
     @property
     def has_contact(self) -> bool:
         """True if any cell has pressure, which under a given load is always so."""
-        return self.problem.resultant.approach is None or bool(arrays().any(self.pressure > 0))
+        return self.problem.control.approach is None or bool(arrays().any(self.pressure > 0))
 
     def take_last_step(self) -> PressureStep | None:
         """Return the last step and forget it, so that its fields are free for the next convolution."""
@@ -100,15 +100,15 @@ class ContactState:
 
         The energy is quadratic along the step: one convolution gives its minimum.
         """
-        passes = self.problem.passes
+        operations = self.problem.operations
         displacement = self.problem.operator(trial.pressure)
         self.convolutions += 1
         ends = trial.pressure, self.pressure, displacement, self.displacement
-        curvature = passes.curvature(*ends)
+        curvature = operations.curvature(*ends)
         best = -trial.slope / curvature if curvature > 0 else 0.0
         fraction = self._fraction(trial, best)
         if fraction != 1:
-            passes.take_fraction(*ends, fraction)
+            operations.take_fraction(*ends, fraction)
         self._last = PressureStep(
             self.pressure,
             trial.pressure,
@@ -127,17 +127,37 @@ class ContactState:
             # cut cells have zero pressure; beyond the whole step they would have tension
             return 1.0 if best > CONSTANTS.least_fraction else best
         # not up to the first limit beyond it: rounding would decide which of many cells reaches it
-        passes = self.problem.passes
-        crosses = best > 1 and passes.crosses_a_limit(trial.pressure, self.pressure, best)
+        operations = self.problem.operations
+        crosses = best > 1 and operations.crosses_a_limit(trial.pressure, self.pressure, best)
         return 1.0 if crosses else best
 
 
+@dataclass(frozen=True)
+class PredictedSet:
+    """Active set predicted for a step: its `cells` (x, y), 1 and others 0, and whether any of them `entered` it.
+
+    `extension` and `extended` are the extension from these cells, and that of their gap.
+    """
+
+    cells: Array
+    entered: bool
+    extension: Extension
+    extended: Array
+
+    def preconditioned_residual(self) -> Array:
+        """Return the pressure (x, y) that would close the gap of the set by the approximate inverse; called once."""
+        return self.extension.pressure(self.extended)
+
+
 class ContactPreconditioner:
-    """Preconditioner on the predicted active set; its extension is kept until the set changes."""
+    """Prediction of the active set, and preconditioner on it, whose extension is kept until the set changes.
+
+    A cell is in the active set where the constraint ``gap >= 0`` is active: where the gap should be zero.
+    """
 
     def __init__(self, problem: BareProblem) -> None:
         self._problem = problem
-        precision = problem.passes.preconditioner_precision(problem.undeformed_gap)
+        precision = problem.operations.preconditioner_precision(problem.undeformed_gap)
         self._inverse = problem.operator.approximate_inverse(precision)
         self._extension: Extension | None = None
         self._uniform = 0.0, 0.0
@@ -145,8 +165,8 @@ class ContactPreconditioner:
 
     @property
     def convolutions(self) -> float:
-        """Number of convolutions with the cost of its work so far."""
-        return self._inverse.work / self._problem.operator.work + self._convolutions
+        """Number of convolutions that cost as much as all preconditioning so far."""
+        return self._inverse.cost / self._problem.operator.cost + self._convolutions
 
     def rigid_pressure(self, active: Array, height: Array) -> float:
         """Return the uniform pressure on `active` cells that closes the mean of their gap, of this `height`.
@@ -160,104 +180,92 @@ class ContactPreconditioner:
             self._uniform, self._convolutions = (cells, compliance), self._convolutions + 1
         return inner(active, height) / cells / compliance
 
-    def __call__(self, pressure: Array, gap: Gap, step_length: float) -> tuple[Array, Array, bool]:
-        """Return the preconditioned residual on the predicted active set.
+    def predict(self, pressure: Array, gap: Gap, step_length: float) -> PredictedSet:
+        """Return the active set predicted for a step of this length.
 
-        The set is the cells with pressure, and those that would penetrate after a step that closes the gap of these and
+        It is the cells with pressure, and those that would penetrate after a step that closes the gap of these and
         displaces the cells beside them. The gap before the step would add every cell with a small gap where a contact
         is slightly too high over a wide region.
-
-        Returns
-        -------
-        preconditioned
-            Pressure (x, y) that would close the gap of the active set.
-        active
-            The active set (x, y): 1, others 0.
-        entered
-            Whether any cell entered the active set.
         """
-        passes = self._problem.passes
-        contact, active_gap = passes.active_set(pressure, gap.height, self._inverse.real)
-        extension = self._extended_from(contact)
-        active = extension.contact
-        del contact
-        extended = extension(active_gap)
-        entered = passes.add_entering(
-            pressure, gap.height, extended, step_length, active, active_gap
-        )
-        if entered:
-            # free the extension of the smaller set before that of the larger one is made
-            self._extension = None
-            del extension, extended
-            extension = self._extended_from(active)
-            extended = extension(active_gap)
-        del active_gap
-        return extension.pressure(extended), active, entered
-
-    def _extended_from(self, contact: Array) -> Extension:
-        """Return the extension of a `contact` (x, y): the last one where it is that of the same cells."""
+        operations = self._problem.operations
+        contact, gap_of_set = operations.active_set(pressure, gap.height, self._inverse.real)
         if self._extension is None or not equal(self._extension.contact, contact):
             self._extension = None  # free it before the next one is made
             self._extension = self._inverse.extension(contact)
-        return self._extension
+        cells = self._extension.contact
+        del contact
+        extended = self._extension(gap_of_set)
+        entered = operations.add_entering(
+            pressure, gap.height, extended, step_length, cells, gap_of_set
+        )
+        if entered:
+            self._extension = None  # that of the smaller set
+            del extended
+            self._extension = self._inverse.extension(cells)
+            extended = self._extension(gap_of_set)
+        return PredictedSet(cells, entered, self._extension, extended)
 
 
 def trial_step(
-    state: ContactState, precondition: ContactPreconditioner, step_length: float
+    state: ContactState, preconditioner: ContactPreconditioner, step_length: float
 ) -> Trial:
     """Return the trial pressure a `step_length` along the conjugate direction, projected to the load.
 
-    The direction is against the preconditioned residual. It is zero outside the active set, and such that the load stays
-    as it is; under a given approach the residual has a rigid part too, and the load follows. It is conjugate to the last
-    step where the active set is the same, no limit cut that step off and the direction is still one of descent.
+    The direction is against the preconditioned residual. It is zero outside the active set, and such that the load
+    stays as it is; under a prescribed approach the residual has a rigid part too, and the load follows. It is conjugate
+    to the last step where the active set is the same, no limit cut that step off and the direction is still one of
+    descent.
     """
     problem, pressure, height = state.problem, state.pressure, state.gap.height
-    passes, resultant = problem.passes, problem.resultant
-    residual, active, entered = precondition(pressure, state.gap, step_length)
-    rigid = None if resultant.approach is None else precondition.rigid_pressure(active, height)
+    operations, control = problem.operations, problem.control
+    predicted = preconditioner.predict(pressure, state.gap, step_length)
+    active, entered = predicted.cells, predicted.entered
+    preconditioned = predicted.preconditioned_residual()
+    del predicted  # free its fields before the next convolution
+    rigid = None if control.approach is None else preconditioner.rigid_pressure(active, height)
     last = state.take_last_step()
     trial = arrays().empty_like(pressure) if last is None else last.before
     usable = None if last is None or last.cut or entered or last.curvature <= 0 else last
-    shift, conjugate = _conjugate(problem, height, residual, active, usable, rigid)
-    direction = Direction(residual, active, shift, conjugate)
-    sums = passes.trial(pressure, height, direction, step_length, trial)
+    shift, beta = _shift_and_beta(problem, height, preconditioned, active, usable, rigid)
+    direction = Direction(preconditioned, active, shift, beta)
+    sums = operations.trial(pressure, height, direction, step_length, trial)
     slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)
-    if sums.cut or resultant.error(sums.load) > rounding:
-        slope = passes.project_to_load(trial, sums, active, resultant, pressure, height)
+    if sums.cut or control.error(sums.load) > rounding:
+        slope = operations.project_to_load(trial, sums, active, control, pressure, height)
     return Trial(trial, slope, sums.cut)
 
 
-def _conjugate(
+def _shift_and_beta(
     problem: BareProblem,
     height: Array,
-    residual: Array,
+    preconditioned: Array,
     active: Array,
     last: PressureStep | None,
     rigid: float | None,
 ) -> tuple[float, float]:
-    """Return what to add to the direction against the `residual`: a uniform pressure, and a multiple of the last step.
+    """Return what to add to the direction against the residual: a uniform pressure, and beta times the last step.
 
-    Hestenes & Stiefel (1952), eq. 3:1, for directions without a resultant; 0 for the multiple where the direction would
+    Hestenes & Stiefel (1952), eq. 3:1, for directions without a control; 0 for the multiple where the direction would
     not be one of descent.
     """
-    passes = problem.passes
+    operations = problem.operations
     if last is None:
         if rigid is not None:
             return -rigid, 0.0
-        count, summed = passes.direction_sums(active, residual)
+        count, summed = operations.direction_sums(active, preconditioned)
         return summed / count, 0.0
     fields = last.before, last.after, last.displacement_before, last.displacement_after
-    sums = passes.conjugacy_sums(height, residual, active, *fields)
-    shift = sums.residual / sums.cells if rigid is None else -rigid
-    conjugate = (sums.residual_response - shift * sums.active_response) / last.curvature
-    descent = sums.gap_residual
+    sums = operations.conjugacy_sums(height, preconditioned, active, *fields)
+    shift = sums.preconditioned / sums.cells if rigid is None else -rigid
+    beta = (sums.preconditioned_response - shift * sums.active_response) / last.curvature
+    descent = sums.gap_preconditioned
     if rigid is not None:
         descent += rigid * inner(active, height)
-    if not conjugate * sums.gap_step < descent:
+    if not beta * sums.gap_step < descent:
         return shift, 0.0
     if rigid is None:  # the direction keeps the load
-        shift -= conjugate * sums.step / sums.cells
-    return shift, conjugate
+        shift -= beta * sums.step / sums.cells
+    return shift, beta
 
 
 def projected_gradient_step(state: ContactState, trial: Array) -> Trial:
@@ -265,7 +273,7 @@ def projected_gradient_step(state: ContactState, trial: Array) -> Trial:
     problem, pressure, height = state.problem, state.pressure, state.gap.height
     trial[...] = pressure - height / problem.operator.self_compliance
     problem.project(trial)
-    return Trial(trial, problem.passes.slope(trial, pressure, height), cut=True)
+    return Trial(trial, problem.operations.slope(trial, pressure, height), cut=True)
 
 
 @dataclass(frozen=True)
@@ -274,12 +282,14 @@ class PreconditionedCG:
 
     An iteration takes one convolution and one preconditioning:
 
-    1. the preconditioned residual on the predicted active set, the cells with pressure and those expected to
-       penetrate once the gap of these is closed;
-    2. a direction against it, conjugate to the last step where the active set is the same;
-    3. a trial pressure along it, projected to the load; a projected gradient step where that is not a descent direction
-       after projection;
-    4. an exact line search: the convolution of the trial gives the energy along the whole step.
+    1. predict the active set, where the gap should be zero: the cells with pressure, and those expected to penetrate
+       after a step of the trial length;
+    2. precondition the residual, the gap, on that set;
+    3. take a direction against it, conjugate to the last step where the active set is the same;
+    4. take a trial pressure one trial length along it, projected to the load; a projected gradient step where that is
+       not a descent direction after projection, which also quarters the trial length;
+    5. search the line exactly: the convolution of the trial gives the energy along the whole step. The trial length is
+       multiplied by the fraction of the step at which the energy is least, within 0.1 and 1; at first it is 1.
 
     Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to each set;
     preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1.
@@ -306,7 +316,7 @@ class PreconditionedCG:
     ) -> Iterate:
         """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
         last = self._descend(problem, start, tolerance, max_iterations)
-        ended = problem.ends(last.residual, last.displacement, tolerance)
+        ended = problem.should_stop(last.residual, last.displacement, tolerance)
         if ended or last.iterations == max_iterations:
             return last
         following = PolonskyKeer().iterate(
@@ -332,8 +342,8 @@ class PreconditionedCG:
     ) -> tuple[Array, float]:
         """Return the admissible pressure to start from, in a new array, and the convolutions that it took."""
         if start is not None:
-            admissible = problem.make_admissible(arrays().asarray(start, copy=True))
-            if problem.resultant.approach is None or arrays().any(admissible > 0):
+            admissible = problem.clip_and_scale(arrays().asarray(start, copy=True))
+            if problem.control.approach is None or arrays().any(admissible > 0):
                 return admissible, 0.0
             return problem.winkler_start(), 1.0
         shape = problem.undeformed_gap.shape
@@ -345,7 +355,7 @@ class PreconditionedCG:
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         xp = arrays()
         fine = xp.repeat(xp.repeat(last.pressure, blocks[1], axis=1), blocks[0], axis=0)
-        return fine, last.convolutions * coarse.operator.work / problem.operator.work
+        return fine, last.convolutions * coarse.operator.cost / problem.operator.cost
 
     def _descend(
         self,
@@ -359,19 +369,21 @@ class PreconditionedCG:
 
         It also ends at a residual of this `reduction` times the first one.
         """
-        precondition = ContactPreconditioner(problem)
+        preconditioner = ContactPreconditioner(problem)
         state = ContactState(problem, *self._first_pressure(problem, start, tolerance))
         stall, iteration, step_length = Stall(self.patience), 0, 1.0
         residual = state.residual
         tolerance = max(tolerance, reduction * residual)
         while not (
-            problem.ends(residual, state.displacement, tolerance, state.gap.largest_displacement)
+            problem.should_stop(
+                residual, state.displacement, tolerance, state.gap.largest_displacement
+            )
             or iteration == max_iterations
             or stall.stalled(residual)
         ):
             iteration += 1
             if state.has_contact:
-                trial = trial_step(state, precondition, step_length)
+                trial = trial_step(state, preconditioner, step_length)
             else:  # no contact to precondition: it begins in the cells that penetrate
                 trial = projected_gradient_step(state, arrays().empty_like(state.pressure))
             if trial.slope >= 0:  # not a descent direction after projection
@@ -386,5 +398,5 @@ class PreconditionedCG:
             state.gap.approach,
             residual,
             iteration,
-            state.convolutions + precondition.convolutions,
+            state.convolutions + preconditioner.convolutions,
         )

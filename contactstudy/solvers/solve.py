@@ -127,7 +127,7 @@ def solve_contact(
     if problem.adhesion is not None:
         adhered: Solution = problem.adhesion.solve(problem, options, start, on)
         return adhered
-    if not problem.resultant.is_met_by(problem.constraint, problem.undeformed_gap.size):
+    if not problem.control.is_met_by(problem.constraint, problem.undeformed_gap.size):
         return _without_pressure(problem)
     if isinstance(on, Cpu):
         refuse_solve(problem, options.precision)
@@ -147,7 +147,7 @@ def solve_contact(
     last = replace(last, pressure=pressure, displacement=displacement)
     status, scales = _status(bare, last, options, problem), problem.scales
     displacement = scaled_in_double(displacement, scales.gap)
-    approach = last.approach * scales.gap + problem.datum
+    approach = last.approach * scales.gap + problem.reference_height
     gap = problem.undeformed_gap + displacement
     gap -= approach
     return Solution(
@@ -198,16 +198,14 @@ def _admissible_start(pressure: Array, problem: Problem, precision: Precision) -
     with np.errstate(over="ignore", under="ignore"):
         bare = np.asarray(pressure / problem.scales.pressure)
         carried = bare.sum()
-    if problem.resultant.approach is None and not np.finfo(np.float64).tiny <= carried < inf:
+    if problem.control.approach is None and not np.finfo(np.float64).tiny <= carried < inf:
         raise InvalidInput(
             f"solve.start is at most {readable(pressure.max(), 'Pa')}: give a pressure that carries some load, of "
             f"the order of {readable(problem.scales.pressure, 'Pa')}."
         )
     # scaled to the load in double precision: single precision may have no number for the factor
     unit = 1 / problem.scales.pressure
-    admissible = problem.resultant.scaled(unit).make_admissible(
-        bare, problem.constraint.scaled(unit)
-    )
+    admissible = problem.control.scaled(unit).clip_and_scale(bare, problem.constraint.scaled(unit))
     return admissible.astype(precision.real, copy=False)
 
 
@@ -232,7 +230,7 @@ def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Pr
     if not np.isfinite(last.residual):
         return Status.NOT_FINITE
     if last.residual > options.tolerance:
-        if bare.ends(last.residual, last.displacement, options.tolerance):
+        if bare.should_stop(last.residual, last.displacement, options.tolerance):
             return Status.PRECISION_LIMIT
         limited = last.iterations >= options.max_iterations
         return Status.ITERATION_LIMIT if limited else Status.STALLED

@@ -33,7 +33,7 @@ GROUPS = {
     "accuracy": "Errors",
     "planning": "Plans",
     "io": "Files and datasets",
-    "problem": "Problems, constraints, resultants",
+    "problem": "Problems, constraints, controls",
     "elasticity": "Operators and influence coefficients",
     "": "Other names",
 }

@@ -13,7 +13,7 @@ from contactstudy.elasticity.kernels.displacement import (
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )
-from contactstudy.problem.constraint import violation
+from contactstudy.problem.constraint import cell_violation
 
 # Of influence coefficients and of one transform pair, over the largest displacement.
 ROUNDING = 1e-13
@@ -58,7 +58,7 @@ def answer(
     scales = scene.scales(grid)
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
     matrix = factor * influence_matrix(grid, paddings, scales.length)
-    gap = (solution.problem.undeformed_gap.ravel() - solution.problem.datum) / scales.gap
+    gap = (solution.problem.undeformed_gap.ravel() - solution.problem.reference_height) / scales.gap
     total = scene.load.largest * grid.period / grid.cell_area / scales.pressure
     limit = scene.hardness / scales.pressure
     before = solution.pressure.ravel() / scales.pressure
@@ -128,11 +128,11 @@ def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
     pressure = solution.pressure / unit
     gap = bare.gap(pressure, bare.operator(pressure))
     free = bare.constraint.free(pressure)
-    violated_gap = gap.height * free + violation(pressure, gap.height, free)
+    violated_gap = gap.height * free + cell_violation(pressure, gap.height, free)
     gap_error = (
         float(np.linalg.norm(violated_gap)) + reference.rounding * np.count_nonzero(pressure) ** 0.5
     )
-    unbalanced = bare.resultant.error(float(pressure.sum()))
+    unbalanced = bare.control.error(float(pressure.sum()))
     return float(
         gap_error / reference.smallest_eigenvalue + pressure.max() * (unbalanced + ROUNDING)
     )

@@ -154,7 +154,7 @@ def common_datum(contact: cs.Contact) -> float | None:
     grid's width, or from the datum of an approach that is given.
     """
     datum = approach_datum(contact)
-    if datum is None or contact.problem.resultant.approach is not None:
+    if datum is None or contact.problem.control.approach is not None:
         return datum
     return contact.grid.extent[0] / 2
 

@@ -141,7 +141,7 @@ class ProjectedGradient:
         max_iterations: int,
         start: Array | None = None,
     ) -> cs.Iterate:
-        pressure = problem.make_admissible(problem.uniform() if start is None else start.copy())
+        pressure = problem.clip_and_scale(problem.uniform() if start is None else start.copy())
         waves = np.random.default_rng(1).standard_normal(pressure.shape)
         for _ in range(30):  # the stiffest wave, by power iteration
             moved = problem.operator(waves / np.linalg.norm(waves))
@@ -151,7 +151,7 @@ class ProjectedGradient:
             moved = problem.operator(pressure)
             gap = problem.gap(pressure, moved)
             left = problem.residual(pressure, gap)
-            if problem.ends(left, moved, tolerance) or iteration == max_iterations:
+            if problem.should_stop(left, moved, tolerance) or iteration == max_iterations:
                 break
             pressure = problem.project(pressure - length * gap.height)
         return cs.Iterate(pressure, moved, gap.approach, left, iteration, iteration + 31.0)
@@ -182,7 +182,7 @@ def test_a_problem_is_built_from_arrays_an_operator_and_a_load() -> None:
         undeformed_gap=(grid.x**2 / 0.02)[:, None],
         operator=operator,
         constraint=cs.Compressive(),
-        resultant=cs.PrescribedLoad(1e5 / grid.cell[0]),
+        control=cs.PrescribedLoad(1e5 / grid.cell[0]),
         scales=cs.Scales(length=1e-4, pressure=6e8, gap=6e8 * 1e-4 / 1e11),
     )
     solution = cs.solve(problem)

@@ -37,7 +37,7 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     assert (solution.pressure <= case.scene.hardness).all()
     if solution.status in UNFINISHED:
         return solution
-    carried = solution.pressure.sum() / problem.resultant.total
+    carried = solution.pressure.sum() / problem.control.total
     # the solver's own sum is rounded: each pressure, and its way through the sum by halves
     rounding = np.finfo(case.options.precision.real).eps / 2 * (1 + np.log2(solution.pressure.size))
     assert carried == pytest.approx(1, rel=max(solution.residual, rounding, 1e-12))

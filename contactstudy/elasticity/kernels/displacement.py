@@ -53,7 +53,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     half_x, half_y = dx / 2, dy / 2
     diagonal = np.hypot(half_x, half_y)
     across, along = (x / diagonal) ** 2, (y / diagonal) ** 2
-    elongation = (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2
+    anisotropy = (half_x / diagonal) ** 2 - (half_y / diagonal) ** 2
     square = np.asarray(across + along)
     close = square < FAR_DISTANCE**2
     # Close to the cell the value is replaced below and only has to be finite. Operations are in place, since
@@ -63,7 +63,7 @@ def boussinesq_cell(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) ->
     cosine *= inverse
     result: Array = np.empty(close.shape)
     if not close.all():
-        result = multipoles(cosine, inverse, elongation, FAR_MOMENTS)
+        result = multipoles(cosine, inverse, anisotropy, FAR_MOMENTS)
         result *= 4 * half_x * (half_y / diagonal)
     if close.any():
         places = (np.broadcast_to(a, close.shape)[close] for a in (x, y))
@@ -131,7 +131,7 @@ def _powers_of_sum(exponent: int, sign: int = 1) -> Array:
 
 
 def _polynomials(terms: int, e: Any) -> list[list[Any]]:
-    """Return the coefficients (k, m) of ``c^m`` in the moments of a cell of elongation `e`, see :func:`multipoles`."""
+    """Return the coefficients (k, m) of ``c^m`` in the moments of a cell of anisotropy `e`, see :func:`multipoles`."""
     return [[_polynomial(in_e, e) for in_e in moment] for moment in _moments(terms)]
 
 

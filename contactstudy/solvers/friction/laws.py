@@ -84,7 +84,7 @@ class CiavarellaJaeger:
             shear = np.zeros((2, *outer.pressure.shape))
             stick = outer.pressure > 0
             return replace(outer, traction=Traction(shear, stick, "Ciavarella-Jaeger", 1))
-        reduced = replace(problem, resultant=problem.resultant.scaled(1 - abs(self.fraction)))
+        reduced = replace(problem, control=problem.control.scaled(1 - abs(self.fraction)))
         inner = solve_contact(reduced, options, outer.pressure, on)
         across = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
         across *= np.sign(self.fraction)

@@ -51,7 +51,7 @@ def test_sums_do_not_depend_on_the_number_of_threads(
 ) -> None:
     monkeypatch.setattr(fields, "CELLS_PER_THREAD", 256)
     bare = rough((37, 51), hardness, line_contact).bare()
-    pressure = bare.make_admissible(np.random.default_rng(1).exponential(size=(37, 51)))
+    pressure = bare.clip_and_scale(np.random.default_rng(1).exponential(size=(37, 51)))
     moved = bare.operator(pressure)
     found = []
     for threads in (1, 2, 3):

@@ -75,7 +75,7 @@ def test_both_solvers_give_one_answer_under_a_hardness(
     hardness = fraction * line_contact.hertz.peak_pressure
     free = problem(line_contact, 64, heights)
     posed = replace(free, constraint=HardnessLimited(hardness))
-    loaded = posed.resultant
+    loaded = posed.control
     assert isinstance(loaded, PrescribedLoad)
     solutions = [
         cs.solve(posed, tolerance=1e-10, solver=solver)
@@ -140,7 +140,7 @@ def test_where_all_have_yielded_the_approach_leaves_none_open() -> None:
     which = HardnessLimited(2.0)
     pressure = np.array([[2.0, 2.0, 0.0]])
     gap = np.array([[0.3, 0.5, 0.9]])
-    assert which.approach(pressure, gap) == 0.5
+    assert which.approach_without_free_cells(pressure, gap) == 0.5
 
 
 WHICH = Compressive()
@@ -162,4 +162,4 @@ def row(*values: float) -> np.ndarray:
 def test_the_residual_is_of_complementarity_or_penetration(
     heights: tuple[float, ...], residual: float
 ) -> None:
-    assert WHICH.residual(row(2.0, 0.5, 0.0, 0.0), row(*heights), 2.5) == pytest.approx(residual)
+    assert WHICH.violation(row(2.0, 0.5, 0.0, 0.0), row(*heights), 2.5) == pytest.approx(residual)

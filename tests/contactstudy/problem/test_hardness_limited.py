@@ -20,8 +20,8 @@ def row(*values: float) -> np.ndarray:
     ],
 )  # fmt: skip
 def test_the_residual_is_the_largest_of_three(heights: tuple[float, ...], residual: float) -> None:
-    assert WHICH.residual(row(4.0, 2.0, 0.5, 0.0), row(*heights), 6.5) == pytest.approx(residual)
-    little = WHICH.residual(row(4.0, 0.5), row(-0.1, 0.25), 4.5)
+    assert WHICH.violation(row(4.0, 2.0, 0.5, 0.0), row(*heights), 6.5) == pytest.approx(residual)
+    little = WHICH.violation(row(4.0, 0.5), row(-0.1, 0.25), 4.5)
     assert little == pytest.approx(0.25)
     # where none is free there is no complementarity
-    assert WHICH.residual(row(4.0, 0.0), row(-0.5, 0.25), 4.0) == 0
+    assert WHICH.violation(row(4.0, 0.0), row(-0.5, 0.25), 4.0) == 0

@@ -48,7 +48,7 @@ def test_solution_is_that_of_a_dense_active_set(line_contact: LineContact) -> No
     units = np.eye(cells).reshape(cells, *grid.cells) * problem.scales.pressure
     matrix = np.stack([problem.operator(u).ravel() for u in units], 1) / problem.scales.gap
     gap = problem.undeformed_gap.ravel() / problem.scales.gap
-    total = problem.resultant.total / problem.scales.pressure
+    total = problem.control.total / problem.scales.pressure
     active = np.ones(cells, dtype=bool)
     while True:
         n = active.sum()

@@ -1,4 +1,4 @@
-"""Passes over the fields of an iteration, chosen once for a problem: array operations or compiled loops.
+"""Operations on the fields of an iteration, chosen once for a problem: of the array library, or compiled loops.
 
 Both give the same numbers to rounding. Array operations serve any device and any constraint. A compiled loop reads and
 writes each field once; on 128 x 128 cells and more that makes a solve 1.5 to 1.7 times as fast. Where a loop saves less
@@ -28,12 +28,12 @@ from contactstudy.domain.fields import (
 from contactstudy.problem.constraint import (
     Compressive,
     Constraint,
+    Control,
     Gap,
     HardnessLimited,
     PrescribedLoad,
-    Resultant,
     largest_of,
-    load_multiplier,
+    shift_to_load,
 )
 
 # Heights beyond this need double precision: squares and sums of them overflow in single precision.
@@ -41,15 +41,15 @@ SINGLE_LIMIT = 1e15
 
 
 class Direction(NamedTuple):
-    """Direction of a step: `shift` less the preconditioned `residual`, plus `conjugate` times the last step.
+    """Direction of a step: `shift` less the `preconditioned` residual, plus `beta` times the last step.
 
-    It is zero outside the `active` set.
+    It is zero outside the `active` set, the cells where the constraint ``gap >= 0`` is active.
     """
 
-    residual: Array
+    preconditioned: Array
     active: Array
     shift: float
-    conjugate: float
+    beta: float
 
 
 class TrialSums(NamedTuple):
@@ -76,33 +76,33 @@ class TrialSums(NamedTuple):
 
 
 class ConjugacySums(NamedTuple):
-    """Sums that make a direction conjugate to the last step, which counts from its end to its beginning.
+    """Sums that make a direction conjugate to the last step.
 
-    The response is the displacement of that step; the active set is 1 in its cells and 0 elsewhere.
+    The response is the displacement that this step made; the active set is 1 in its cells and 0 elsewhere.
 
     Attributes
     ----------
     cells
         Number of cells in the active set.
-    residual
+    preconditioned
         Sum of the preconditioned residual.
-    gap_residual, residual_response, active_response, gap_step
+    gap_preconditioned, preconditioned_response, active_response, gap_step
         Inner products; the step is taken on the active set alone.
     step
         Sum of the step on the active set.
     """
 
     cells: float
-    residual: float
-    gap_residual: float
-    residual_response: float
+    preconditioned: float
+    gap_preconditioned: float
+    preconditioned_response: float
     active_response: float
     gap_step: float
     step: float
 
 
-class ArrayPasses:
-    """Passes over fields by operations of the device's array library, in blocks of rows."""
+class ArrayOperations:
+    """Operations on fields by the device's array library, in blocks of rows."""
 
     def __init__(self, constraint: Constraint, shape: tuple[int, ...]) -> None:
         self.constraint = constraint
@@ -118,11 +118,11 @@ class ArrayPasses:
 
     def gap(
         self, undeformed: Array, displacement: Array, pressure: Array, height: Array,
-        given: float | None = None,
+        prescribed_approach: float | None = None,
     ) -> Gap:  # fmt: skip
         """Return the gap, whose heights are written to `height`.
 
-        They count from the approach, which is the mean height of the free cells unless it is `given`.
+        They count from the approach: the prescribed one, else the mean height of the free cells.
         """
 
         def add(
@@ -133,17 +133,22 @@ class ArrayPasses:
             return dot(height, free), float(arrays().sum(free))
 
         heights, cells = sums(add, height, undeformed, displacement, pressure)
-        if given is not None:
-            approach = given
+        if prescribed_approach is not None:
+            approach = prescribed_approach
+        elif cells:
+            approach = heights / cells
         else:
-            approach = heights / cells if cells else self.constraint.approach(pressure, height)
+            approach = self.constraint.approach_without_free_cells(pressure, height)
         in_blocks(lambda block: block.__isub__(approach), height)
         load = total(pressure)
-        violation = self.constraint.residual(pressure, height, load)
+        violation = self.constraint.violation(pressure, height, load)
         return Gap(height, approach, violation, load, largest_size(displacement))
 
     def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
-        """Return the active set, the cells in contact at no limit (1, others 0), and its gap, in `real` numbers."""
+        """Return the active set, the free cells in contact (1, others 0), and its gap, in `real` numbers.
+
+        In these cells the constraint ``gap >= 0`` is active: the gap should be zero.
+        """
         cells, active_gap = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
 
         def select(cells: Array, active_gap: Array, pressure: Array, height: Array) -> None:
@@ -175,9 +180,9 @@ class ArrayPasses:
 
         return any(in_blocks(add, contact, active_gap, pressure, height, extended))
 
-    def direction_sums(self, cells: Array, residual: Array) -> tuple[float, ...]:
-        """Return the number of `cells`, and the sum of the preconditioned `residual`."""
-        return sums(lambda *blocks: tuple(map(_sum, blocks)), cells, residual)
+    def direction_sums(self, cells: Array, preconditioned: Array) -> tuple[float, ...]:
+        """Return the number of `cells`, and the sum of the `preconditioned` residual."""
+        return sums(lambda *blocks: tuple(map(_sum, blocks)), cells, preconditioned)
 
     def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
         """Return the sums that make a direction conjugate to the last step.
@@ -187,15 +192,15 @@ class ArrayPasses:
         """
 
         def of_block(
-            height: Array, residual: Array, active: Array, before: Array, after: Array,
+            height: Array, preconditioned: Array, active: Array, before: Array, after: Array,
             displacement_before: Array, displacement_after: Array,
         ) -> ConjugacySums:  # fmt: skip
-            step, response = active * (before - after), displacement_before - displacement_after
+            step, response = active * (after - before), displacement_after - displacement_before
             return ConjugacySums(
                 _sum(active),
-                _sum(residual),
-                dot(height, residual),
-                dot(residual, response),
+                _sum(preconditioned),
+                dot(height, preconditioned),
+                dot(preconditioned, response),
                 dot(active, response),
                 dot(height, step),
                 _sum(step),
@@ -207,18 +212,18 @@ class ArrayPasses:
         self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
     ) -> TrialSums:
         """Write the pressure one step ahead over the pressure before the last `step`."""
-        residual, active, shift, conjugate = direction
+        preconditioned, active, shift, beta = direction
 
         def take_step(
-            step: Array, residual: Array, active: Array, pressure: Array, height: Array
+            step: Array, preconditioned: Array, active: Array, pressure: Array, height: Array
         ) -> tuple[float, ...]:
-            if conjugate:
-                step -= pressure
-                step *= conjugate
-                step -= residual
+            if beta:
+                step -= pressure  # the last step, reversed
+                step *= -beta
+                step -= preconditioned
                 step += shift
             else:
-                step[...] = shift - residual
+                step[...] = shift - preconditioned
             step *= active
             if step_length != 1:
                 step *= step_length
@@ -226,18 +231,18 @@ class ArrayPasses:
             step += pressure
             return float(self.constraint.exceeded_by(step)), float(arrays().sum(step)), slope
 
-        cut, load, slope = sums(take_step, step, residual, active, pressure, height)
+        cut, load, slope = sums(take_step, step, preconditioned, active, pressure, height)
         return TrialSums(cut > 0, load, slope)
 
     def project_to_load(
-        self, trial: Array, trial_sums: TrialSums, cells: Array, resultant: Resultant,
+        self, trial: Array, trial_sums: TrialSums, cells: Array, control: Control,
         pressure: Array, height: Array,
     ) -> float:  # fmt: skip
-        """Cut a trial pressure off at the limits and shift its `cells` to meet the `resultant`, in place.
+        """Cut a trial pressure off at the limits and shift its `cells` to meet the `control`, in place.
 
         `trial_sums` are those of the trial. Returns the slope of the energy along the step from `pressure`.
         """
-        resultant.project_to_load(trial, cells, self.constraint)
+        control.project_to_load(trial, cells, self.constraint)
         return self.slope(trial, pressure, height)
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
@@ -248,7 +253,7 @@ class ArrayPasses:
     def curvature(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
     ) -> float:
-        """Return the work of the step to `trial` on the change of displacement that it makes."""
+        """Return the inner product of the step to `trial` with the change of displacement that it makes."""
         fields = trial, pressure, trial_displacement, displacement
         return sum(in_blocks(lambda p1, p0, u1, u0: dot(p1 - p0, u1 - u0), *fields))
 
@@ -276,8 +281,8 @@ class ArrayPasses:
         self.constraint.clip(trial)
 
 
-class CompiledPasses(ArrayPasses):
-    """Passes with compiled loops, for numpy arrays and constraints ``0 <= p <= limit``."""
+class CompiledOperations(ArrayOperations):
+    """Compiled loops over fields, for numpy arrays and constraints ``0 <= p <= limit``."""
 
     def __init__(self, constraint: Constraint, shape: tuple[int, ...], loops: Any) -> None:
         super().__init__(constraint, shape)
@@ -285,17 +290,17 @@ class CompiledPasses(ArrayPasses):
 
     def gap(
         self, undeformed: Array, displacement: Array, pressure: Array, height: Array,
-        given: float | None = None,
+        prescribed_approach: float | None = None,
     ) -> Gap:  # fmt: skip
-        """Return the gap, as :meth:`ArrayPasses.gap` does."""
+        """Return the gap, as :meth:`ArrayOperations.gap` does."""
         fields, limit = (undeformed, displacement, pressure), self._limit
-        if given is not None:
-            approach = given
+        if prescribed_approach is not None:
+            approach = prescribed_approach
         else:
             heights, cells = (
                 _rows(self._loops.free_gap, *fields, limit, results=2).sum(axis=1).tolist()
             )
-            at_limits = self.constraint.approach
+            at_limits = self.constraint.approach_without_free_cells
             approach = heights / cells if cells else at_limits(pressure, undeformed + displacement)
         sums = _rows(self._loops.gap, *fields, approach, limit, height, results=5)
         load, moment, free_load = sums[:3].sum(axis=1).tolist()
@@ -313,18 +318,18 @@ class CompiledPasses(ArrayPasses):
         self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
         active_gap: Array,
     ) -> bool:  # fmt: skip
-        """Add to an active set the cells that enter it after a step, as :meth:`ArrayPasses.add_entering` does."""
+        """Add to an active set the cells that enter it after a step, as :meth:`ArrayOperations.add_entering` does."""
         fields = pressure, height, extended, step_length, self._limit, contact, active_gap
         return bool(_rows(self._loops.add_entering, *fields, results=1).any())
 
-    def direction_sums(self, cells: Array, residual: Array) -> tuple[float, ...]:
-        """Return the number of `cells`, and the sum of the preconditioned `residual`."""
+    def direction_sums(self, cells: Array, preconditioned: Array) -> tuple[float, ...]:
+        """Return the number of `cells`, and the sum of the `preconditioned` residual."""
         return tuple(
-            _rows(self._loops.direction_sums, cells, residual, results=2).sum(axis=1).tolist()
+            _rows(self._loops.direction_sums, cells, preconditioned, results=2).sum(axis=1).tolist()
         )
 
     def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
-        """Return the sums that make a direction conjugate, as :meth:`ArrayPasses.conjugacy_sums` does."""
+        """Return the sums that make a direction conjugate, as :meth:`ArrayOperations.conjugacy_sums` does."""
         rows = _rows(self._loops.conjugacy_sums, *fields, results=7)
         return ConjugacySums(*rows.sum(axis=1).tolist())
 
@@ -338,7 +343,7 @@ class CompiledPasses(ArrayPasses):
         return TrialSums(cut > 0, load, slope, loaded, float(sums[4].max()))
 
     def project_to_load(
-        self, trial: Array, trial_sums: TrialSums, cells: Array, resultant: Resultant,
+        self, trial: Array, trial_sums: TrialSums, cells: Array, control: Control,
         pressure: Array, height: Array,
     ) -> float:  # fmt: skip
         """Cut a trial pressure off at the limits and shift its `cells`, in place.
@@ -347,22 +352,22 @@ class CompiledPasses(ArrayPasses):
         """
         if (
             self._limit < inf
-            or not isinstance(resultant, PrescribedLoad)
+            or not isinstance(control, PrescribedLoad)
             or trial_sums.largest
-            > resultant.total  # rounding of such pressures would exceed the load
+            > control.total  # rounding of such pressures would exceed the load
         ):
-            resultant.project_to_load(trial, cells, self.constraint)
+            control.project_to_load(trial, cells, self.constraint)
             return self.slope(trial, pressure, height)
 
         def load_above(shift: float) -> tuple[float, float]:
-            carried, loaded = (
+            load, loaded_cells = (
                 _rows(self._loops.load_above, trial, shift, results=2).sum(axis=1).tolist()
             )
-            return carried, loaded
+            return load, loaded_cells
 
         epsilon = float(np.finfo(trial.dtype).eps)
-        shift, factor = load_multiplier(
-            resultant.total, trial_sums.load, trial_sums.loaded, load_above, epsilon
+        shift, factor = shift_to_load(
+            control.total, trial_sums.load, trial_sums.loaded, load_above, epsilon
         )
         fields = trial, shift, factor, pressure, height
         return float(_rows(self._loops.project, *fields, results=1).sum())
@@ -370,7 +375,7 @@ class CompiledPasses(ArrayPasses):
     def curvature(
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array
     ) -> float:
-        """Return the work of the step to `trial` on the change of displacement that it makes."""
+        """Return the inner product of the step to `trial` with the change of displacement that it makes."""
         fields = trial, pressure, trial_displacement, displacement
         return float(_rows(self._loops.curvature, *fields, results=1).sum())
 
@@ -383,7 +388,7 @@ class CompiledPasses(ArrayPasses):
         self, trial: Array, pressure: Array, trial_displacement: Array, displacement: Array,
         fraction: float,
     ) -> None:  # fmt: skip
-        """Take a `fraction` of a step, in place, as :meth:`ArrayPasses.take_fraction` does."""
+        """Take a `fraction` of a step, in place, as :meth:`ArrayOperations.take_fraction` does."""
         _rows(
             self._loops.take_fraction,
             trial,
@@ -401,12 +406,12 @@ def _sum(field: Array) -> float:
     return float(xp.sum(field, dtype=xp.float64))
 
 
-def passes_for(constraint: Constraint, shape: tuple[int, ...]) -> ArrayPasses:
-    """Return the passes over fields of that `shape` (x, y): compiled ones where numba is installed and they pay."""
+def operations_for(constraint: Constraint, shape: tuple[int, ...]) -> ArrayOperations:
+    """Return the operations over fields of that `shape` (x, y): compiled ones where numba is installed and they pay."""
     loops = compiled_loops(shape)
     if loops is not None and isinstance(constraint, Compressive | HardnessLimited):
-        return CompiledPasses(constraint, shape, loops)
-    return ArrayPasses(constraint, shape)
+        return CompiledOperations(constraint, shape, loops)
+    return ArrayOperations(constraint, shape)
 
 
 def _rows(kernel: Callable[..., object], *arguments: Any, results: int = 0) -> Array:

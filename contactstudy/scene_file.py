@@ -87,7 +87,7 @@ class SceneFile:
         described: dict[str, Any] = {
             "error": self.plan_settings.error,
             "period": None if self.grid else self.plan_settings.period,
-            "times": self.time_steps if self.scene.changing and not self.scene.rolling else None,
+            "times": self.time_steps if self.scene.takes_times else None,
             "options": self.settings,
         }
         return solve(self.scene, self.grid, self.padding, **(described | keywords))

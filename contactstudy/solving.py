@@ -163,10 +163,10 @@ def solve(
             return request.quasi_static()
         request.refuse_unless("a scene that changes in time", "times", "folder")
         return request.time_dependent()
-    if scene.rolling is not None:
+    if scene.rolls:
         request.refuse_unless("a contact that rolls")
         return (
-            request.steady_rolling() if scene.rolling.passes is None else request.repeated_rolling()
+            request.repeated_rolling() if scene.rolling_speed is None else request.steady_rolling()
         )
     request.refuse_unless("a static contact", "start", "on")
     return request.contact()

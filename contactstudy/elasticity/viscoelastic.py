@@ -4,10 +4,10 @@ In steady rolling the hereditary integral over time becomes one along x, the dir
 :class:`RetardedCoefficients` has its influence coefficients.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import exp
+from math import exp, isinf
 
 import numpy as np
 from scipy.special import eval_legendre, ive
@@ -132,7 +132,7 @@ class RetardedCoefficients:
     Parameters
     ----------
     inner
-        Coefficients K.
+        Coefficients K, even or odd along each axis.
     length
         Distance travelled during the time constant of the body.
     sign
@@ -148,8 +148,14 @@ class RetardedCoefficients:
 
     @property
     def parity(self) -> tuple[int, int]:
-        """Parity along each axis, that of the part along the axis of motion, else 1."""
-        return (self.sign, 1) if self.axis == 0 else (1, self.sign)
+        """Parity along each axis: that of the part along the axis of motion, that of K along the other."""
+        even_x, even_y = self.inner.parity
+        return (self.sign, even_y) if self.axis == 0 else (even_x, self.sign)
+
+    @property
+    def _inner_sign(self) -> int:
+        """Parity of K along the axis of motion."""
+        return self.inner.parity[self.axis]
 
     def swap_axes(self) -> "RetardedCoefficients":
         """Return the coefficients of motion along the other axis."""
@@ -163,7 +169,7 @@ class RetardedCoefficients:
         def kernel(s: Array) -> Array:
             return self.inner.cell(s[:, None], np.ravel(y), dx, dy)
 
-        parts = self._part(_free(kernel, np.ravel(x), dx, self.length))
+        parts = self._part(_free(kernel, np.ravel(x), dx, self.length, self._inner_sign))
         return parts if np.ndim(y) < 2 else parts.T
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
@@ -173,12 +179,13 @@ class RetardedCoefficients:
             def kernel_along(s: Array) -> Array:
                 return self.inner.row(np.ravel(x)[:, None], s, dx, dy, period).T
 
-            return self._part(_closed(kernel_along, np.ravel(y), dy, period, self.length)).T
+            axis = np.ravel(y), dy, period
+            return self._part(_closed(kernel_along, *axis, self.length, self._inner_sign)).T
 
         def kernel(s: Array) -> Array:
             return self.inner.row(s[:, None], np.ravel(y), dx, dy, period)
 
-        return self._part(_free(kernel, np.ravel(x), dx, self.length))
+        return self._part(_free(kernel, np.ravel(x), dx, self.length, self._inner_sign))
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
@@ -190,7 +197,7 @@ class RetardedCoefficients:
         def kernel(s: Array) -> Array:
             return self.inner.lattice(s[:, None], np.ravel(y), dx, dy, width, period)
 
-        return self._part(_closed(kernel, np.ravel(x), dx, width, self.length))
+        return self._part(_closed(kernel, np.ravel(x), dx, width, self.length, self._inner_sign))
 
     def _part(self, both: tuple[Array, Array]) -> Array:
         """Return the even or odd part of V, from its values at x and at -x."""
@@ -198,8 +205,31 @@ class RetardedCoefficients:
         return (trailing + self.sign * leading) / 2
 
 
-def _free(kernel: Field, x: Array, step: float, length: float) -> tuple[Array, Array]:
-    """Return V at `x` and at ``-x``, multiples of `step` at least 0; `kernel` is even and not periodic."""
+def retarded(
+    response: Mapping[Coefficients, float], distance: float
+) -> Mapping[Coefficients, float]:
+    """Return the retarded `response` of a body, the even and the odd parts, under a contact that moves over it.
+
+    Parameters
+    ----------
+    response
+        Coefficients of the response to a sudden load, with their weights.
+    distance
+        Distance [m] along x that the contact moves in the time constant of the body, negative to smaller x. At 0 m the
+        response is that of a contact at rest, at an infinite distance there is none.
+    """
+    if distance == 0 or isinf(distance):
+        return {} if distance else response
+    parts: dict[Coefficients, float] = {}
+    for inner, weight in response.items():
+        for sign in (1, -1):
+            turned = sign * inner.parity[0] if distance < 0 else 1
+            parts[RetardedCoefficients(inner, abs(distance), sign)] = turned * weight
+    return parts
+
+
+def _free(kernel: Field, x: Array, step: float, length: float, parity: int) -> tuple[Array, Array]:
+    """Return V at `x` and at ``-x``, multiples of `step` at least 0; `kernel` has a parity and is not periodic."""
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
     onward, backward = _panels(kernel, last, step, length)
@@ -213,19 +243,19 @@ def _free(kernel: Field, x: Array, step: float, length: float) -> tuple[Array, A
     leading = np.empty_like(trailing)
     leading[0] = value
     for k in range(last):
-        value = backward[k] + decay * value
+        value = parity * backward[k] + decay * value
         leading[k + 1] = value
     return trailing[index], leading[index]
 
 
 def _closed(
-    kernel: Field, x: Array, step: float, period: float, length: float
+    kernel: Field, x: Array, step: float, period: float, length: float, parity: int
 ) -> tuple[Array, Array]:
-    """Return V at `x` and at ``-x``, multiples of `step`; `kernel` is even and repeats after `period`."""
+    """Return V at `x` and at ``-x``, multiples of `step`; `kernel` has a parity and repeats after `period`."""
     count = round(period / step)
     half = (count + 1) // 2
     onward, backward = _panels(kernel, half, step, length)
-    panels = [onward[k] if k < half else backward[count - 1 - k] for k in range(count)]
+    panels = [onward[k] if k < half else parity * backward[count - 1 - k] for k in range(count)]
     decay = exp(-step / length)
     value = np.zeros_like(panels[0])
     for k in range(count - 1, -1, -1):

@@ -71,10 +71,9 @@ def follow_load(
     law = None if scene.adhesion is None else _under(scene, first).problem(grid, padding).adhesion
     assert law is None or isinstance(law, AdhesiveSolver)
     elastic = scene
-    if scene.rolling is not None:
-        assert scene.rolling.speed is not None
+    if (speed := scene.rolling_speed) is not None:
         if any(map(creeps, scene.solids)):
-            check_slow("Scene.rolling", scene.rolling.speed, load, scene.hertz)
+            check_slow("Scene.rolling", speed, load, scene.hertz)
         elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
     largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
@@ -85,7 +84,7 @@ def follow_load(
             rolling = None
             if value == 0 and law is None:
                 last = unloaded(largest)
-            elif scene.rolling is not None:
+            elif speed is not None:
                 rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
                 last = rolling.solution
             else:

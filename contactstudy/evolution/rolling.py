@@ -1,10 +1,9 @@
 """Steady rolling of a viscoelastic contact, in the frame of the contact."""
 
-from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from math import inf, pi
+from math import inf
 
 import numpy as np
 
@@ -13,16 +12,15 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.elasticity.coefficients import Coefficients, Displacement
+from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import antisymmetric, superposed
-from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import instantaneous, response
-from contactstudy.scene.inelastic import ViscoelasticHalfSpace
+from contactstudy.scene.bodies import creeps, instantaneous, response
+from contactstudy.scene.inelastic import rolling_bodies
 from contactstudy.scene.scene import PosedScene, Scene, ShapesSource
 from contactstudy.solvers.lagged import LaggedSolution, solve_lagged
-from contactstudy.solvers.solution import Solution
-from contactstudy.solvers.solve import SolveOptions
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fine cells per cell, and the largest number of fine cells, for the delayed displacement under the pressure.
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
@@ -34,7 +32,7 @@ CHANGE_FACTOR, PRESSURE_FACTOR, COARSE_CHANGE = 2.0, 0.15, 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SteadyRolling:
-    """A contact that rolls steadily, with its rolling resistance.
+    """A contact that rolls steadily, with its rolling resistance, apart from what shear loses.
 
     Attributes
     ----------
@@ -44,11 +42,14 @@ class SteadyRolling:
         Coefficients [m] and weights [1/Pa] of the displacement that is antisymmetric across.
     solve_on
         Solves the same scene on another grid.
+    direction
+        1 for a contact that moves to larger x, -1 to smaller x.
     """
 
     lagged: LaggedSolution
     antisymmetric_weights: Mapping[Coefficients, float]
     solve_on: "Callable[[Grid], SteadyRolling]"
+    direction: int = 1
 
     @property
     def solution(self) -> Solution:
@@ -60,7 +61,7 @@ class SteadyRolling:
         """Distance [m] of the pressure's centroid in front of the axis."""
         pressure = self.solution.pressure
         x = self.solution.problem.grid.x
-        return float(x @ pressure.sum(axis=1) / pressure.sum())
+        return self.direction * float(x @ pressure.sum(axis=1) / pressure.sum())
 
     @cached_property
     def resistance(self) -> float:
@@ -84,7 +85,7 @@ class SteadyRolling:
         padded = np.concatenate((displacement[:1], displacement, displacement[-1:]))
         faces = (padded[:-1:times] + padded[1::times]) / 2
         work = -(pressure * np.diff(faces, axis=0)).sum() / problem.grid.cell[0]
-        return float(work / pressure.sum())
+        return self.direction * float(work / pressure.sum())
 
     @cached_property
     def coarse(self) -> "SteadyRolling | None":
@@ -132,7 +133,7 @@ def solve_rolling(
     change: float = 1e-6,
     max_passes: int = 100,
 ) -> SteadyRolling:
-    """Solve `scene` moving at its ``rolling`` speed, in the frame of the contact.
+    """Solve `scene` moving at its speed of rolling or tractive rolling, in the frame of the contact.
 
     The delayed displacement is a convolution with coefficients that extend infinitely far behind the contact, so that no
     wake is cut off. Their symmetric part is in the operator, their antisymmetric part is lagged from pass to pass.
@@ -140,7 +141,7 @@ def solve_rolling(
     Parameters
     ----------
     scene
-        The scene, with a ``rolling`` speed and a constant load.
+        The scene, with a ``rolling_speed`` and a constant load.
     grid, padding
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     options
@@ -158,41 +159,54 @@ def solve_rolling(
     Raises
     ------
     InvalidInput
-        If the scene has no ``rolling``, or has a load that changes, wear or a fluid.
+        If the scene has a load that changes, wear or a fluid.
     """
-    assert scene.rolling is not None
     if scene.wear is not None:
         raise InvalidInput(
             "Scene.wear changes in time together with Scene.rolling: a body that rolls wears alike all round, leave "
             "rolling out and multiply Wear.coefficient by the contact's width over the circumference."
         )
+    speed = scene.rolling_speed
+    assert speed is not None
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
-    symmetric_weights, antisymmetric_weights = _delayed_weights(scene, datum)
-    weights = Counter(response(elastic.solids, datum))
-    weights.update(symmetric_weights)
+    weights = response(rolling_bodies(scene.solids, (speed, speed)), datum)
+    symmetric_weights = {kind: w for kind, w in weights.items() if kind.parity == (1, 1)}
+    antisymmetric_weights = {kind: w for kind, w in weights.items() if kind.parity != (1, 1)}
 
-    def with_retarded_operator(problem: Problem) -> Problem:
-        return (
-            replace(problem, operator=superposed(weights, problem.grid, padding))
-            if symmetric_weights
-            else problem
+    def rolling(problem: Problem) -> Problem:
+        friction, paddings = scene.friction, problem.paddings
+        assert paddings is not None
+        return replace(
+            problem,
+            operator=superposed(symmetric_weights, problem.grid, padding),
+            friction=None
+            if friction is None
+            else friction.law(scene, problem.undeformed_gap, problem.grid, paddings, datum),
         )
 
-    assert isinstance(problem.source, ShapesSource)
-    problem = replace(
-        with_retarded_operator(problem),
-        description=PosedScene(scene, grid, padding),
-        source=problem.source.with_step(with_retarded_operator),
-    )
+    source = problem.source
+    assert isinstance(source, ShapesSource)
+    problem = replace(problem, description=PosedScene(scene, grid, padding))
+    if any(map(creeps, scene.solids)):
+        problem = replace(rolling(problem), source=source.with_step(rolling))
+    # between dissimilar bodies shear changes the pressure, else it is found once, under the last one
+    law = problem.friction
+    is_coupled = getattr(law, "coupling", None) is not None
     lagged = solve_lagged(
-        problem,
+        problem if is_coupled else replace(problem, friction=None),
         antisymmetric(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
         options,
         change=change,
         max_outer=max_passes,
     )
+    if law is not None and not is_coupled:
+        last = lagged.solution
+        with_shear = replace(last.problem, friction=law)
+        sheared = solve_contact(with_shear, options, last.pressure)
+        worst_status = last.status if sheared.status is Status.CONVERGED else sheared.status
+        lagged = replace(lagged, solution=replace(sheared, status=worst_status))
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
     solve_on = partial(
         solve_rolling,
@@ -202,31 +216,4 @@ def solve_rolling(
         change=COARSE_CHANGE,
         max_passes=max_passes,
     )
-    return SteadyRolling(lagged, antisymmetric_weights, solve_on)
-
-
-def _delayed_weights(
-    scene: Scene, datum: float
-) -> tuple[Mapping[Coefficients, float], Mapping[Coefficients, float]]:
-    """Return coefficients of the bodies' delayed displacements, symmetric and antisymmetric, with weights [1/Pa]."""
-    assert scene.rolling is not None
-    speed = scene.rolling.speed
-    assert speed is not None
-    symmetric_weights: dict[Coefficients, float] = {}
-    antisymmetric_weights: dict[Coefficients, float] = {}
-    for number, body in enumerate(scene.solids):
-        if not isinstance(body, ViscoelasticHalfSpace) or speed == inf:
-            continue
-        if body.creep.fluidity:
-            raise InvalidInput(
-                f"Scene.solids[{number}] is a fluid (equilibrium modulus 0 Pa), whose indentation in steady rolling is "
-                "unbounded: give an equilibrium modulus above 0 Pa."
-            )
-        for size, time in body.creep.terms:
-            still = Displacement(datum)
-            delayed = still if speed == 0 else RetardedCoefficients(still, speed * time, 1)
-            symmetric_weights[delayed] = symmetric_weights.get(delayed, 0.0) + size / pi
-            if isinstance(delayed, RetardedCoefficients):
-                opposed = replace(delayed, sign=-1)
-                antisymmetric_weights[opposed] = antisymmetric_weights.get(opposed, 0.0) + size / pi
-    return symmetric_weights, antisymmetric_weights
+    return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

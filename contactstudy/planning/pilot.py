@@ -145,7 +145,7 @@ def pilot(
     rounds = CONSTANTS.refinement_cost if refines and ny == 1 else 1.0
     if refines and requirements.plastic is not None:
         rounds = CONSTANTS.yielding_refinement_cost
-    elif scene.rolling is not None and ny > 1:
+    elif scene.rolls and ny > 1:
         rounds = CONSTANTS.rolling_cost_along
     total = rounds * seconds * max(slower, 1.0)
     return Pilot(
@@ -167,7 +167,7 @@ def _work(
         begin = process_time()
         passes = roll_repeatedly(scene, grid, padding).passes
         return process_time() - begin, sum(each_pass.steps for each_pass in passes)
-    if scene.rolling is not None:
+    if scene.rolls:
         instants, steady = 1, scene
         if scene.takes_times:
             instants = np.size(steps.instants_of(scene.load) or 1)

@@ -139,7 +139,7 @@ def plan(
         planned = replace(planned, seconds=planned.seconds + stress)
     if (
         scene.lubrication is not None
-        or (scene.rolling is None and scene.changing is None)
+        or not (scene.rolls or scene.changing)
         or scene.adhesion is not None
     ):
         return planned
@@ -184,7 +184,7 @@ def plan_grid(
         return _plan_of_adhesion(
             scene, requirements_of(scene), error or DEFAULT_ERROR, period, grid
         )
-    if scene.changing is not None or scene.rolling is not None:
+    if scene.changing is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
     return _plan_static(scene, error, period, grid, on)
 
@@ -300,7 +300,7 @@ def _plan_time_dependent(
     transient = transient_requirements(scene, times.last)
     plastic = transient.plastic
     error_factor = plastic.error_factor if plastic else 1.0
-    fraction = CELL_FRACTION if scene.rolling is None else 1.0
+    fraction = 1.0 if scene.rolls else CELL_FRACTION
     discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor
     narrow_plan = _plan_static(
         transient.narrow, discretisation_error, period, grid, ONE_THREAD, width=transient.width

@@ -165,7 +165,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     if hertz is not None:
         half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi)
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
-    if scene.rolling is not None:
+    if scene.rolls:
         return TransientRequirements(
             elastic, 2 * WIDTH_FACTOR * half_width * 1.5, ROLLING_FIELDS, ()
         )

@@ -55,6 +55,11 @@ class AdhesionContact(BodyContext, Protocol):
         ...
 
     @property
+    def rolls(self) -> bool:
+        """True if the contact rolls, in a way that takes more than one problem."""
+        ...
+
+    @property
     def contact_modulus(self) -> float:
         """Contact modulus E* [Pa]."""
         ...
@@ -126,6 +131,11 @@ class Adhesion:
                 raise InvalidInput(
                     f"Scene.{name} is {getattr(scene, name)!r} together with Adhesion: {reason}, leave one of them out."
                 )
+        if scene.rolls:
+            raise InvalidInput(
+                f"Scene.friction rolls over a body that creeps together with Adhesion: {CONFLICTS['rolling']}, leave "
+                "one of them out."
+            )
         self._check_friction(scene.friction)
         for number, solid in enumerate(scene.solids):
             if yields(solid):

@@ -28,6 +28,7 @@ from contactstudy.scene.bodies import (
     yields,
 )
 from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.scene.inelastic import RollingHalfSpace
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.solvers.friction.laws import CiavarellaJaeger, CoulombDisks, FullSliding
 
@@ -321,16 +322,17 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
 
 
 def sheared(solids: tuple[Body, ...]) -> tuple[Sheared, ...]:
-    """Return the elastic bodies that respond to a sudden shear as `solids` do."""
-    elastic = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
-    return tuple(solid for solid in elastic if isinstance(solid, HalfSpace | CoatedHalfSpace))
+    """Return the bodies that respond to shear as `solids` do, those at rest as to a sudden one."""
+    bodies = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
+    known = HalfSpace | CoatedHalfSpace | RollingHalfSpace
+    return tuple(solid for solid in bodies if isinstance(solid, known))
 
 
 def shear_coupling(
     solids: tuple[Body, ...], axes: str, grid: Grid, paddings: Paddings, datum: float
 ) -> list[GeneralConvolution]:
     """Return the change of the gap by shear along each of the `axes`, none for elastically similar bodies."""
-    if are_similar(solids):
+    if solids[0] == solids[1]:
         return []
     first, second = sheared(solids)
     return normal_displacement(first, second, axes, grid, paddings, datum)

@@ -1,9 +1,11 @@
 """Viscoelastic and elastic-plastic half-spaces."""
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -17,12 +19,16 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import Coefficients, Displacement
-from contactstudy.elasticity.viscoelastic import Creep, creep
+from contactstudy.elasticity.viscoelastic import Creep, creep, retarded
 from contactstudy.scene.bodies import (
+    Body,
     BodyContext,
     HalfSpace,
     poisson_ratio,
 )
+
+if TYPE_CHECKING:
+    from contactstudy.elasticity.tangential import Shear
 
 
 @suggest_fields
@@ -101,6 +107,69 @@ class ViscoelasticHalfSpace:
     def creeps(self) -> bool:
         """True if the modulus relaxes."""
         return bool(self.relaxation)
+
+
+@dataclass(frozen=True)
+class RollingHalfSpace:
+    """Viscoelastic half-space under a contact that moves over it steadily: distance ahead is time past.
+
+    Parameters
+    ----------
+    body
+        The half-space.
+    speed
+        Speed [m/s] of the contact over the body, negative to smaller x; infinite for the response to a sudden load.
+    """
+
+    body: ViscoelasticHalfSpace
+    speed: float
+
+    @property
+    def compliance(self) -> float:
+        """Compliance for a sudden load, (1 - nu^2) / E(0) [1/Pa]."""
+        return self.body.compliance
+
+    def response(self, datum: float) -> Mapping[Coefficients, float]:
+        """Return coefficients of the normal displacement under pressure, even and odd along x, with weights [1/Pa]."""
+        total = Counter(self.body.response(datum))
+        for size, time in self.body.creep.terms:
+            total.update(retarded({Displacement(datum): size / math.pi}, self.speed * time))
+        return total
+
+    def shear(self, datum: float) -> "Shear":
+        """Return coefficients of the displacement under shear, even and odd along x, with weights [1/Pa]."""
+        from contactstudy.elasticity.tangential import half_space_shear
+
+        creep, ratio = self.body.creep, self.body.poisson_ratio
+        sudden = half_space_shear(creep.instantaneous, ratio, datum)
+        total = {name: Counter(weights) for name, weights in sudden.items()}
+        for size, time in creep.terms:
+            for name, weights in half_space_shear(size, ratio, datum).items():
+                total[name].update(retarded(weights, self.speed * time))
+        return total
+
+
+def rolling_bodies(solids: tuple[Body, Body], speeds: tuple[float, float]) -> tuple[Body, Body]:
+    """Return both bodies under a contact that moves over each at its speed [m/s] along x.
+
+    Raises
+    ------
+    InvalidInput
+        For a fluid at a finite speed.
+    """
+    bodies: list[Body] = []
+    for number, (solid, speed) in enumerate(zip(solids, speeds, strict=True)):
+        if not isinstance(solid, ViscoelasticHalfSpace) or not solid.creeps:
+            bodies.append(solid)
+            continue
+        if solid.creep.fluidity and not math.isinf(speed):
+            raise InvalidInput(
+                f"Scene.solids[{number}] is a fluid (equilibrium modulus 0 Pa), whose indentation in steady rolling is "
+                "unbounded: give an equilibrium modulus above 0 Pa."
+            )
+        bodies.append(RollingHalfSpace(solid, speed))
+    first, second = bodies
+    return first, second
 
 
 @suggest_fields

@@ -388,9 +388,10 @@ class Scene:
     ) -> Problem:
         """Return the problem on a grid, with a solver for adhesion that another grid may have chosen."""
         _instance("grid", grid, Grid, "give a Grid")
-        if self.rolling is not None:
+        if self.rolls:
+            moving = "friction" if self.rolling is None else "rolling"
             raise InvalidInput(
-                "Scene.rolling moves the contact, which takes more than one problem: call "
+                f"Scene.{moving} moves the contact, which takes more than one problem: call "
                 "contactstudy.solve(scene, grid, padding)."
             )
         if self.lubrication is not None:
@@ -474,8 +475,9 @@ class Scene:
             return "Scene.wear"
         if getattr(self.friction, "times", None) is not None:
             return "Scene.friction"
+        drives = self.rolling is None and self.rolls
         for number, solid in enumerate(self.solids):
-            if creeps(solid) or yields(solid):
+            if yields(solid) or (creeps(solid) and not drives):
                 return f"Scene.solids[{number}]"
         if self.lubrication is None:
             return None
@@ -485,11 +487,24 @@ class Scene:
         return f"Scene.shapes[{moving.index(True)}]" if any(moving) else None
 
     @property
+    def rolling_speed(self) -> float | None:
+        """Speed [m/s] along x at which a contact rolls steadily whose deformation depends on it; None for others."""
+        if self.rolling is not None:
+            return self.rolling.speed if self.rolling.passes is None else None
+        drives = getattr(self.friction, "is_steady", False) and any(map(creeps, self.solids))
+        return self.friction.speed if drives else None  # type: ignore[union-attr]
+
+    @property
+    def rolls(self) -> bool:
+        """True if the contact rolls, in a way that takes more than one problem."""
+        return self.rolling is not None or self.rolling_speed is not None
+
+    @property
     def takes_times(self) -> bool:
         """True if it is solved at several instants, since it or the load of its steady rolling changes in time."""
-        if self.rolling is None:
-            return self.changing is not None
-        return self.rolling.passes is None and isinstance(self.load, ChangingLoad)
+        if self.rolling_speed is not None:
+            return isinstance(self.load, ChangingLoad)
+        return self.rolling is None and self.changing is not None
 
     @property
     def is_quasi_static(self) -> bool:

@@ -28,6 +28,7 @@ from contactstudy.scene.friction import (
     shear_coupling,
     sheared,
 )
+from contactstudy.scene.inelastic import rolling_bodies
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.motion import check_slow
 from contactstudy.solvers.friction.rolling_traction import Creepage
@@ -46,7 +47,8 @@ class TractiveRolling:
     The contact moves to larger x over both bodies, and material enters it at the largest x. Heights are fixed in the
     frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid slip of the
     second body against the first, over the distance rolled, so that a positive creepage makes a positive shear on the
-    first body. Between dissimilar bodies shear changes the pressure, and pressing them makes them slip.
+    first body. Between dissimilar bodies shear changes the pressure, and pressing them makes them slip. Bodies that
+    creep follow pressure and shear with their delay, which makes a rolling resistance.
 
     Parameters
     ----------
@@ -62,12 +64,13 @@ class TractiveRolling:
     spin
         Rotation of the second body against the first about z, over the distance rolled [1/m].
     speed
-        Speed of rolling [m/s], not 0; negative if the contact moves to smaller x. Power is proportional to its size.
+        Speed of rolling [m/s], not 0; negative if the contact moves to smaller x. Power is proportional to its size,
+        and how far a body creeps in the contact follows from it.
 
     Raises
     ------
     InvalidInput
-        For other values; in a scene with creeping or yielding bodies, a change in time, or heights that a body carries.
+        For other values; in a scene with yielding bodies, a change in time, or heights that a body carries.
     """
 
     is_steady: ClassVar[bool] = True
@@ -105,7 +108,7 @@ class TractiveRolling:
 
     def check(self, scene: FrictionContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        check_tangential_response(scene, "TractiveRolling")
+        check_tangential_response(scene, "TractiveRolling", creeping=True)
         if isinstance(scene.load, ChangingLoad) and scene.wear is None and scene.rolling is None:
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         else:
@@ -142,13 +145,14 @@ class TractiveRolling:
                 f"padding[0] is {paddings[0]!r} together with TractiveRolling: material that leaves the contact would "
                 "enter it again one period later: give ZeroPadding across."
             )
-        coupling = shear_coupling(scene.solids, "xy", grid, paddings, datum)
+        solids = rolling_bodies(scene.solids, (self.speed, self.speed))
+        coupling = shear_coupling(solids, "xy", grid, paddings, datum)
         return TractiveShear(
             self.coefficient,
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
             self.tangential,
             self.speed,
-            partial(_response, sheared(scene.solids), paddings, datum),
+            partial(_response, sheared(solids), paddings, datum),
             Coupling(*coupling) if coupling else None,
             STATIONARY_HEIGHTS if self._has_moving_roughness(scene) else "",
         )

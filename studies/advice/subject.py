@@ -317,7 +317,7 @@ def _less_slender(cells: tuple[int, int]) -> tuple[int, int]:
 
 def _is_at_rest(scene: cs.Scene) -> bool:
     """Return whether a scene is a dry contact that neither rolls nor changes in time."""
-    return scene.lubrication is None and scene.rolling is None and scene.changing is None
+    return scene.lubrication is None and not scene.rolls and scene.changing is None
 
 
 def balanced(subject: Subject, cells: tuple[int, int]) -> Subject:

@@ -460,3 +460,70 @@ def test_rolling_under_a_load_that_changes_slowly_is_steady_at_each_instant(
             assert frame.quantities[name].value == pytest.approx(
                 alone.quantities[name].value, rel=1e-5
             )
+
+
+def creeping(time: float) -> cs.ViscoelasticHalfSpace:
+    """Half the modulus of steel after a time [s]."""
+    return cs.ViscoelasticHalfSpace(105e9, 0.3, ((105e9, time),))
+
+
+ACROSS_FREE = cs.ZeroPadding(), cs.ExactPeriodicity()
+
+
+def driven(
+    solids: tuple[cs.ViscoelasticHalfSpace | cs.HalfSpace, ...],
+    cells: tuple[int, int] = (64, 1),
+    **changed: object,
+) -> cs.Contact:
+    """A contact that rolls with creepage along both axes and spin."""
+    friction = replace(rolling(longitudinal=3e-3, lateral=1e-3, spin=3.0), **changed)
+    shapes = CYLINDER if cells[1] == 1 else (*CYLINDER, cs.Waviness(3e-7, across=1e9, along=3.2e-4))
+    scene = replace(SMOOTH, solids=solids, shapes=shapes, friction=friction)
+    return cs.solve(scene, cs.Grid(cells, (3.2 * A, 3.2e-4)), ACROSS_FREE)
+
+
+@pytest.mark.parametrize("other", [None, cs.HalfSpace(inf, 0.3)])
+@pytest.mark.parametrize(("time", "modulus"), [(1e-13, 105e9), (1e4, 210e9)])
+def test_bodies_that_creep_fast_or_slowly_drive_like_elastic_ones(
+    time: float, modulus: float, other: cs.HalfSpace | None
+) -> None:
+    """Relaxed where they roll by far less than a cell in their time constant, sudden where by far more than a width."""
+    found, elastic = (
+        driven((body, other or body)) for body in (creeping(time), cs.HalfSpace(modulus, 0.3))
+    )
+    assert found.status is cs.Status.CONVERGED
+    largest = elastic.pressure.max()
+    assert np.abs(found.pressure - elastic.pressure).max() < 1e-5 * largest
+    assert np.abs(found.traction.shear - elastic.traction.shear).max() < 1e-5 * largest
+
+
+def test_creeping_bodies_that_roll_back_are_those_in_a_mirror() -> None:
+    body = creeping(1e-4)
+    forth = driven((body, body), (48, 8))
+    back = driven((body, body), (48, 8), speed=-1.0, longitudinal=-3e-3, spin=-3.0)
+    largest = forth.pressure.max()
+    assert np.abs(forth.pressure - forth.pressure[::-1]).max() > 0.1 * largest
+    assert np.abs(forth.pressure - back.pressure[::-1]).max() < 1e-8 * largest
+    mirrored = forth.traction.shear[:, ::-1] * np.array([-1.0, 1.0])[:, None, None]
+    assert np.abs(mirrored - back.traction.shear).max() < 1e-7 * largest
+    assert back.rolling.resistance == pytest.approx(forth.rolling.resistance, rel=1e-9)
+
+
+def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> None:
+    """In plane strain, shear of like bodies loses in them what the same pressure would."""
+    found = driven((creeping(1e-4),) * 2, (512, 1), lateral=0.0, spin=0.0, longitudinal=1e-3)
+    force = found.traction.shear[0].sum() * found.grid.cell[0]
+    steady = found.rolling
+    as_pressure = replace(steady.lagged.solution, pressure=found.traction.shear[0])
+    of_shear = replace(steady, lagged=replace(steady.lagged, solution=as_pressure))
+    in_bodies = of_shear.resistance * force
+    by_slip = found.quantities["frictional_power"].value
+    assert in_bodies > 0.2 * by_slip
+    assert by_slip + in_bodies == pytest.approx(1e-3 * force, rel=0.01)
+
+
+def test_the_error_of_a_drive_that_creeps_covers_its_change_on_finer_cells() -> None:
+    coarse, fine = (driven((creeping(1e-4),) * 2, (cells, 1)) for cells in (64, 512))
+    for name in ("traction_coefficient", "frictional_power", "rolling_resistance", "peak_pressure"):
+        known, better = coarse.quantities[name], fine.quantities[name]
+        assert abs(known.value - better.value) < known.bound + better.bound < inf

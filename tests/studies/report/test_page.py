@@ -24,7 +24,7 @@ from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
 from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapters, single
-from studies.report.style import marked, plain, variation_text
+from studies.report.style import marked, plain
 from tests.studies.conftest import quiet
 
 FEW = {"grid": "16,24", "period": "0.6,2.4", "solver_tolerance": "1e-6"}
@@ -283,13 +283,3 @@ def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
 ) -> None:
     assert marked(text) == html
     assert plain(text) == unmarked
-
-
-@pytest.mark.parametrize(
-    ("variation", "text"),
-    [
-        (0.012, "1.2\u00a0% of p_{H}"), (1.5e-12, "1.5e-10\u00a0% of p_{H}"), (1e-12, "rounding only"),
-    ],
-)  # fmt: skip
-def test_what_varies_by_no_more_than_1e_12_is_rounding(variation: float, text: str) -> None:
-    assert variation_text(xr.Dataset({"length_variation": variation})) == text

@@ -2,6 +2,7 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 from math import asin, pi, sin
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from contactstudy.scene.bodies import contact_modulus, instantaneous, response
 from tests.conftest import STEEL, LineContact
 
 
-@pytest.mark.parametrize("radius", [-0.01, 0.0, math.nan, math.inf, "10 mm", None])
+@pytest.mark.parametrize("radius", [-0.01, 0.0, math.nan, math.inf, "10 mm", None, 10**400])
 def test_a_bad_radius_is_refused_by_name_and_value(radius: object) -> None:
     with pytest.raises(
         cs.InvalidInput, match=r"^Cylinder\.radius is .*: give a radius above 0 m\.$"
@@ -21,12 +22,25 @@ def test_a_bad_radius_is_refused_by_name_and_value(radius: object) -> None:
         cs.Cylinder(radius=radius)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("ratio", [-1.0, 0.5000001, math.nan])
 @pytest.mark.parametrize(
-    ("modulus", "ratio"), [(0.0, 0.3), (-1.0, 0.3), (1e9, 0.51), (1e9, -1.0), (1e9, math.nan)]
-)
-def test_a_solid_that_cannot_exist_is_refused(modulus: float, ratio: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^HalfSpace\."):
-        cs.HalfSpace(youngs_modulus=modulus, poisson_ratio=ratio)
+    "body",
+    [
+        lambda ratio: cs.HalfSpace(1e9, ratio), lambda ratio: cs.ElasticPlasticHalfSpace(1e9, ratio, 1e8),
+        lambda ratio: cs.ViscoelasticHalfSpace(1e9, ratio),
+    ],
+)  # fmt: skip
+def test_poissons_ratio_is_above_minus_one_and_up_to_a_half(body: Any, ratio: float) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"give a ratio above -1 and up to 0\.5"):
+        body(ratio)
+    for admitted in (-0.99, 0.0, 0.5):
+        assert body(admitted).compliance == pytest.approx((1 - admitted * admitted) / 1e9)
+
+
+@pytest.mark.parametrize("modulus", [0.0, -1.0])
+def test_a_modulus_is_above_zero(modulus: float) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^HalfSpace\.youngs_modulus is "):
+        cs.HalfSpace(modulus, 0.3)
 
 
 def test_two_rigid_bodies_are_refused() -> None:
@@ -66,11 +80,6 @@ def test_numbers_of_any_kind_are_kept_as_floats(kind: type) -> None:
     assert type(cs.Superposition(np.uint8(3)).images) is int
     hertz = cs.analytic.HertzLine(kind(100), kind(1), kind(1000))
     assert hertz == cs.analytic.HertzLine(100.0, 1.0, 1000.0)
-
-
-def test_a_number_beyond_floats_is_refused() -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Cylinder\.radius is 1000"):
-        cs.Cylinder(10**400)
 
 
 @pytest.mark.parametrize("shape", [0.01, cs.Cylinder, None])
@@ -147,19 +156,12 @@ def test_a_sudden_load_is_there_from_its_start_on() -> None:
 
 
 LENGTH = 1e-3
-
 ROLLER = (cs.Cylinder(0.01), cs.FiniteLength(LENGTH))
-
 GRID = cs.Grid((48, 40), (4e-4, 1.25 * LENGTH))
 
 
 def scene(load: cs.LineLoad | cs.TotalLoad, *shapes: cs.Shape) -> cs.Scene:
     return cs.Scene(load, (STEEL, STEEL), shapes or ROLLER)
-
-
-def test_the_pressure_adds_up_to_the_total_load() -> None:
-    solution = cs.solve(scene(cs.TotalLoad(100.0)), GRID, cs.ZeroPadding())
-    assert solution.pressure.sum() * GRID.cell_area == pytest.approx(100.0, rel=1e-7)
 
 
 def test_a_total_load_is_a_load_per_length_of_the_grid() -> None:
@@ -209,13 +211,9 @@ def test_a_march_carries_the_total_load() -> None:
 
 # E / (1 - nu^2): 80, 75 and 64 GPa
 FIRST = cs.HalfSpace(60e9, 0.5)
-
 SECOND = cs.HalfSpace(72e9, 0.2)
-
 YIELDS = cs.ElasticPlasticHalfSpace(60e9, 0.25, 300e6)
-
 CREEPS = cs.ViscoelasticHalfSpace(10e9, 0.5, ((20e9, 1.0), (30e9, 7.0)))
-
 RIGID = cs.HalfSpace(math.inf, -0.5)
 
 
@@ -243,23 +241,6 @@ def test_compliances_and_responses_add_up() -> None:
 
 def test_of_a_sudden_load_bodies_are_elastic() -> None:
     assert instantaneous((YIELDS, CREEPS)) == (cs.HalfSpace(60e9, 0.25), cs.HalfSpace(60e9, 0.5))
-
-
-@pytest.mark.parametrize("ratio", [-0.99, 0.0, 0.5])
-def test_ratios_from_above_minus_one_to_a_half_are_bodies(ratio: float) -> None:
-    assert cs.HalfSpace(1e9, ratio).compliance == pytest.approx((1 - ratio * ratio) / 1e9)
-
-
-@pytest.mark.parametrize("ratio", [-1.0, 0.5000001])
-def test_ratios_beyond_are_none(ratio: float) -> None:
-    remedy = "give a ratio above -1 and up to 0.5"
-    for body, arguments in (
-        (cs.HalfSpace, (1e9, ratio)),
-        (cs.ElasticPlasticHalfSpace, (1e9, ratio, 1e8)),
-        (cs.ViscoelasticHalfSpace, (1e9, ratio)),
-    ):
-        with pytest.raises(cs.InvalidInput, match=remedy):
-            body(*arguments)
 
 
 @pytest.mark.parametrize(

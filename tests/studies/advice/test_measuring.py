@@ -24,7 +24,7 @@ from studies.advice.comparison import (
 from studies.advice.front import pareto_front
 from studies.advice.measuring import compared
 from studies.advice.rounds import in_rounds, ratio, sign_test
-from studies.advice.stored import as_text, from_dataset, from_text, store, stored, to_dataset
+from studies.advice.stored import as_text, from_text, store, stored
 from studies.advice.subject import (
     Setting,
     Subject,
@@ -268,16 +268,6 @@ def test_without_a_bound_on_the_reference_nothing_is_said_to_meet_a_request() ->
 
 def test_the_error_of_a_grid_is_the_largest_of_it_and_of_all_finer_ones() -> None:
     assert with_envelope([0.08, 0.14, 0.06]) == [0.14, 0.14, 0.06]
-
-
-def test_a_comparison_is_read_as_it_was_stored(tmp_path: Path) -> None:
-    measured = of(one(EXACT, 32, 0.02, (1.0, 2.0)), one(COPIED, 48, 0.02, (1.5,)))
-    dataset = to_dataset(measured)
-    dataset.to_netcdf(tmp_path / "settings.nc")
-    import xarray as xr
-
-    with xr.open_dataset(tmp_path / "settings.nc") as read:
-        assert from_dataset(read.load()) == measured
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,9 @@ import studies
 from contactstudy.accuracy.discretisation import contact_perimeter
 from studies.engine.run import run
 from studies.scene_study.measures import measures
+from tests.studies.conftest import quiet
 
 LOADS = "20:100:9 N/mm"
-
-
-def quiet(_: str) -> None:
-    """For ``log``."""
 
 
 def solved(path: Path, out: Path, loads: str = LOADS) -> xr.Dataset:
@@ -119,19 +116,6 @@ def _width(dataset: xr.Dataset) -> float:
     return 1e-6 * float(dataset.attrs["notes"].split(" over ")[1].split(" µm ")[0])
 
 
-def test_points_that_are_stored_are_not_solved_again(rough: Path, tmp_path: Path) -> None:
-    rough.write_text(
-        rough.read_text(encoding="utf-8")
-        + '\n[grid]\ncells = [32, 32]\nextent = ["0.5 mm", "0.48 mm"]\n',
-        encoding="utf-8",
-    )
-    solved(rough, tmp_path, "20 N/mm,60 N/mm")
-    said: list[str] = []
-    study = studies.study_of(rough, {"load.per_length": "20 N/mm,60 N/mm,90 N/mm"})
-    run(study, tmp_path, workers=0, log=said.append)
-    assert any("2 cases are stored, 1 to compute" in one for one in said)
-
-
 def test_stress_is_recorded_where_a_scene_names_it(smooth: Path, tmp_path: Path) -> None:
     text = '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["40 um", "80 um", "120 um"]\n[plan]'
     smooth.write_text(smooth.read_text(encoding="utf-8").replace("[plan]", text), encoding="utf-8")
@@ -140,15 +124,6 @@ def test_stress_is_recorded_where_a_scene_names_it(smooth: Path, tmp_path: Path)
     assert float(dataset["largest_von_mises_depth"][0]) == 80e-6
     ratio = float((dataset["largest_von_mises"] / dataset["peak_pressure"])[0])
     assert ratio == pytest.approx(0.557, abs=0.01)
-
-
-def test_fields_of_every_case_are_kept_on_request(smooth: Path, tmp_path: Path) -> None:
-    study = studies.study_of(smooth, {"load.per_length": "50 N/mm,100 N/mm"})
-    options = studies.RunOptions(workers=0, fields="kept")
-    dataset = run(study, tmp_path, options=options, log=quiet)
-    for key in dataset["case_key"].values:
-        group = xr.load_dataset(tmp_path / "smooth-sweep.nc", group=f"fields/case_{key}")
-        assert {"pressure", "gap", "x", "y"} <= set(group.variables)
 
 
 GRID = cs.Grid((4, 5), (4 * 2.0, 5 * 3.0))  # a cell is 2 m across and 3 m along

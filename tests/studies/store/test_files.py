@@ -1,7 +1,6 @@
 """The file of a study and the fields in it: damaged ones are made again."""
 
 import json
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -16,8 +15,7 @@ from studies.engine.results import load_fields, save_fields
 from studies.engine.run import run
 from studies.registry import load
 from studies.store import provenance
-from studies.store.netcdf import open_folder, read
-from studies.store.stop import Stop
+from studies.store.netcdf import read
 from tests.studies.conftest import quiet
 
 KEPT = RunOptions(workers=0, repeats=0, fields="kept")
@@ -110,39 +108,6 @@ def test_a_cf_checker_finds_nothing(out: Path) -> None:
     for priority in ("high_priorities", "medium_priorities"):
         problems = [message for check in found[priority] for message in check["msgs"]]
         assert problems == [], priority
-
-
-def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InvalidInput, match=r"^Output folder .* cannot be written to .*--out\.$"):
-        open_folder(tmp_path / "file" / "below")
-
-
-@pytest.mark.parametrize("content", [None, b"no netCDF"])
-def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path, content: bytes | None) -> None:
-    if content is not None:
-        (tmp_path / "a.nc").write_bytes(content)
-    with pytest.raises(InvalidInput, match=r"^Study file .* cannot be read"):
-        read(tmp_path / "a.nc")
-
-
-def test_an_interrupt_comes_after_what_must_not_be_left_half_way() -> None:
-    done = []
-
-    def work() -> None:
-        with Stop():
-            signal.raise_signal(signal.SIGINT)
-            done.append("whole")
-        done.append("beyond")
-
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            work()
-        assert done == ["whole"]
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def test_the_history_is_the_command_as_a_shell_takes_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,7 +3,6 @@
 import signal
 import subprocess
 import sys
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -16,15 +15,19 @@ ROOT = Path(__file__).parents[3]
 
 
 def test_a_signal_is_taken_note_of_and_raised_where_it_is_asked_for() -> None:
-    before = signal.getsignal(signal.SIGINT)
-    with suppress(KeyboardInterrupt), Stop() as stop:
-        stop.check()
-        signal.raise_signal(signal.SIGINT)
-        assert stop.signal == signal.SIGINT
-        with pytest.raises(StopRun):
+    def work() -> None:
+        with Stop() as stop:
             stop.check()
-        with pytest.raises(StopRun), stop.interruptible():
-            raise AssertionError("not begun")
+            signal.raise_signal(signal.SIGINT)
+            assert stop.signal == signal.SIGINT
+            with pytest.raises(StopRun):
+                stop.check()
+            with pytest.raises(StopRun), stop.interruptible():
+                raise AssertionError("not begun")
+
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        work()
     assert signal.getsignal(signal.SIGINT) == before
 
 

@@ -50,79 +50,38 @@ def figure(dataset):
 
 
 '''
-# what a study file measures, before and after an edit, or the helper that it imports
+# what a study file measures: its text, and what an edit puts in the place of what
 MEASURES = "def measures(case, r): return {'s': f(r)}\n"
 EDITS = {
-    "swapped constants": (
-        "A=2.0\nB=3.0\ndef f(r): return A*r-B\n",
-        "A=3.0\nB=2.0\ndef f(r): return A*r-B\n",
-    ),
-    "default argument": ("K=1.0\ndef f(r,k=K): return k*r\n", "K=2.0\ndef f(r,k=K): return k*r\n"),
-    "closure": (
-        "def make(k):\n    return lambda r: k*r\nf=make(1.0)\n",
-        "def make(k):\n    return lambda r: k*r\nf=make(2.0)\n",
-    ),
-    "partial": (
-        "def g(r,k): return k*r\nf=partial(g,k=1.0)\n",
-        "def g(r,k): return k*r\nf=partial(g,k=2.0)\n",
-    ),
-    "table of functions": (
-        "T=[lambda r: 1.0*r]\ndef f(r): return T[0](r)\n",
-        "T=[lambda r: 2.0*r]\ndef f(r): return T[0](r)\n",
-    ),
-    "plain object": (
-        "class M:\n    def __call__(s,r): return 1.0*r\nf=M()\n",
-        "class M:\n    def __call__(s,r): return 2.0*r\nf=M()\n",
-    ),
+    "swapped constants": ("A=2.0\nB=3.0\ndef f(r): return A*r-B\n", "2.0\nB=3", "3.0\nB=2"),
+    "default argument": ("K=1.0\ndef f(r,k=K): return k*r\n", "1", "2"),
+    "closure": ("def make(k):\n    return lambda r: k*r\nf=make(1.0)\n", "1", "2"),
+    "partial": ("def g(r,k): return k*r\nf=partial(g,k=1.0)\n", "1", "2"),
+    "table of functions": ("T=[lambda r: 1.0*r]\ndef f(r): return T[0](r)\n", "1", "2"),
+    "plain object": ("class M:\n    def __call__(s,r): return 1.0*r\nf=M()\n", "1", "2"),
     "decorator": (
-        "def d(g):\n    @wraps(g)\n    def w(r): return 1.0*g(r)\n    return w\n@d\ndef f(r): return r\n",
-        "def d(g):\n    @wraps(g)\n    def w(r): return 2.0*g(r)\n    return w\n@d\ndef f(r): return r\n",
+        "def d(g):\n    @wraps(g)\n    def w(r): return 1.0*g(r)\n    return w\n@d\ndef f(r): return r\n", "1", "2",
     ),
-    "thirteenth digit": (
-        "K=1.0\ndef f(r): return K*r\n",
-        "K=1.00000000000002\ndef f(r): return K*r\n",
-    ),
-    "number or text": (
-        "K=2\ndef f(r): return len(str(K))\n",
-        "K='2'\ndef f(r): return len(str(K))\n",
-    ),
-    "nested class": (
-        "class C:\n    class D:\n        K=1.0\ndef f(r): return C.D.K*r\n",
-        "class C:\n    class D:\n        K=2.0\ndef f(r): return C.D.K*r\n",
-    ),
-    "namespace": (
-        "N=SimpleNamespace(k=1.0)\ndef f(r): return N.k*r\n",
-        "N=SimpleNamespace(k=2.0)\ndef f(r): return N.k*r\n",
-    ),
-    "library object": (
-        "P=np.poly1d([1.0,0])\ndef f(r): return P(r)\n",
-        "P=np.poly1d([2.0,0])\ndef f(r): return P(r)\n",
-    ),
-    "figure that is measured": (
-        "def f(r): return r+len(figure(None))\n",
-        "def f(r): return r-len(figure(None))\n",
-    ),
+    "thirteenth digit": ("K=1.0\ndef f(r): return K*r\n", "0", "00000000000002"),
+    "number or text": ("K=2\ndef f(r): return len(str(K))\n", "2", "'2'"),
+    "nested class": ("class C:\n    class D:\n        K=1.0\ndef f(r): return C.D.K*r\n", "1", "2"),
+    "namespace": ("N=SimpleNamespace(k=1.0)\ndef f(r): return N.k*r\n", "1", "2"),
+    "library object": ("P=np.poly1d([1.0,0])\ndef f(r): return P(r)\n", "[1", "[2"),
+    "figure that is measured": ("def f(r): return r+len(figure(None))\n", "+", "-"),
     "decorator argument": (
-        "def d(k):\n    return lambda g: lambda r: k*g(r)\n@d(1.0)\ndef f(r): return r\n",
-        "def d(k):\n    return lambda g: lambda r: k*g(r)\n@d(2.0)\ndef f(r): return r\n",
+        "def d(k):\n    return lambda g: lambda r: k*g(r)\n@d(1.0)\ndef f(r): return r\n", "1", "2",
     ),
-    "points bound by an expression": (
-        "other = [T := (1.0, 2.0)]\ndef f(r): return len(T)*r\n",
-        "other = [T := (1.0, 2.0, 3.0)]\ndef f(r): return len(T)*r\n",
-    ),
+    "points bound by an expression": ("other = [T := (1.0, 2.0)]\ndef f(r): return len(T)*r\n", "2", "2.0, 3"),
     "name that is put together": (
-        "values = (1.0, 2.0)\ndef f(r): return len(globals()['val'+'ues'])*r\n",
-        "values = (1.0, 2.0, 3.0)\ndef f(r): return len(globals()['val'+'ues'])*r\n",
+        "values = (1.0, 2.0)\ndef f(r): return len(globals()['val'+'ues'])*r\n", "2", "2.0, 3",
     ),
     "default with an effect": (
-        "K={}\ndef f(r): return K['k']*r\ndef tables(d, _=K.update(k=1.0)): return ()\n",
-        "K={}\ndef f(r): return K['k']*r\ndef tables(d, _=K.update(k=2.0)): return ()\n",
+        "K={}\ndef f(r): return K['k']*r\ndef tables(d, _=K.update(k=1.0)): return ()\n", "1", "2",
     ),
     "function called like one of Python's": (
-        "K=[]\ndef range(n): K.append(n)\nshown = range(1)\ndef f(r): return K[0]*r\n",
-        "K=[]\ndef range(n): K.append(n)\nshown = range(2)\ndef f(r): return K[0]*r\n",
+        "K=[]\ndef range(n): K.append(n)\nshown = range(1)\ndef f(r): return K[0]*r\n", "1", "2",
     ),
-}
+}  # fmt: skip
 KEPT = {
     "figure": ("return ()", "shown = 1\n    return (shown,)"),
     "axis": ("(1, 2, 3)", "(1, 2, 3, 4)"),
@@ -143,7 +102,10 @@ def part(path: Path, text: str) -> Mapping[str, str]:
 
 @pytest.mark.parametrize("edit", EDITS)
 def test_an_edit_of_what_makes_the_numbers_is_noticed(edit: str, tmp_path: Path) -> None:
-    before, after = (part(tmp_path / "one.py", HEAD + text + MEASURES) for text in EDITS[edit])
+    text, old, new = EDITS[edit]
+    assert old in text
+    edited = text, text.replace(old, new)
+    before, after = (part(tmp_path / "one.py", HEAD + one + MEASURES) for one in edited)
     assert before != after
 
 

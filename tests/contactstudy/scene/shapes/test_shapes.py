@@ -175,13 +175,6 @@ def test_a_roller_ends_in_the_middle_of_a_grid_as_at_the_end_of_one(
     )
 
 
-def test_an_end_inside_a_cell_goes_by_its_centre() -> None:
-    grid = cs.Grid(cells=(4, 10), extent=(1e-3, 1e-2))
-    gap = cs.FiniteLength(6.2e-3).gap(grid)
-    assert gap.shape == (1, 10)
-    assert (gap[0] == 0).tolist() == [False] * 2 + [True] * 6 + [False] * 2
-
-
 def test_the_mean_gap_is_that_of_the_roller_and_not_of_the_grid_beyond_its_ends(
     line_contact: LineContact,
 ) -> None:

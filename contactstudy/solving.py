@@ -244,7 +244,7 @@ class _Request:
         """Solve one problem, and report its progress."""
         before = getattr(self.start, "adhesion", None)
         if problem.adhesion is not None and before is not None:
-            problem = replace(problem, adhesion=problem.adhesion.continued(before.traction))
+            problem = replace(problem, adhesion=problem.adhesion.continued(before.attraction))
         options = self.options
         if self.progress is not None:
             options = replace(

@@ -16,7 +16,7 @@ from contactstudy.accuracy.discretisation import contact_perimeter
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
-from contactstudy.solvers.solution import CohesiveTraction, Solution
+from contactstudy.solvers.solution import AdhesiveTraction, Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Pull-off load of a cylinder over its JKR limit (large Tabor parameter), by that parameter, for the exponential law;
@@ -34,7 +34,7 @@ PULL_OFF_OVER_JKR = (
 # at most 1.09 times what :func:`range_errors` has without it, and nearest at the largest parameter.
 RANGE_MARGIN = 1.25
 PEAK_WITHOUT_LIMIT = (
-    "No bound for the peak pressure: in the limit of short ranges the pressure grows without limit beside the "
+    "No bound for the peak pressure: in the JKR limit the pressure grows without limit beside the "
     "attraction, give Adhesion.range."
 )
 # Errors fall in proportion to the cell, so that the change from cells of twice the size is the error of these.
@@ -45,7 +45,7 @@ TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
 def compare_grids(solution: Solution, coarse: Solution | None) -> DiscretisationErrors:
     """Return the errors of `solution` by its change from cells of twice the size; infinite where these do not touch."""
-    attraction = None if solution.adhesion is None else solution.adhesion.traction
+    attraction = None if solution.adhesion is None else solution.adhesion.attraction
     coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
     if coarse is None or coarse.status.is_failure or not coarse.pressure.any():
         why = "there is no solution" if coarse is None else "the bodies do not touch"
@@ -82,7 +82,7 @@ def range_errors(solution: Solution) -> tuple[float, float] | None:
     modulus = posed.scene.contact_modulus
     zone = pi * modulus * adhesion.range**2 / (4 * posed.scene.adhesion.work)
     edges = RANGE_MARGIN * contact_perimeter(touching, grid, problem.paddings) / grid.cell_area
-    net_traction = np.abs(solution.pressure - adhesion.traction).sum()
+    net_traction = np.abs(solution.pressure - adhesion.attraction).sum()
     return edges * modulus * adhesion.range / float(net_traction), edges * zone / int(
         touching.sum()
     )
@@ -119,7 +119,7 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
     )
 
 
-def _range_error(solution: Solution, adhesion: CohesiveTraction, load: float) -> float | None:
+def _range_error(solution: Solution, adhesion: AdhesiveTraction, load: float) -> float | None:
     """Return the error of a pull-off load by a range chosen for the grid in place of the JKR limit; None for others.
 
     It is that of a cylinder with this Tabor parameter, or the change from the range of cells of twice the size, which on

@@ -80,7 +80,7 @@ class Contact(Answer, Solution):
                 return self.rolling.error_estimate()
             if not self._is_static:
                 return self.estimate or error_estimate(self)
-            attraction = None if self.adhesion is None else self.adhesion.traction
+            attraction = None if self.adhesion is None else self.adhesion.attraction
             coarse = coarse_solution(self.problem, self.pressure, attraction)
             return self._with_derived(self.estimate or error_estimate(self, coarse=coarse), coarse)
         except NotDefined as reason:

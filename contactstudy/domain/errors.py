@@ -21,7 +21,7 @@ class ErrorParts:
     inlet
         Error by the finite inlet of a film.
     range
-        Error by a range of the attraction that is chosen for the grid, in place of the limit of short ranges.
+        Error by a range of the attraction that is chosen for the grid, in place of the JKR limit of short ranges.
     reason
         Sentence on why a part is infinite; empty where none is.
     """

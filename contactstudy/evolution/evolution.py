@@ -14,7 +14,13 @@ from contactstudy.evolution.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.friction.laws import FullSliding
-from contactstudy.solvers.solution import CohesiveTraction, Solution, Status, Traction, worst
+from contactstudy.solvers.solution import (
+    AdhesiveTraction,
+    Solution,
+    Status,
+    TangentialTraction,
+    worst,
+)
 
 UNKNOWN = ErrorParts(0.0, inf, 0.0)
 
@@ -85,7 +91,7 @@ class Frame:
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
     warnings: tuple[str, ...] = ()
-    adhesion: CohesiveTraction | None = None
+    adhesion: AdhesiveTraction | None = None
     solution: Solution | None = None
     rolling: SteadyRolling | None = None
 
@@ -127,11 +133,11 @@ class Trajectory:
         """Grid of the fields."""
         return self.problem.grid
 
-    def traction(self, frame: Frame) -> Traction | None:
+    def traction(self, frame: Frame) -> TangentialTraction | None:
         """Return the shear at the instant of `frame`; None without friction."""
         if "shear_x" in frame.fields:
             across, along, stick = (frame.fields[n].values for n in ("shear_x", "shear_y", "stick"))
-            return Traction(np.stack([across, along]), stick > 0, "fretting", 0)
+            return TangentialTraction(np.stack([across, along]), stick > 0, "fretting", 0)
         law = self.problem.friction
         return law.traction(frame.pressure) if isinstance(law, FullSliding) else None
 

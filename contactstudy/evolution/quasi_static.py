@@ -133,7 +133,7 @@ def _frame(time: float, load: float, solution: Solution, rolling: SteadyRolling 
     steps, adhesion = 1, solution.adhesion
     if adhesion is not None:
         name, steps = "attraction between the bodies", adhesion.outer_iterations
-        fields = {"attraction": Field(("x", "y"), adhesion.traction, "Pa", name)}
+        fields = {"attraction": Field(("x", "y"), adhesion.attraction, "Pa", name)}
     return Frame(
         time=time,
         load=load,

@@ -18,7 +18,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import creeps, instantaneous, response
 from contactstudy.scene.inelastic import rolling_bodies
 from contactstudy.scene.scene import PosedScene, Scene, ShapesSource
-from contactstudy.solvers.lagged import LaggedSolution, solve_lagged
+from contactstudy.solvers.lagged import LaggedSolution, solve_with_mixing
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -147,7 +147,7 @@ def solve_rolling(
     options
         How each pass is solved.
     change
-        Relative L1 change of the pressure below which passes end, see :func:`~contactstudy.solvers.lagged.solve_lagged`.
+        Relative L1 change of the pressure below which passes end, see :func:`~contactstudy.solvers.lagged.solve_with_mixing`.
     max_passes
         Largest number of passes.
 
@@ -194,7 +194,7 @@ def solve_rolling(
     # between dissimilar bodies shear changes the pressure, else it is found once, under the last one
     law = problem.friction
     is_coupled = getattr(law, "coupling", None) is not None
-    lagged = solve_lagged(
+    lagged = solve_with_mixing(
         problem if is_coupled else replace(problem, friction=None),
         antisymmetric(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
         options,

@@ -28,7 +28,7 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
-from contactstudy.solvers.solution import CohesiveTraction, Solution, Status
+from contactstudy.solvers.solution import AdhesiveTraction, Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
@@ -62,7 +62,7 @@ class Instant:
     load: float
     pressure: Array
     states: tuple[State, ...]
-    adhesion: CohesiveTraction | None = None
+    adhesion: AdhesiveTraction | None = None
 
 
 def solved_or_unloaded(
@@ -311,7 +311,7 @@ class TimeStepper:
             source = source.with_step(partial(self._problem_under, weights, local, step.loads[1]))
         adhesion = self.problem.adhesion
         if adhesion is not None and instant.adhesion is not None:
-            adhesion = adhesion.continued(instant.adhesion.traction)
+            adhesion = adhesion.continued(instant.adhesion.attraction)
         gap = self._gap(contributions)
         return replace(problem, undeformed_gap=gap, source=source, adhesion=adhesion)
 

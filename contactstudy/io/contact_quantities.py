@@ -18,7 +18,7 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
-from contactstudy.solvers.solution import CohesiveTraction, Solution, Traction
+from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
 
 if TYPE_CHECKING:
     from contactstudy.evolution.rolling import SteadyRolling
@@ -153,13 +153,13 @@ def approach_datum(solution: Solution) -> float | None:
 
 
 def _of_adhesion(
-    solution: Solution, adhesion: CohesiveTraction, estimate: ErrorEstimate
+    solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate
 ) -> dict[str, Quantity]:
     """Return attraction, energy and load of separation, and what says which state this is and how fine its grid."""
     grid = solution.problem.grid
-    attraction = float(adhesion.traction.sum() * grid.cell_area / grid.period)
+    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.period)
     touching = bool(solution.pressure.any())
-    # in the limit of short ranges the attraction grows as the peak pressure does
+    # in the JKR limit the attraction grows as the peak pressure does
     error = estimate.peak_pressure if adhesion.regularised else estimate.l1
     numbers = {
         "attraction": bounded(
@@ -179,12 +179,12 @@ def _of_adhesion(
 
 
 def _of_traction(
-    solution: Solution, traction: Traction, estimate: ErrorEstimate
+    solution: Solution, traction: TangentialTraction, estimate: ErrorEstimate
 ) -> dict[str, Quantity]:
     """Return the tangential force over the load, and the part of the contact that sticks."""
     pressure = solution.pressure
     pressed, touching = float(pressure.sum()), int(np.count_nonzero(pressure))
-    attracted = 0.0 if solution.adhesion is None else float(solution.adhesion.traction.sum())
+    attracted = 0.0 if solution.adhesion is None else float(solution.adhesion.attraction.sum())
     load = pressed - attracted
     force = float(np.hypot(*traction.shear.sum(axis=(1, 2))))
     coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
@@ -210,7 +210,7 @@ def _of_traction(
     return {"traction_coefficient": coefficient, "stick_fraction": stick}
 
 
-def _at_stick_slip_border(solution: Solution, traction: Traction) -> NDArray[np.bool_]:
+def _at_stick_slip_border(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:
     """Return the touching cells (x, y) at the stick-slip border, the uncertainty of which is one row of cells.
 
     Where all of a rolling contact slips, a zone of stick may hide in the cells at its leading edge.

@@ -25,7 +25,13 @@ from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
-from contactstudy.solvers.solution import Branch, CohesiveTraction, Solution, Status, Traction
+from contactstudy.solvers.solution import (
+    AdhesiveTraction,
+    Branch,
+    Solution,
+    Status,
+    TangentialTraction,
+)
 
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Trajectory
@@ -190,7 +196,7 @@ def scene_attribute(posed: PosedScene) -> str:
         return f"# {error}\n# {posed!r}\n"
 
 
-def _sheared(traction: Traction | None) -> dict[str, xr.Variable]:
+def _sheared(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
     """Return the two components of shear and the area of stick; empty without friction."""
     if traction is None:
         return {}
@@ -230,7 +236,7 @@ def _sheared(traction: Traction | None) -> dict[str, xr.Variable]:
     }
 
 
-def _attracted(adhesion: CohesiveTraction | None) -> dict[str, xr.Variable]:
+def _attracted(adhesion: AdhesiveTraction | None) -> dict[str, xr.Variable]:
     """Return the attraction, and the history that the state belongs to as a CF flag; empty without adhesion."""
     if adhesion is None:
         return {}
@@ -238,7 +244,7 @@ def _attracted(adhesion: CohesiveTraction | None) -> dict[str, xr.Variable]:
     branches = [branch.replace(" ", "_") for branch in meanings]
     return {
         "attraction": labelled(
-            ("x", "y"), adhesion.traction, "Pa", "attraction between the bodies"
+            ("x", "y"), adhesion.attraction, "Pa", "attraction between the bodies"
         ),
         "branch": flags((), meanings.index(adhesion.branch), branches, "history of the state"),
     }

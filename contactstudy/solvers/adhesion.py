@@ -4,11 +4,11 @@ With the pressure p, the cohesive traction t and the undeformed gap h the contac
 
     g = h + K (p - t) - approach >= 0,  p >= 0,  p g = 0,  t = sigma(g),
 
-under the load ``sum(p - t)`` or at a given approach. Its energy is convex in the displacements but for the work of
-adhesion, which is concave where sigma falls with the gap. An outer iteration freezes t, solves the contact with the
-heights ``h - K t`` under the load ``L + sum(t)``, and takes ``t = sigma(g)``: the concave part is replaced by its
-tangent, so that the energy never rises. Anderson's (1965) mixing of the last tractions accelerates it; a mixture that
-raises the energy is rejected.
+under the load ``sum(p - t)`` or at a given approach. The method is the convex-concave procedure. The energy is convex
+in the displacements but for the work of adhesion, which is concave where sigma falls with the gap. An outer iteration
+freezes t, solves the contact with the heights ``h - K t`` under the load ``L + sum(t)``, and takes ``t = sigma(g)``:
+the concave part is replaced by its tangent, so that the energy never rises. Anderson's (1965) mixing of the last
+tractions accelerates it; a mixture that raises the energy by more than the change that it leaves is rejected.
 
 Without mixing the iteration is monotone in the traction that it starts from. From zero traction it rises to the least
 adhesive state, the approach (jump-in) branch; from the largest traction everywhere it falls to the most adhesive one,
@@ -28,7 +28,7 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.anderson import AndersonMixing
 from contactstudy.solvers.cohesive_law import CohesiveLaw
-from contactstudy.solvers.solution import Branch, CohesiveTraction, Solution, Status
+from contactstudy.solvers.solution import AdhesiveTraction, Branch, Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
@@ -38,12 +38,12 @@ class AdhesionConstants:
 
     Attributes
     ----------
-    change
+    change_in_tolerances
         Relative change of the traction in the last outer iteration, in tolerances of the contact. A tenth of it takes up
         to 14 % more convolutions.
-    loosest
-        Largest error of the gap in an inner contact over the range of the attraction; otherwise it is a tenth of the
-        last change of the traction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
+    max_inner_error
+        Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of
+        the last change of the traction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
     plain_iterations
         Outer iterations before the first mixture, and after the first rejected one. From 0 to 4 convolutions change by
         0.6 to 1.3 times, with no best value.
@@ -52,19 +52,19 @@ class AdhesionConstants:
         negligible adhesion costs one solve.
     edge
         Traction at an open edge over the largest, above which the attraction that is cut off there matters.
-    more_iterations
+    iteration_factor
         Iterations of each load in a pull-off over those of a solve: just beyond the last stable load the bodies detach
         slowly.
     load_step
         Step of the load over the sum of the traction, until a load is unstable.
     """
 
-    change: float = 1e3
-    loosest: float = 1e-3
+    change_in_tolerances: float = 1e3
+    max_inner_error: float = 1e-3
     plain_iterations: int = 2
     negligible: float = 1e-3
     edge: float = 1e-3
-    more_iterations: int = 10
+    iteration_factor: int = 10
     load_step: float = 0.25
 
 
@@ -86,7 +86,7 @@ class AdhesiveSolver:
     tabor
         Tabor's parameter, or None without a curved shape.
     regularised
-        Whether the range was chosen for the grid, in place of the limit of short ranges.
+        Whether the range was chosen for the grid, in place of the JKR limit of short ranges.
     traction
         Traction (x, y) [Pa] of the state before, for a history that is continued.
     depth
@@ -109,7 +109,7 @@ class AdhesiveSolver:
     def after(self, solution: Solution) -> "AdhesiveSolver":
         """Return this solver for a contact that comes from the state of `solution`."""
         assert solution.adhesion is not None
-        return self.continued(solution.adhesion.traction)
+        return self.continued(solution.adhesion.attraction)
 
     def pull_off_search(self, error: float) -> "PullOffSearch":
         """Return the search for the pull-off load to a relative `error`."""
@@ -160,13 +160,13 @@ class PullOffSearch:
         iterations, convolutions = last_stable.iterations, last_stable.convolutions
         load, first_unstable = problem.control.total, -inf
         options = replace(
-            options, max_iterations=CONSTANTS.more_iterations * options.max_iterations
+            options, max_iterations=CONSTANTS.iteration_factor * options.max_iterations
         )
         while last_stable.status in EQUILIBRIUM and (
             first_unstable == -inf or load - first_unstable > self.error * abs(first_unstable)
         ):
             assert last_stable.adhesion is not None
-            pull = CONSTANTS.load_step * float(last_stable.adhesion.traction.sum())
+            pull = CONSTANTS.load_step * float(last_stable.adhesion.attraction.sum())
             trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
             lowered = replace(problem, control=PrescribedLoad(trial))
             state = self.solver.after(last_stable).solve(lowered, options, last_stable.pressure, on)
@@ -208,7 +208,7 @@ class _State:
     cohesion: float
 
     def accepts(self, following: "_State") -> bool:
-        """Return whether the energy of a `following` state is no higher, up to what its change leaves open."""
+        """Return whether the energy of a `following` state is no higher, up to its squared change times the cohesion."""
         return following.energy <= self.energy + following.change**2 * following.cohesion
 
 
@@ -230,8 +230,8 @@ class OuterIteration:
 
         The contact begins with the pressure `start` (x, y) [Pa].
         """
-        tolerance = CONSTANTS.change * self.options.tolerance
-        loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else CONSTANTS.loosest
+        tolerance = CONSTANTS.change_in_tolerances * self.options.tolerance
+        loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else CONSTANTS.max_inner_error
         gap_error, mixing = loosest, AndersonMixing(self.solver.depth)
         plain_left = plain_after_rejection = CONSTANTS.plain_iterations
         is_mixture, pressure, last = False, start, None
@@ -342,7 +342,7 @@ class OuterIteration:
     def _ended(self, state: _State) -> Solution:
         """Return the solution of the last `state`."""
         contact = state.contact
-        residual = max(contact.residual, state.change / CONSTANTS.change)
+        residual = max(contact.residual, state.change / CONSTANTS.change_in_tolerances)
         status = contact.status
         if status is Status.CONVERGED and residual > self.options.tolerance:
             status = Status.ITERATION_LIMIT
@@ -378,11 +378,11 @@ class OuterIteration:
             adhesion=self._part(zero, (0.0,)),
         )
 
-    def _part(self, traction: Array, energies: tuple[float, ...]) -> CohesiveTraction:
+    def _part(self, traction: Array, energies: tuple[float, ...]) -> AdhesiveTraction:
         """Return the part of a solution that adhesion adds."""
         solver = self.solver
-        return CohesiveTraction(
-            traction=traction,
+        return AdhesiveTraction(
+            attraction=traction,
             branch=solver.branch.value,
             energies=energies,
             cells_in_zone=solver.cells_in_zone,
@@ -394,7 +394,7 @@ class OuterIteration:
 
     def _edge_fraction(self, traction: Array) -> float:
         """Return the largest traction in the rows at open edges, over the largest of all."""
-        rows = [traction[row] for row in self.problem.open_edges]
-        rows += [traction[:, row] for row in self.problem.open_ends]
+        lines = [traction[ix] for ix in self.problem.open_edges]
+        lines += [traction[:, iy] for iy in self.problem.open_ends]
         largest = float(traction.max())
-        return max((float(row.max()) for row in rows), default=0.0) / largest if largest else 0.0
+        return max((float(line.max()) for line in lines), default=0.0) / largest if largest else 0.0

@@ -1,4 +1,4 @@
-"""Outer iterations over a displacement that follows from the pressure and is lagged into the gap."""
+"""Outer iterations over a displacement that follows from the pressure and is lagged: by mixing, or by substitution."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -58,45 +58,46 @@ class LaggedSolution:
     convolutions: float
 
 
-def solve_lagged(
+def solve_with_mixing(
     problem: Problem,
-    lagged: Callable[[Array], Array] | None,
+    displacement_of: Callable[[Array], Array] | None,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     *,
     change: float = 1e-6,
     max_outer: int = 100,
 ) -> LaggedSolution:
-    """Solve a problem with a displacement that follows from its own pressure, strongly coupled.
+    """Solve a problem with a displacement that follows from its own pressure, by Anderson's mixing of the pressures.
 
-    Each outer iteration solves with the displacement under a mixture of the pressures before, until one changes the
-    pressure by less than `change`. Mixing: :class:`~contactstudy.solvers.anderson.AndersonMixing`.
+    It also converges where the map from pressure to pressure is no contraction. Each outer iteration solves with the
+    displacement under a mixture of the pressures before, until one changes the pressure by less than `change`. Mixing:
+    :class:`~contactstudy.solvers.anderson.AndersonMixing`.
 
     Parameters
     ----------
     problem
         The contact in SI units, without the displacement.
-    lagged
+    displacement_of
         Map from pressure (x, y) [Pa] to the displacement to add to the gap (x, y) [m]; None for one plain solve.
     options
         Method and tolerance of each solve.
     change
         Change of the pressure in an outer iteration to stop at, relative in L1.
     max_outer
-        Number of outer iterations after which the status is :attr:`~contactstudy.Status.ITERATION_LIMIT`.
+        Number of outer iterations after which the status is :attr:`~contactstudy.Status.NOT_CONVERGED`.
 
     Returns
     -------
     LaggedSolution
         The last solution and its counts.
     """
-    if lagged is None:
+    if displacement_of is None:
         solution = solve_contact(problem, options)
         return LaggedSolution(solution, 0.0, 1, solution.iterations, solution.convolutions)
     mixing, guess = AndersonMixing(CONSTANTS.depth), np.zeros_like(problem.undeformed_gap)
     start: Array | None = None
     last_change, outer, iterations, convolutions = np.inf, 0, 0, 0.0
     while True:
-        gap = problem.undeformed_gap + lagged(guess) if outer else problem.undeformed_gap
+        gap = problem.undeformed_gap + displacement_of(guess) if outer else problem.undeformed_gap
         loose = min(CONSTANTS.inner_reduction * last_change, CONSTANTS.first_tolerance)
         inner = replace(options, tolerance=max(options.tolerance, loose))
         solution = solve_contact(replace(problem, undeformed_gap=gap), inner, start)
@@ -111,30 +112,31 @@ def solve_lagged(
         converged = last_change <= change and solution.residual <= options.tolerance
         if converged or outer == max_outer:
             if not converged:
-                solution = replace(solution, status=Status.ITERATION_LIMIT)
+                solution = replace(solution, status=Status.NOT_CONVERGED)
             return LaggedSolution(solution, last_change, outer, iterations, convolutions)
         mixing.record(guess, step)
         guess = mixing.mixture()
 
 
-def solve_coupled(
+def solve_by_substitution(
     problem: Problem,
-    lagged: Callable[[Array], Array],
+    displacement_of: Callable[[Array], Array],
     options: SolveOptions,
     start: Array | None,
     on: Device,
     max_outer: int,
 ) -> Solution:
-    """Return the solution of a problem with a displacement that follows from its own pressure, weakly coupled.
+    """Return the solution of a problem with a displacement that follows from its own pressure, by substitution.
 
-    Each outer iteration adds the displacement of the one before to the gap, until that changes the gap in the contact by
-    less than the tolerance; the status is :attr:`~contactstudy.Status.STALLED` where it does not.
+    It converges where the map is a contraction, as that of friction is. Each outer iteration adds the displacement of
+    the one before to the gap, until that changes the gap in the contact by less than the tolerance; the status is
+    :attr:`~contactstudy.Status.NOT_CONVERGED` where it does not.
 
     Parameters
     ----------
     problem
         The contact in SI units, without the displacement.
-    lagged
+    displacement_of
         Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each outer iteration.
     options, start, on
         Method and tolerance of each solve, pressure [Pa] to begin with, and device.
@@ -147,7 +149,7 @@ def solve_coupled(
     iterations, convolutions, outer = solution.iterations, solution.convolutions, 1
     added: Array = np.zeros_like(solution.gap)
     while True:
-        displacement = lagged(solution.pressure)
+        displacement = displacement_of(solution.pressure)
         change = deviation_in_contact(displacement - added, solution.pressure) / problem.scales.gap
         if change <= options.tolerance or outer == max_outer or not np.isfinite(change):
             break
@@ -159,7 +161,7 @@ def solve_coupled(
         outer += 1
     status = solution.status
     if status is Status.CONVERGED and not change <= options.tolerance:
-        status = Status.STALLED
+        status = Status.NOT_CONVERGED
     return replace(
         solution,
         problem=problem,
@@ -168,7 +170,11 @@ def solve_coupled(
         residual=max(solution.residual, change),
         iterations=iterations,
         convolutions=convolutions,
-        note=" ".join(filter(None, (solution.note, f"{outer} outer iterations over the shear."))),
+        note=" ".join(
+            filter(
+                None, (solution.note, f"{outer} outer iterations over the coupled displacement.")
+            )
+        ),
     )
 
 

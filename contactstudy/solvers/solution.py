@@ -38,8 +38,8 @@ class Status(Enum):
         "give a larger hardness, a smaller load or a larger width"
     )
     NOT_CONVERGED = (
-        "pressure and plastic strain did not converge together to the tolerance: the residual says how far; "
-        "give shorter steps in load, or a larger tolerance"
+        "pressure, and the plastic strain or shear that follows from it, did not converge together to the tolerance: "
+        "the residual says how far; give shorter steps in load, or a larger tolerance"
     )
     FILM_NOT_CONVERGED = (
         "the residual of the film stayed above the tolerance: give more cells across where a spike of pressure is "
@@ -62,8 +62,8 @@ class Status(Enum):
         "give Grid.extent a larger width"
     )
     DETACHED = (
-        "the bodies do not touch: under a load the adhesion cannot hold them, at a given approach it attracts "
-        "across the gap"
+        "the bodies do not touch: under this load there is no equilibrium in contact, or at this approach they only "
+        "attract each other across the gap"
     )
     ATTRACTION_AT_EDGE = (
         "converged, but the attraction reaches the edge of the width and is cut off there: "
@@ -96,8 +96,8 @@ def worst(statuses: Sequence[Status]) -> Status:
 
 
 @dataclass(frozen=True, eq=False)
-class Traction:
-    """Shear on the first body.
+class TangentialTraction:
+    """Tangential traction, the shear on the first body.
 
     Parameters
     ----------
@@ -108,8 +108,8 @@ class Traction:
     method
         Method, in words.
     iterations
-        Number of applications of the response to shear, or of outer iterations where shear and pressure are solved in
-        turn.
+        Number of applications of the response to shear; where the shear follows from pressures alone, of normal contacts
+        solved.
     """
 
     shear: Array
@@ -130,12 +130,12 @@ class Branch(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class CohesiveTraction:
+class AdhesiveTraction:
     """Adhesive traction between the bodies of a contact with adhesion.
 
     Parameters
     ----------
-    traction
+    attraction
         Adhesive traction (x, y) [Pa], which is not part of the pressure.
     branch
         History that the state belongs to, in words.
@@ -147,7 +147,7 @@ class CohesiveTraction:
     tabor
         Tabor's parameter, the elastic deformation over the range of the traction; None without a curved shape.
     regularised
-        Whether the range was chosen for the grid, in place of the limit of short ranges.
+        Whether the range was chosen for the grid, in place of the JKR limit of short ranges.
     outer_iterations
         Number of contacts solved with a frozen traction.
     range
@@ -156,7 +156,7 @@ class CohesiveTraction:
         First load [N/m] without equilibrium in contact, where the pull-off load was sought; else None.
     """
 
-    traction: Array
+    attraction: Array
     branch: str
     energies: tuple[float, ...]
     cells_in_zone: float
@@ -190,7 +190,8 @@ class Solution:
     gap
         Gap between the deformed bodies [m].
     approach
-        Approach of the bodies [m], counted from the same datum as the displacement.
+        Approach of the bodies [m], counted from the undeformed gap; the displacement counts from the datum of the
+        operator, so that the approach does too.
     status
         Outcome of the solve, with cause and remedy.
     iterations
@@ -217,8 +218,8 @@ class Solution:
     convolutions: float
     residual: float
     note: str = ""
-    traction: Traction | None = None
-    adhesion: CohesiveTraction | None = None
+    traction: TangentialTraction | None = None
+    adhesion: AdhesiveTraction | None = None
 
     @property
     def load_per_length(self) -> float:
@@ -226,7 +227,7 @@ class Solution:
         grid = self.problem.grid
         load = self.pressure.sum()
         if self.adhesion is not None:
-            load -= self.adhesion.traction.sum()
+            load -= self.adhesion.attraction.sum()
         return float(load * grid.cell_area / grid.period)
 
     @property
@@ -262,7 +263,7 @@ class Solution:
         return self._traction.stick
 
     @property
-    def _traction(self) -> Traction:
+    def _traction(self) -> TangentialTraction:
         """Shear of the solution; raises NotDefined without friction."""
         if self.traction is None:
             raise NotDefined(

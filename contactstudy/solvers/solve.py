@@ -55,7 +55,7 @@ class SolveOptions:
         Largest dimensionless residual, see :func:`~contactstudy.solve`; above 0.
     max_iterations
         Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of shear, applications of
-        its response.
+        its response; with adhesion, all inner and outer iterations, and ten times as many for each load of a pull-off.
     solver
         The iteration, such as :class:`~contactstudy.PreconditionedCG`.
     precision
@@ -234,8 +234,8 @@ def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Pr
             return Status.PRECISION_LIMIT
         limited = last.iterations >= options.max_iterations
         return Status.ITERATION_LIMIT if limited else Status.STALLED
-    edges = (last.pressure[row] for row in problem.open_edges)
-    ends = (last.pressure[:, row] for row in problem.open_ends)
+    edges = (last.pressure[ix] for ix in problem.open_edges)
+    ends = (last.pressure[:, iy] for iy in problem.open_ends)
     if any(pressure.any() for pressure in (*edges, *ends)):
         return Status.CONTACT_AT_EDGE
     return Status.CONVERGED

@@ -95,8 +95,8 @@ INNER = (
     "solvers.friction.laws.FullSliding",
     "solvers.friction.laws.CiavarellaJaeger",
     "solvers.lagged.LaggedSolution",
-    "solvers.lagged.solve_lagged",
-    "solvers.solution.Traction",
+    "solvers.lagged.solve_with_mixing",
+    "solvers.solution.TangentialTraction",
 )
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.solvers.solution import Traction
+from contactstudy.solvers.solution import TangentialTraction
 
 
 @dataclass(frozen=True, eq=False)
-class FrettingTraction(Traction):
+class FrettingTraction(TangentialTraction):
     """Shear on the first body after the last of several tangential forces, and the slip of the last cycle.
 
     The last cycle begins at the previous occurrence of the last force; the whole history counts if no cycle is complete.

@@ -10,8 +10,8 @@ from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import slip_step
-from contactstudy.solvers.lagged import solve_coupled
-from contactstudy.solvers.solution import Solution, Status, Traction
+from contactstudy.solvers.lagged import solve_by_substitution
+from contactstudy.solvers.solution import Solution, Status, TangentialTraction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Errors fall by at least 1.7 from one pass to the next where both bodies are elastic and friction is below 1.
@@ -49,18 +49,18 @@ class FullSliding:
             passes += 1
             return self.coefficient * coupling(pressure)
 
-        solution = solve_coupled(problem, lagged, options, start, on, MAX_PASSES)
+        solution = solve_by_substitution(problem, lagged, options, start, on, MAX_PASSES)
         return replace(
             solution,
             convolutions=solution.convolutions + passes,
             traction=self.traction(solution.pressure, passes),
         )
 
-    def traction(self, pressure: Array, passes: int = 1) -> Traction:
+    def traction(self, pressure: Array, passes: int = 1) -> TangentialTraction:
         """Return the traction of full sliding under `pressure` (x, y) [Pa]."""
         shear = np.stack([self.coefficient * pressure, np.zeros_like(pressure)])
         method = "full sliding" if self.coupling is None else "full sliding, shear lagged"
-        return Traction(shear, np.zeros(pressure.shape, dtype=bool), method, passes)
+        return TangentialTraction(shear, np.zeros(pressure.shape, dtype=bool), method, passes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ class CiavarellaJaeger:
         if self.fraction == 0:
             shear = np.zeros((2, *outer.pressure.shape))
             stick = outer.pressure > 0
-            return replace(outer, traction=Traction(shear, stick, "Ciavarella-Jaeger", 1))
+            return replace(outer, traction=TangentialTraction(shear, stick, "Ciavarella-Jaeger", 1))
         reduced = replace(problem, control=problem.control.scaled(1 - abs(self.fraction)))
         inner = solve_contact(reduced, options, outer.pressure, on)
         across = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
@@ -91,7 +91,7 @@ class CiavarellaJaeger:
         # to the exact resultant after clipping
         across *= self.coefficient * self.fraction * outer.pressure.sum() / across.sum()
         shear = np.stack([across, np.zeros_like(across)])
-        traction = Traction(shear, inner.pressure > 0, "Ciavarella-Jaeger", 2)
+        traction = TangentialTraction(shear, inner.pressure > 0, "Ciavarella-Jaeger", 2)
         return with_traction(
             outer, inner.status, inner.residual, inner.iterations, inner.convolutions, traction
         )
@@ -127,7 +127,9 @@ class CoulombDisks:
         status = shear_status(
             step.residual, step.applications, options.tolerance, options.max_iterations
         )
-        traction = Traction(step.shear, step.stick, "partial slip, Newton", step.applications)
+        traction = TangentialTraction(
+            step.shear, step.stick, "partial slip, Newton", step.applications
+        )
         return with_traction(
             normal, status, step.residual, step.applications, 2.0 * step.applications, traction
         )
@@ -139,7 +141,7 @@ def with_traction(
     residual: float,
     iterations: int,
     convolutions: float,
-    traction: Traction,
+    traction: TangentialTraction,
 ) -> Solution:
     """Return a `solution` with a `traction`, whose own solve ended with this status and residual after this work."""
     return replace(

@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.solvers.solution import Traction
+from contactstudy.solvers.solution import TangentialTraction
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ UNKNOWN = RollingErrors()
 
 
 @dataclass(frozen=True, eq=False)
-class RollingTraction(Traction):
+class RollingTraction(TangentialTraction):
     """Shear of steady rolling on the first body, with its slip and its power.
 
     Parameters

@@ -33,8 +33,8 @@ from contactstudy.solvers.friction.rolling_traction import (
     RollingTraction,
 )
 from contactstudy.solvers.friction.slip import RollingSlip
-from contactstudy.solvers.lagged import solve_coupled
-from contactstudy.solvers.solution import Solution, Status, Traction
+from contactstudy.solvers.lagged import solve_by_substitution
+from contactstudy.solvers.solution import Solution, Status, TangentialTraction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fewest cells along an axis of a coarser grid.
@@ -124,7 +124,7 @@ class TractiveShear:
             return self.coupling.gap(state.shear)
 
         if self.coupling is not None:
-            normal = solve_coupled(problem, lagged, options, start, on, MAX_PASSES)
+            normal = solve_by_substitution(problem, lagged, options, start, on, MAX_PASSES)
         else:
             normal = solve_contact(problem, options, start, on)
             if normal.pressure.any():
@@ -132,7 +132,7 @@ class TractiveShear:
         if state is None:
             zeros = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
-            return replace(normal, traction=Traction(zeros, stick, "tractive rolling", 0))
+            return replace(normal, traction=TangentialTraction(zeros, stick, "tractive rolling", 0))
         of_shear = shear_status(
             state.residual, state.applications, options.tolerance, options.max_iterations
         )

@@ -283,7 +283,7 @@ def test_in_the_limit_of_short_ranges_the_net_traction_and_the_area_are_bounded_
     assert contact.error.contact_area is not None
     edges = np.linspace(-3e-3, 3e-3, count + 1)
     half, forces = jkr_line(load, 0.05, scene.contact_modulus, 0.01, edges)
-    net = (contact.pressure - contact.adhesion.traction)[:, 0] * 6e-3 / count
+    net = (contact.pressure - contact.adhesion.attraction)[:, 0] * 6e-3 / count
     true_l1 = np.abs(net - forces).sum() / np.abs(forces).sum()
     area = contact.quantities["contact_area"]
     assert true_l1 <= contact.error.l1.total

@@ -101,7 +101,7 @@ def test_the_approach_of_a_loaded_contact_gives_back_its_load(adhesion: cs.Adhes
     near = replace(SCENE, adhesion=adhesion, load=cs.Approach(4e-5))
     held = cs.solve(near, GRID, LINE, tolerance=1e-10)
     assert held.approach == 4e-5
-    attraction = 0.0 if held.adhesion is None else held.adhesion.traction
+    attraction = 0.0 if held.adhesion is None else held.adhesion.attraction
     load = float((held.pressure - attraction).sum()) * GRID.cell[0]
     problem = replace(SCENE, adhesion=adhesion, load=cs.LineLoad(load)).problem(GRID, LINE)
     held_operator = replace(problem, operator=held.problem.operator)
@@ -201,11 +201,11 @@ def test_shear_of_bodies_that_hardly_adhere_is_that_without_adhesion(friction: A
 @pytest.mark.parametrize("fraction", [0.3, 0.8, 3.0])
 def test_a_hardness_limits_the_pressure_that_is_left_beside_the_attraction(fraction: float) -> None:
     alone = cs.solve(WITH_RANGE, GRID, LINE)
-    net = alone.pressure - alone.adhesion.traction
+    net = alone.pressure - alone.adhesion.attraction
     limit = fraction * net.max()
     found = cs.solve(replace(WITH_RANGE, hardness=limit), GRID, LINE)
     assert found.status is cs.Status.CONVERGED
-    assert (found.pressure - found.adhesion.traction).max() == pytest.approx(
+    assert (found.pressure - found.adhesion.attraction).max() == pytest.approx(
         min(limit, net.max()), rel=1e-6
     )
     assert found.load_per_length == pytest.approx(2.0)

@@ -24,7 +24,7 @@ def cylinder(lam: float, load: float, law: str = "exponential", **named: str) ->
 def force(solution: cs.Solution) -> float:
     """Load per length that pressure and attraction carry [N/m]."""
     grid = solution.problem.grid
-    net = solution.pressure - solution.adhesion.traction
+    net = solution.pressure - solution.adhesion.attraction
     return float(net.sum()) * grid.cell_area / grid.period
 
 

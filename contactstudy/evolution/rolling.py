@@ -147,7 +147,8 @@ def solve_rolling(
     options
         How each pass is solved.
     change
-        Relative L1 change of the pressure below which passes end, see :func:`~contactstudy.solvers.lagged.solve_with_mixing`.
+        Relative L1 change of the pressure below which passes end, see
+        :func:`~contactstudy.solvers.lagged.solve_with_mixing`.
     max_passes
         Largest number of passes.
 

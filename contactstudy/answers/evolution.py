@@ -39,7 +39,10 @@ NO_BOUND_OF_PASSES = (
     "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
     "solve again with half the cell width and compare."
 )
-NO_BOUND_OF_STATES = "No bound: area, gap and approach of a contact that has crept, worn or yielded are not estimated."
+NO_BOUND_OF_STATES = (
+    "No bound: area, gap, approach and stress of a contact that has crept, worn or yielded "
+    "are not estimated."
+)
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )
@@ -123,7 +126,7 @@ class Evolution(Answer):
         coupled = None if self.trajectory is None else self.trajectory.coupled
         plastic_fields: Mapping[str, Field] = {}
         if coupled is not None and last_frame is not None:
-            plastic_fields = coupled.over_time([last_frame.coupled_state], [last_frame.pressure])
+            plastic_fields = coupled.over_time([last_frame.coupled_state])
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
             [float(time) for time in self.times],
@@ -221,6 +224,8 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
             frame.solution, time=frame.time, state=frame.fields, rolling=frame.rolling
         )
     problem = trajectory.problem
+    outputs = tuple(trajectory.derived(frame, output) for output in problem.outputs)
+    problem = replace(problem, outputs=outputs)
     parts = frame.grid_error_parts
     steps = replace(parts, steps=frame.step_error)
     reason = next(iter(frame.warnings), "")
@@ -231,6 +236,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES),
     )
     area = unknown if frame.pressure.any() else l1  # bodies that are apart have no area
+    stress = unknown if outputs else None
     return Contact(
         problem=problem,
         pressure=frame.pressure,
@@ -243,7 +249,9 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         residual=frame.residual,
         traction=trajectory.traction(frame),
         adhesion=frame.adhesion,
-        estimate=ErrorEstimate(l1, l1, area, unknown, unknown, warnings=frame.warnings),
+        estimate=ErrorEstimate(
+            l1, l1, area, unknown, unknown, stress, stress, warnings=frame.warnings
+        ),
         time=frame.time,
         state=frame.fields,
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf
 
 import numpy as np
@@ -11,7 +12,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.evolution.rolling import SteadyRolling
 from contactstudy.evolution.state_variables import CoupledStateVariable
-from contactstudy.problem.problem import Field, Problem
+from contactstudy.problem.problem import DependsOnShear, DependsOnStrain, Derived, Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.friction.laws import FullSliding
 from contactstudy.solvers.solution import (
@@ -140,6 +141,15 @@ class Trajectory:
             return TangentialTraction(np.stack([across, along]), stick > 0, "fretting", 0)
         law = self.problem.friction
         return law.traction(frame.pressure) if isinstance(law, FullSliding) else None
+
+    def derived(self, frame: Frame, output: Derived) -> Derived:
+        """Return an output of the scene beside the residual stress and under the shear at the instant of `frame`."""
+        if self.coupled is not None and isinstance(output, DependsOnStrain):
+            output = output.beside(partial(self.coupled.residual_stress, frame.coupled_state))
+        traction = self.traction(frame)
+        if traction is not None and isinstance(output, DependsOnShear):
+            output = output.under(traction.shear)
+        return output
 
     @property
     def times(self) -> Array:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
@@ -14,7 +15,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.state_variables import Contact, State
-from contactstudy.problem.problem import Field, Problem
+from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
@@ -193,6 +194,7 @@ class PlasticState:
     has_stages: ClassVar[bool] = False
 
     operators: list[EigenstrainOperator] = field(init=False)
+    _wide_operators: dict[int, EigenstrainOperator] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         problem = self.elastic.problem
@@ -319,8 +321,32 @@ class PlasticState:
         """Return whether a step made the plastic strain since the last unchanged load several times as large."""
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
-    def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
-        """Return plastic strain and stress of each body over (time, component, z, x, y), across the whole grid."""
+    def residual_stress(self, state: State, place: int, deepest: float) -> ResidualStress | None:
+        """Return the residual stress of ``Scene.solids[place]`` down to a depth [m]; None if it does not yield."""
+        self._in_volumes(state)  # the volume grows to hold the state
+        for number, body in enumerate(self.bodies):
+            if body.place == place:
+                wide = self._across_grid(number, deepest)
+                strain, _ = _embedded_state(state, body, wide.volume)
+                return partial(_at_depths, wide.volume.depths, wide.tensor_of_strain(strain))
+        return None
+
+    def _across_grid(self, number: int, deepest: float = 0.0) -> EigenstrainOperator:
+        """Return the operator of a body across the whole grid, down to its plastic strain and to a depth [m]."""
+        yielding = self.operators[number].volume
+        grid = yielding.grid
+        edges = max(yielding.edges, layers(grid, self._length, deepest), key=len)
+        volume = Volume(grid, 0, grid.cells[0], edges)
+        known = self._wide_operators.get(number)
+        if known is None or known.volume != volume:
+            known = self._wide_operators[number] = operator_on(volume, self.bodies[number].moduli)
+        return known
+
+    def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
+        """Return strain and residual stress of each body over (time, component, z, x, y), across the whole grid.
+
+        The depths are called ``z``; where outputs have depths of that name, ``z_0`` and ``z_1`` after the bodies.
+        """
         for state in states:
             self._in_volumes(state)  # volumes grow to hold every state
         fields: dict[str, Field] = {
@@ -333,35 +359,30 @@ class PlasticState:
         }
         for number, body in enumerate(self.bodies):
             suffix = f"_{body.place}" if len(self.bodies) > 1 else ""
-            yielding = self.operators[number].volume
-            volume = replace(yielding, first=0, last=yielding.grid.cells[0])
-            wide = operator_on(volume, body.moduli)
+            place = suffix or f"_{body.place}" * bool(self.elastic.problem.outputs)
+            wide = self._across_grid(number)
+            volume = wide.volume
             strains, equivalents = zip(
                 *(_embedded_state(state, body, volume) for state in states), strict=True
             )
             residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
-            total = residual + np.stack([wide.tensor_of_pressure(p) for p in pressures])
-            if self.friction:
-                shears = [self._friction_ratio(body) * p for p in pressures]
-                total += np.stack([wide.tensor_of_shear(shear) for shear in shears])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
-            layer = (f"z{suffix}",)
+            layer = (f"z{place}",)
             cells = "time", *layer, "x", "y"
             components = "time", "component", *cells[1:]
             down = {"axis": "Z", "positive": "down"}
             sign = "tension positive, mean over a cell"
             of = f" of solids[{body.place}]" if suffix else ""
-            stress, unloaded = f"stress{of}, {sign}", f"stress{of} without the pressure, {sign}"
+            unloaded = f"stress{of} without the pressure, {sign}"
             depth, thickness = "depth of a layer", "thickness of a layer"
             fields |= {
                 f"plastic_strain{suffix}": Field(components, tensors, "1", f"plastic strain{of}"),
                 f"equivalent_plastic_strain{suffix}": Field(
                     cells, np.stack(equivalents), "1", f"equivalent plastic strain{of}"
                 ),
-                f"stress{suffix}": Field(components, total, "Pa", stress, NEAR_EDGE),
                 f"residual_stress{suffix}": Field(components, residual, "Pa", unloaded, NEAR_EDGE),
-                f"z{suffix}": Field(layer, volume.depths, "m", depth, down),
-                f"layer_thickness{suffix}": Field(layer, volume.thicknesses, "m", thickness),
+                f"z{place}": Field(layer, volume.depths, "m", depth, down),
+                f"layer_thickness{place}": Field(layer, volume.thicknesses, "m", thickness),
             }
         return fields
 
@@ -437,6 +458,22 @@ def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> tuple[A
     first = int(state[f"first{body.place}"][0])
     strain, equivalent = state[f"strain{body.place}"], state[f"equivalent{body.place}"]
     return embedded(strain, first, volume), embedded(equivalent, first, volume)
+
+
+def _at_depths(middles: Array, values: Array, depths: Array) -> Array:
+    """Return residual stress (6, layers, x, y) at some `depths` (z,) [m], linear between the `middles` of layers [m].
+
+    At the surface, xx, yy and xy are extrapolated, and zz, yz and xz are zero; below the last middle all stay.
+    """
+    slope = (values[:, 1] - values[:, 0]) / (middles[1] - middles[0])
+    surface = values[:, 0] - slope * middles[0]
+    surface[2:5] = 0.0
+    values = np.concatenate((surface[:, None], values), axis=1)
+    middles = np.array((0.0, *middles))
+    upper = np.clip(np.searchsorted(middles, depths) - 1, 0, len(middles) - 2)
+    fraction = (depths - middles[upper]) / (middles[upper + 1] - middles[upper])
+    fraction = np.minimum(fraction, 1.0)[:, None, None]
+    return np.asarray((1 - fraction) * values[:, upper] + fraction * values[:, upper + 1])
 
 
 def _meets_edge(volume: Volume, yielded: NDArray[np.bool_]) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.problem.problem import Field, Problem
+from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.solvers.solution import Solution
 
 # The fields (x, y) that a state variable keeps, by name: all that a checkpoint needs of it.
@@ -176,8 +176,12 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
         """Return whether a step between two states added far more than all steps before it."""
         ...
 
-    def over_time(self, states: Sequence[State], pressures: Sequence[Array]) -> Mapping[str, Field]:
-        """Return fields over (time, ...), by name, from the states and pressures (x, y) [Pa] of several instants."""
+    def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
+        """Return fields over (time, ...), by name, from the states of several instants."""
+        ...
+
+    def residual_stress(self, state: State, place: int, deepest: float) -> ResidualStress | None:
+        """Return the residual stress of ``Scene.solids[place]`` down to a depth [m]; None if it does not yield."""
         ...
 
 

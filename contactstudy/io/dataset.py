@@ -3,9 +3,10 @@
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from enum import Enum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -338,23 +339,23 @@ def _states(evolution: "Trajectory") -> dict[str, xr.Variable]:
     fields = _over_time([frame.fields for frame in frames])
     if evolution.coupled is not None:
         states = [frame.coupled_state for frame in frames]
-        pressures = [frame.pressure for frame in frames]
-        plastic_fields = evolution.coupled.over_time(states, pressures)
+        plastic_fields = evolution.coupled.over_time(states)
         fields |= {name: _of_field(field) for name, field in plastic_fields.items()}
     return fields
 
 
 def _outputs(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return the fields of ``Scene.outputs`` at every instant."""
+    """Return the fields of ``Scene.outputs`` at every instant, at the depths that the highest pressure chooses."""
     fields: dict[str, xr.Variable] = {}
+    highest = max(evolution.frames, key=lambda frame: frame.peak_pressure)
     for output in evolution.problem.outputs:
-        instants = []
-        for frame in evolution.frames:
-            traction = evolution.traction(frame)
-            if traction is not None and isinstance(output, DependsOnShear):
-                instants.append(output.under(traction.shear).fields(frame.pressure))
-            else:
-                instants.append(output.fields(frame.pressure))
+        chosen: Any = output
+        if hasattr(output, "depths"):
+            worst = evolution.derived(highest, output).fields(highest.pressure)
+            chosen = replace(chosen, depths=tuple(worst["z"].values))
+        instants = [
+            evolution.derived(frame, chosen).fields(frame.pressure) for frame in evolution.frames
+        ]
         fields |= _over_time(instants)
     return fields
 

@@ -50,6 +50,7 @@ def evolution_quantities(
     numbers: dict[str, Quantity] = {}
     extremes: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
         ("peak_pressure", max, "largest peak pressure in time"),
+        ("largest_von_mises", max, "largest von Mises stress in time"),
         ("central_film", min, "lowest central film thickness in time"),
         ("minimum_film", min, "minimum film thickness in time"),
         ("friction_coefficient", max, "largest friction force over load in time"),

@@ -1,6 +1,6 @@
 """The contact problem in SI units: a gap, an operator, a constraint, a control, and what follows from its pressure."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
@@ -42,6 +42,22 @@ class DependsOnShear(Protocol):
 
     def under(self, shear: Array) -> Derived:
         """Return the quantities under `shear` (component, x, y) [Pa] on the first body."""
+        ...
+
+
+# From the depths (z,) [m] to the residual stress (6, z, x, y) [Pa] of one body there.
+ResidualStress = Callable[[Array], Array]
+
+
+@runtime_checkable
+class DependsOnStrain(Protocol):
+    """Derived quantities that also depend on plastic strain below the surface."""
+
+    def beside(self, residual: Callable[[int, float], ResidualStress | None]) -> Derived:
+        """Return the quantities beside the `residual` stress, by the body's index and the deepest depth [m] of interest.
+
+        There is none in a body that does not yield.
+        """
         ...
 
 

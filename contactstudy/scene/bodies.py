@@ -203,6 +203,11 @@ class BodyContext(Protocol):
         """Rolling, or None."""
         ...
 
+    @property
+    def outputs(self) -> "tuple[object, ...]":
+        """Further results."""
+        ...
+
 
 def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:
     """Return both bodies with each inelastic one replaced by its elastic response to a first, sudden load."""

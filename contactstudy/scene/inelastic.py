@@ -252,3 +252,8 @@ class ElasticPlasticHalfSpace:
                 f"Scene.rolling is {scene.rolling!r}, which is steady, together with a body that yields, whose strain "
                 "has a history: give Rolling its passes, or leave rolling out."
             )
+        if scene.rolling is not None and scene.outputs:
+            raise InvalidInput(
+                f"Scene.outputs are {scene.outputs!r} together with passes over a body that yields, whose residual "
+                "stress is in the answer: leave them out."
+            )

@@ -1,7 +1,8 @@
 """Subsurface stress under the pressure of a contact, at given depths."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isinf
 from typing import ClassVar, Protocol, runtime_checkable
 
@@ -26,8 +27,8 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_periodic,
 )
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
-from contactstudy.problem.problem import Field
-from contactstudy.scene.bodies import Body, Homogeneous, yields
+from contactstudy.problem.problem import Field, ResidualStress
+from contactstudy.scene.bodies import Body, Homogeneous
 
 Z = {"axis": "Z", "positive": "down"}
 # Value of `depths` that chooses them.
@@ -46,7 +47,8 @@ class SubsurfaceStress:
     In a Dataset they are ``stress`` (component, z, x, y) [Pa], tension positive, with x across the contact, y along
     it and z into the body, and ``von_mises`` (z, x, y) [Pa]. They are computed when the Dataset is made. Poisson's
     ratio of the body sets xx, yy and xy. In a coated body these three jump at the bond: a depth equal to the thickness
-    is the coating's side, any larger one is in the substrate.
+    is the coating's side, any larger one is in the substrate. In a body that yields they include the residual stress,
+    between the middles of layers.
 
     Parameters
     ----------
@@ -59,7 +61,7 @@ class SubsurfaceStress:
     Raises
     ------
     InvalidInput
-        For other depths or indices; in a scene where that body is rigid, or either body yields.
+        For other depths or indices; in a scene where that body is rigid, or a body yields that rolls in passes.
     """
 
     depths: tuple[Metres, ...] | str = AUTO
@@ -77,13 +79,8 @@ class SubsurfaceStress:
         set_fields(self, depths=depths or AUTO, solid=solid)
 
     def check(self, solids: tuple[Body, ...]) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` for a rigid body, one that is no half-space, or one that yields."""
+        """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
         body = solids[self.solid]
-        if any(map(yields, solids)):
-            raise InvalidInput(
-                "SubsurfaceStress is that of elastic bodies, and one of Scene.solids yields: its stress, total "
-                "and residual, is in the answer already, leave this output out."
-            )
         if isinstance(body, Stressed):
             return
         if not isinstance(body, Homogeneous):
@@ -175,6 +172,8 @@ class StressBelow:
         1 for the first body, -1 for the second.
     shear
         Shear (component, x, y) on the body, or None.
+    residual
+        Returns the residual stress of the body, None if it does not yield; or None.
     """
 
     grid: Grid
@@ -183,6 +182,12 @@ class StressBelow:
     depths: tuple[float, ...]
     side: int = 1
     shear: Array | None = None
+    residual: Callable[[], ResidualStress | None] | None = None
+
+    def beside(self, residual: Callable[[int, float], ResidualStress | None]) -> "StressBelow":
+        """Return this map with the residual stress of the body, if it yields."""
+        deepest = max(self.depths, default=self.grid.extent[0])
+        return replace(self, residual=partial(residual, (1 - self.side) // 2, deepest))
 
     def under(self, shear: Array) -> "StressBelow":
         """Return this map with `shear` (component, x, y) on the first body, and its reaction on the second."""
@@ -199,6 +204,8 @@ class StressBelow:
             for load, component in zip(("across", "along"), self.shear, strict=True):
                 if component.any():
                     stress += self._due(load, component)
+        if self.residual is not None and (residual := self.residual()) is not None:
+            stress += residual(np.array(self.depths))
         return stress
 
     def _due(self, load: str, pressure: Array) -> Array:
@@ -247,9 +254,10 @@ class StressBelow:
         width = (rows[-1] - rows[0] + 1) * self.grid.cell[0] if rows.size else 0.0
         stress: dict[float, Array] = {}
         largest: dict[float, float] = {}
+        residual = None if self.residual is None else self.residual()
 
         def at(depth: float) -> Array:
-            return replace(self, depths=(depth,))(pressure)[:, 0]
+            return replace(self, depths=(depth,), residual=lambda: residual)(pressure)[:, 0]
 
         def depth_of_largest(depths: Iterable[float]) -> float:
             for depth in map(float, depths):

@@ -144,19 +144,11 @@ class PeriodicOperator:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
-        return self._from_traction(pressure, SurfaceLoad.PRESSURE, Components.DEVIATOR)
+        return self._from_traction(pressure, SurfaceLoad.PRESSURE)
 
     def stress_of_shear(self, shear: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] under `shear` along x (x, y) [Pa]."""
-        return self._from_traction(shear, SurfaceLoad.SHEAR, Components.DEVIATOR)
-
-    def tensor_of_pressure(self, pressure: Array) -> Array:
-        """Return the stress (6, layers, x, y) [Pa] under `pressure` (x, y) [Pa]."""
-        return self._from_traction(pressure, SurfaceLoad.PRESSURE, Components.TENSOR)
-
-    def tensor_of_shear(self, shear: Array) -> Array:
-        """Return the stress (6, layers, x, y) [Pa] under `shear` along x (x, y) [Pa]."""
-        return self._from_traction(shear, SurfaceLoad.SHEAR, Components.TENSOR)
+        return self._from_traction(shear, SurfaceLoad.SHEAR)
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, y) [m] of the unloaded surface into the body by plastic `strain`."""
@@ -205,29 +197,22 @@ class PeriodicOperator:
             self._write(stress, group, along)
         return self._transformed_back(along)
 
-    def _from_traction(self, values: Array, traction: SurfaceLoad, components: Components) -> Array:
-        """Return the `components` of the stress under the `values` (x, y) [Pa] of a traction."""
+    def _from_traction(self, values: Array, traction: SurfaceLoad) -> Array:
+        """Return the deviatoric stress (5, layers, x, y) [Pa] under the `values` (x, y) [Pa] of a traction."""
         layers, across, ny = self.volume.shape
         waves = fft.rfft(values, axis=-1)
-        along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
+        along = np.zeros((5, layers, across, ny // 2 + 1), dtype=np.complex128)
         mean, plane = ny * values.mean(axis=-1, keepdims=True), self._plane
-        if components is Components.TENSOR:
-            of = {
-                SurfaceLoad.PRESSURE: plane.tensor_of_pressure,
-                SurfaceLoad.SHEAR: plane.tensor_of_shear,
-            }
-            along[..., :1] = of[traction](mean)
-        else:
-            of = {
-                SurfaceLoad.PRESSURE: plane.stress_of_pressure,
-                SurfaceLoad.SHEAR: plane.stress_of_shear,
-            }
-            along[:3, ..., :1] = of[traction](mean)
+        of = {
+            SurfaceLoad.PRESSURE: plane.stress_of_pressure,
+            SurfaceLoad.SHEAR: plane.stress_of_shear,
+        }
+        along[:3, ..., :1] = of[traction](mean)
         for group in self._groups:
             around = np.zeros((group.period, waves[:, group.orders].shape[1]), dtype=np.complex128)
             around[group.around_window] = waves[group.window, group.orders]
             around = fft.fft(around, axis=0, overwrite_x=True, workers=threads())
-            self._write(group.waves.stress_of_traction(around, traction, components), group, along)
+            self._write(group.waves.stress_of_traction(around, traction), group, along)
         return self._transformed_back(along)
 
     def _write(self, waves: Complex, group: "WaveGroup", along: Complex) -> None:

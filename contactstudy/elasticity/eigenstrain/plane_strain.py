@@ -242,14 +242,6 @@ class PlaneStrainOperator:
         waves = np.einsum("clk,clk->k", spectrum.conj(), fft.rfft(moments, padded, axis=-1))
         return np.asarray(fft.irfft(waves, padded)[: volume.grid.cells[0], None])
 
-    def tensor_of_pressure(self, pressure: Array) -> Array:
-        """Return the stress (6, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
-        return self.tensor(self._pressed(pressure), None)
-
-    def tensor_of_shear(self, shear: Array) -> Array:
-        """Return the stress (6, layers, x, 1) [Pa] under `shear` along x (x, 1) [Pa]."""
-        return self.tensor(self._pressed(shear, sheared), None)
-
     def tensor_of_strain(self, strain: Array) -> Array:
         """Return the residual stress (6, layers, x, 1) [Pa] of plastic `strain` without pressure."""
         return self.tensor(-self._relaxed(strain), strain[1])

@@ -116,14 +116,6 @@ class EigenstrainOperator(Protocol):
         """
         ...
 
-    def tensor_of_pressure(self, pressure: Array) -> Array:
-        """Return the stress xx, yy, zz, yz, xz, xy under `pressure` (x, y) [Pa], (6, layers, x, y) [Pa]."""
-        ...
-
-    def tensor_of_shear(self, shear: Array) -> Array:
-        """Return the stress xx, yy, zz, yz, xz, xy under `shear` along x (x, y) [Pa], (6, layers, x, y) [Pa]."""
-        ...
-
     def tensor_of_strain(self, strain: Array) -> Array:
         """Return the residual stress xx, yy, zz, yz, xz, xy of plastic `strain` e, (6, layers, x, y) [Pa].
 

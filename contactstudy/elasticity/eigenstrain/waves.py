@@ -6,7 +6,7 @@ Waves shorter than two cells represent the edges of cells; at the middles of cel
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import pairwise, product
 from math import pi
 from typing import TypeVar
@@ -94,17 +94,17 @@ class Aliases:
         weight = (np.sinc(x * dx / (2 * pi)) * np.sinc(y * dy / (2 * pi))) ** 2
         return WaveDirection(q, x / q, y / q, weight)
 
-    def stress_of_traction(self, traction: "SurfaceLoad", components: Components) -> Array:
-        """Return the stress (components, layers, waves) by a unit traction in the short waves."""
+    def stress_of_traction(self, traction: "SurfaceLoad") -> Array:
+        """Return the deviatoric stress (5, layers, waves) by a unit traction in the short waves."""
         volume = self.volume
-        total = np.zeros((len(components.value), volume.shape[0], len(self.x)))
+        total = np.zeros((5, volume.shape[0], len(self.x)))
         for number, top in enumerate(volume.edges[:-1]):
             if top >= DEEP * max(volume.grid.cell):
                 break
             for direction in self._directions():
                 layer = Layer.from_ratio(direction.q * volume.thicknesses[number])
                 tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
-                total[:, number] += direction.weight * direction.stress(tensor, components)
+                total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
         return total
 
     def couplings(self, components: Components) -> Iterator[Coupling]:
@@ -214,6 +214,7 @@ def _runs(numbers: list[int]) -> Iterator[tuple[int, int]]:
 
 
 Complex = NDArray[np.complex128]
+K = TypeVar("K")
 T = TypeVar("T")
 
 
@@ -250,23 +251,18 @@ class Waves:
             coupling.add(total, e)
         return _complex(total, components, strain.shape[2:])
 
-    def stress_of_traction(
-        self, waves: Complex, traction: SurfaceLoad, components: Components
-    ) -> Complex:
-        """Return the stress of cells (components, layers, ...) by `waves` (period, orders) of a traction."""
-        unit, shape = self._by_unit[traction][components], waves.shape
+    def stress_of_traction(self, waves: Complex, traction: SurfaceLoad) -> Complex:
+        """Return the deviatoric stress of cells (5, layers, ...) by `waves` (period, orders) of a traction."""
+        unit, shape = self._by_unit[traction], waves.shape
         if traction is SurfaceLoad.SHEAR:
             waves = 1j * waves
         parts = np.stack((waves.real.ravel(), waves.imag.ravel()))
-        return _complex(unit[:, :, None] * parts, components, shape)
+        return _complex(unit[:, :, None] * parts, Components.DEVIATOR, shape)
 
     def residual_displacement(self, strain: Complex) -> Complex:
         """Return the surface displacement (period, orders) [m] by `strain` (5, layers, period, orders)."""
         e = _real(strain)
-        parts, unit = (
-            np.zeros((2, e.shape[3])),
-            self._by_unit[SurfaceLoad.PRESSURE][Components.DEVIATOR],
-        )
+        parts, unit = np.zeros((2, e.shape[3])), self._by_unit[SurfaceLoad.PRESSURE]
         for number, thickness in enumerate(self.volume.thicknesses):
             parts += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
@@ -296,7 +292,7 @@ class Waves:
     def bytes(self) -> int:
         """Memory held by the waves [bytes]."""
         return (
-            sum(array.nbytes for units in self._by_unit.values() for array in units.values())
+            sum(array.nbytes for array in self._by_unit.values())
             + sum(
                 coupling.blocks.nbytes for group in self._couplings.values() for coupling in group
             )
@@ -322,37 +318,37 @@ class Waves:
         return tuple(layers[thickness] for thickness in thicknesses)
 
     @cached_property
-    def _couplings(self) -> "_OnRequest[tuple[Coupling, ...]]":
+    def _couplings(self) -> "_OnRequest[Components, tuple[Coupling, ...]]":
         """Couplings of layers by short waves, by components."""
         return _OnRequest(lambda components: tuple(self._short.couplings(components)))
 
     @cached_property
-    def _by_unit(self) -> "dict[SurfaceLoad, _OnRequest[Array]]":
-        """Stress (components, layers, waves) by a unit of each traction, by components."""
-        return {traction: _OnRequest(partial(self._stress, traction)) for traction in SurfaceLoad}
+    def _by_unit(self) -> "_OnRequest[SurfaceLoad, Array]":
+        """Deviatoric stress (5, layers, waves) by a unit of each traction."""
+        return _OnRequest(self._stress)
 
-    def _stress(self, traction: SurfaceLoad, components: Components) -> Array:
-        """Return the stress (components, layers, waves) by a unit of a traction."""
+    def _stress(self, traction: SurfaceLoad) -> Array:
+        """Return the deviatoric stress (5, layers, waves) by a unit of a traction."""
         direction = self._direction
-        total = self._short.stress_of_traction(traction, components)
+        total = self._short.stress_of_traction(traction)
         for number, layer in enumerate(self._layers):
             top = self.volume.edges[number]
             tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
-            total[:, number] += direction.weight * direction.stress(tensor, components)
+            total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
         return total
 
 
-class _OnRequest(dict[Components, T]):
-    """Values by components, each made when it is first looked up."""
+class _OnRequest(dict[K, T]):
+    """Values by a key, each made when it is first looked up."""
 
-    def __init__(self, make: Callable[[Components], T]) -> None:
+    def __init__(self, make: Callable[[K], T]) -> None:
         super().__init__()
         self._make = make
 
-    def __missing__(self, components: Components) -> T:
-        """Make and keep the value of `components`."""
-        self[components] = self._make(components)
-        return self[components]
+    def __missing__(self, key: K) -> T:
+        """Make and keep the value of `key`."""
+        self[key] = self._make(key)
+        return self[key]
 
 
 def _real(strain: Complex) -> Array:

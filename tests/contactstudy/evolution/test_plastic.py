@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import cache
 from math import inf, pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,11 +19,8 @@ from contactstudy.evolution.plastic import PlasticState
 from contactstudy.solvers.plasticity import elastoplastic_step
 
 EXACT = cs.ExactPeriodicity()
-
 YOUNG, NU, YIELD = 210e9, 0.3, 1e9
-
 RADIUS = 0.01
-
 RIGID = cs.HalfSpace(inf, 0.0)
 
 # Over the yield stress, the peak pressure of Hertz at which a body yields first, at z = 0.704292 a.
@@ -280,20 +278,31 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
     )
 
 
-def test_the_volume_grows_to_what_yields(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_volume_grows_to_what_yields_and_an_integration_goes_on_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
-    generous = evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
+
+    def integrated(**named: Any) -> Trajectory:
+        return evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7), **named)
+
+    def kill(time: float, end: float) -> None:
+        if time >= end:
+            raise KeyboardInterrupt
+
+    generous = integrated()
     monkeypatch.setattr(yielding_volume, "NEAR_YIELD", 2.0)
     monkeypatch.setattr(yielding_volume, "MARGIN", 0.0)
-    tight = evolve(scene, grid, EXACT, times=(0, 0.5, 1), options=cs.SolveOptions(1e-7))
-    assert (
-        tight.frames[0].coupled_state["strain0"].shape
-        < tight.frames[-1].coupled_state["strain0"].shape
-    )
+    tight = integrated()
+    first, *_, last = (frame.coupled_state["strain0"].shape for frame in tight.frames)
+    assert first < last
     np.testing.assert_allclose(
         tight.pressure, generous.pressure, atol=1e-5 * generous.pressure.max()
     )
     assert evolution_of(tight).to_dataset()["plastic_strain"].shape[0] == 3
+    with pytest.raises(KeyboardInterrupt):
+        integrated(folder=tmp_path, progress=kill)
+    np.testing.assert_array_equal(integrated(folder=tmp_path).pressure, tight.pressure)
 
 
 def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
@@ -334,44 +343,6 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     assert 0.5 < found.step_error / off < 3
     assert found.step_error < 1e-2
     assert found.steps < 90
-
-
-@pytest.mark.whole
-def test_a_march_goes_on_in_the_volume_to_which_it_had_grown(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(yielding_volume, "NEAR_YIELD", 2.0)
-    monkeypatch.setattr(yielding_volume, "MARGIN", 0.0)
-    scene, grid = pressed(4, hardening=0.02), grid_of(4, 0.2, 4.8)
-    times = (0.0, 0.5, 0.75, 1.0)
-
-    def integration(*, until: float, folder: Path | None) -> Trajectory:
-        def kill(time: float, end: float) -> None:
-            if time >= until:
-                raise KeyboardInterrupt
-
-        return evolve(
-            scene,
-            grid,
-            EXACT,
-            times=times,
-            options=cs.SolveOptions(1e-7),
-            folder=folder,
-            progress=kill,
-        )
-
-    with pytest.raises(KeyboardInterrupt):
-        integration(until=1.0, folder=tmp_path)
-    resumed, whole = (
-        integration(until=np.inf, folder=tmp_path),
-        integration(until=np.inf, folder=None),
-    )
-    assert (
-        whole.frames[0].coupled_state["strain0"].shape
-        < whole.frames[1].coupled_state["strain0"].shape
-    )
-    for one, other in zip(resumed.frames, whole.frames, strict=True):
-        np.testing.assert_array_equal(one.pressure, other.pressure)
 
 
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -453,9 +424,7 @@ def test_depths_that_are_chosen_in_time_are_those_under_the_highest_pressure() -
 
 
 BODY = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD)
-
 LINE = cs.LineLoad(1e5)
-
 SHAPES = (cs.Cylinder(RADIUS),)
 
 

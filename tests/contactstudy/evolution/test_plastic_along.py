@@ -1,6 +1,6 @@
 """Bodies that yield, in scenes that vary along their length."""
 
-from math import inf, pi
+from math import inf
 
 import numpy as np
 import pytest
@@ -10,24 +10,27 @@ from contactstudy.answers.evolution import evolution_of
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.plastic import PlasticState
+from tests.contactstudy.evolution.test_plastic import (
+    EXACT,
+    NU,
+    RADIUS,
+    YIELD,
+    YOUNG,
+    half_width,
+    load,
+)
 
-EXACT = cs.ExactPeriodicity()
-YOUNG, NU, YIELD, RADIUS = 210e9, 0.3, 1e9, 0.01
 TIMES = (1.0, 2.0)
-
-
-def half_width(times_yield: float) -> float:
-    """Of Hertz's contact [m] whose peak pressure is so many times the yield stress."""
-    return 2 * RADIUS * times_yield * YIELD * (1 - NU**2) / YOUNG
 
 
 def pressed(*more: cs.Shape, times_yield: float = 2.5) -> cs.Scene:
     """A rigid cylinder pressed on a body and lifted, in 1 s each."""
-    load = pi / 2 * times_yield * YIELD * half_width(times_yield)
     body = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD, 0.02 * YOUNG)
     shapes = cs.Cylinder(RADIUS), *more
     return cs.Scene(
-        cs.LoadHistory((0.0, *TIMES), (0.0, load, 0.0)), (body, cs.HalfSpace(inf, 0)), shapes
+        cs.LoadHistory((0.0, *TIMES), (0.0, load(times_yield), 0.0)),
+        (body, cs.HalfSpace(inf, 0)),
+        shapes,
     )
 
 

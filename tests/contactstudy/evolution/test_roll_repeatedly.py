@@ -13,15 +13,10 @@ from contactstudy.evolution.repeated_rolling import RepeatedRolling, roll_repeat
 from contactstudy.io.dataset import passes_dataset
 
 E, NU, Y = 500.0, 0.3, 1.0
-
 K = Y / 3**0.5
-
 RIGID = cs.HalfSpace(inf, NU)
-
 EXACT = cs.ExactPeriodicity()
-
 MODULUS = E / (1 - NU**2)
-
 # Half-widths are 1.
 COARSE = cs.Grid((24, 1), (4.8, 1.0))
 

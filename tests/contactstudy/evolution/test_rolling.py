@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 from math import inf, pi
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ from contactstudy.elasticity.coefficients import Coefficients, Displacement
 from contactstudy.elasticity.tangential import SurfaceField
 from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
+from contactstudy.evolution.rolling import solve_rolling
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -173,16 +171,6 @@ def test_a_rolling_scene_has_no_single_problem_and_no_history() -> None:
         scene.problem(grid, EXACT)
     with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve"):
         evolve(scene, grid, EXACT, times=[0.0, 1.0])
-
-
-def test_the_shift_is_the_mean_place_of_the_pressure() -> None:
-    """Rows at -3, -1, 1 and 3 m; nothing is lost where nothing is delayed."""
-    pressure = np.array([[5.0, 0], [2, 4], [0, 1], [0, 0]])
-    problem = SimpleNamespace(grid=cs.Grid((4, 2), (8.0, 6.0)))
-    settled: Any = SimpleNamespace(solution=SimpleNamespace(pressure=pressure, problem=problem))
-    found = SteadyRolling(settled, {}, lambda _: found)
-    assert found.shift == pytest.approx((-3 * 5 - 1 * 6 + 1 * 1) / 12)
-    assert found.resistance == 0
 
 
 @pytest.mark.parametrize("waves", [0.0, 6.3, 21.0])

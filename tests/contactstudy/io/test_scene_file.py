@@ -162,16 +162,6 @@ def test_a_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
     assert cs.read_scene(tmp_path / "scene.toml").scene == read(GOOD, tmp_path).scene
 
 
-def test_every_key_that_cannot_be_used_is_named(tmp_path: Path) -> None:
-    text = GOOD.replace('"10 mm"', '"10 N"').replace("hurst = 0.8", "hurts = 0.8")
-    with pytest.raises(cs.InvalidInput) as raised:
-        read(text, tmp_path)
-    lines = str(raised.value).splitlines()
-    assert (
-        len(lines) == 2
-    )  # a radius, and a key that is not known, which another is not missing for
-
-
 @pytest.mark.parametrize("content", [b"\xff\xfe", None, b"a = " + b"[" * 5000])
 def test_a_file_that_is_none_is_refused(content: bytes | None, tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
@@ -251,14 +241,9 @@ radius = "10 mm"
 """
 
 
-def described(text: str, tmp_path: Path) -> cs.SceneFile:
-    (tmp_path / "scene.toml").write_text(text)
-    return cs.read_scene(tmp_path / "scene.toml")
-
-
 def test_a_solid_has_the_constants_of_its_material_and_what_is_given_beside(tmp_path: Path) -> None:
     text = STEEL_ROLLER + '[[shapes]]\nkind = "FiniteLength"\nlength = "10 mm"\n'
-    solids = described(text, tmp_path).scene.solids
+    solids = read(text, tmp_path).scene.solids
     assert solids == (cs.material("steel"), replace(cs.material("100Cr6"), poisson_ratio=0.28))
 
 
@@ -267,15 +252,8 @@ def test_a_coat_and_its_substrate_have_materials(tmp_path: Path) -> None:
         'material = "steel"',
         'kind = "CoatedHalfSpace"\nthickness = "2 um"\ncoating.material = "DLC"\nsubstrate.material = "steel"',
     ).replace('total = "2 kN"', 'per_length = "100 N/mm"')
-    coated = described(text, tmp_path).scene.solids[0]
+    coated = read(text, tmp_path).scene.solids[0]
     assert coated == cs.CoatedHalfSpace(cs.material("ta-C:H"), 2e-6, cs.material("steel"))
-
-
-def test_an_unknown_material_is_answered_with_a_known_one(tmp_path: Path) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"solids\[0\]\.material is 'stel': did you mean 'steel'"
-    ):
-        described(STEEL_ROLLER.replace('"steel"', '"stel"'), tmp_path)
 
 
 def test_every_material_has_a_source() -> None:
@@ -291,9 +269,7 @@ def test_a_material_gives_a_body_that_yields_its_yield_stress(tmp_path: Path) ->
     text = STEEL_ROLLER.replace(
         'material = "steel"', 'kind = "ElasticPlasticHalfSpace"\nmaterial = "bronze"'
     ).replace('total = "2 kN"', 'per_length = "100 N/mm"')
-    assert described(text, tmp_path).scene.solids[0] == cs.ElasticPlasticHalfSpace(
-        113e9, 0.3, 0.14e9
-    )
+    assert read(text, tmp_path).scene.solids[0] == cs.ElasticPlasticHalfSpace(113e9, 0.3, 0.14e9)
 
 
 @pytest.mark.parametrize(
@@ -309,20 +285,30 @@ def test_a_material_gives_a_body_that_yields_its_yield_stress(tmp_path: Path) ->
 def test_a_total_load_is_spread_over_the_roller_or_the_grid(
     extra: str, length: float, tmp_path: Path
 ) -> None:
-    assert described(STEEL_ROLLER + extra, tmp_path).scene.load == cs.TotalLoad(2e3, length)
+    assert read(STEEL_ROLLER + extra, tmp_path).scene.load == cs.TotalLoad(2e3, length)
 
 
 @pytest.mark.parametrize(
-    ("load", "sentence"),
+    ("old", "new", "sentence"),
     [
-        ('per_length = "2 kN"', "load.per_length: it is '2 kN': give a load per length, such as '100 N/mm'"),
-        ('per_length = "125"', "load.per_length: it is '125': give a load per length, such as '100 N/mm'"),
-        ('total = "100 N/mm"', "load.total: it is '100 N/mm': give a load, such as '2 kN'"),
+        ("total = ", "per_length = ", "load.per_length: it is '2 kN': give a load per length, such as '100 N/mm'"),
+        ('total = "2 kN"', 'per_length = "125"', "it is '125': give a load per length, such as '100 N/mm'"),
+        ("2 kN", "100 N/mm", "load.total: it is '100 N/mm': give a load, such as '2 kN'"),
+        ('"steel"', '"stel"', "solids[0].material is 'stel': did you mean 'steel'"),
+        ("[[shapes]]", "[shapes]", "shapes: it is one table: write its name in double brackets"),
+        ("Cylinder", "Crown", "give its radius, or its end_drop and length"),
+        ('"Cylinder"', '"LundbergProfile"\nlength = 1', "give amplitude and end_drop, for_load"),
+        ('"Cylinder"', '"LundbergProfile"\nlength = 1\namplitude = 1', "give amplitude and end_drop"),
     ],
 )  # fmt: skip
-def test_a_load_in_the_wrong_unit_is_refused(load: str, sentence: str, tmp_path: Path) -> None:
+def test_what_a_roller_cannot_have_is_refused(
+    old: str, new: str, sentence: str, tmp_path: Path
+) -> None:
+    text = STEEL_ROLLER.replace(old, new)
+    if "Cylinder" in old:
+        text = text.replace('radius = "10 mm"', "")
     with pytest.raises(cs.InvalidInput, match=re.escape(sentence)):
-        described(STEEL_ROLLER.replace('total = "2 kN"', load), tmp_path)
+        read(text, tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -347,36 +333,21 @@ def test_a_load_in_the_wrong_unit_is_refused(load: str, sentence: str, tmp_path:
 )
 def test_a_profile_may_be_given_as_in_python(keys: str, shape: cs.Shape, tmp_path: Path) -> None:
     text = STEEL_ROLLER.replace("total = ", "length = '8 mm'\ntotal = ") + f"[[shapes]]\n{keys}\n"
-    assert described(text, tmp_path).scene.shapes[1] == shape
-
-
-@pytest.mark.parametrize(
-    ("keys", "sentence"),
-    [
-        ('kind = "LundbergProfile"\nlength = 1e-2', "give amplitude and end_drop, for_load"),
-        ('kind = "LundbergProfile"\nlength = 1e-2\namplitude = 1e-6', "give amplitude and end_drop"),
-        ('kind = "Crown"\nend_drop = 1e-6', "give its radius, or its end_drop and length"),
-    ],
-)  # fmt: skip
-def test_a_profile_that_is_half_described_is_refused(
-    keys: str, sentence: str, tmp_path: Path
-) -> None:
-    with pytest.raises(cs.InvalidInput, match=sentence):
-        described(f"{STEEL_ROLLER}[[shapes]]\n{keys}\n", tmp_path)
+    assert read(text, tmp_path).scene.shapes[1] == shape
 
 
 def test_varied_fields_are_kept_in_groups(tmp_path: Path) -> None:
     shape = '[[shapes]]\nkind = "FiniteLength"\nlength = "8 mm"\n'
-    table = described(
+    table = read(
         f'{STEEL_ROLLER}{shape}[vary]\nload.total = "1:4:4 kN"\nplan.error = [0.1]\n', tmp_path
     )
     assert table.vary == ({"load.total": "1:4:4 kN"}, {"plan.error": [0.1]})
     groups = '[[vary]]\nload.total = "1,2 kN"\nplan.error = [0.1, 0.2]\n'
-    assert described(STEEL_ROLLER + shape + groups, tmp_path).vary == (
+    assert read(STEEL_ROLLER + shape + groups, tmp_path).vary == (
         {"load.total": "1,2 kN", "plan.error": [0.1, 0.2]},
     )
     with pytest.raises(cs.InvalidInput, match="vary is 3: give a table"):
-        described(f"vary = 3\n{STEEL_ROLLER}{shape}", tmp_path)
+        read(f"vary = 3\n{STEEL_ROLLER}{shape}", tmp_path)
 
 
 def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_path: Path) -> None:
@@ -386,12 +357,12 @@ def test_heights_in_a_table_are_read_from_beside_the_scene_and_written_back(tmp_
         'trend = "none"\n'
     )
     text = STEEL_ROLLER.replace('total = "2 kN"', "per_length = 1e5") + surface
-    read = described(text, tmp_path)
-    assert read.scene.shapes[1] == cs.MeasuredSurface(
+    found = read(text, tmp_path)
+    assert found.scene.shapes[1] == cs.MeasuredSurface(
         np.arange(72.0).reshape(8, 9) ** 2 * 1e-6, (1e-3, 2e-3), seam=cs.Tapered()
     )
-    cs.write_scene(read, tmp_path / "again.toml")
-    assert cs.read_scene(tmp_path / "again.toml").scene == read.scene
+    cs.write_scene(found, tmp_path / "again.toml")
+    assert cs.read_scene(tmp_path / "again.toml").scene == found.scene
 
 
 def test_a_measured_flat_repeats_across_by_the_rule_of_its_length(tmp_path: Path) -> None:
@@ -403,17 +374,7 @@ def test_a_measured_flat_repeats_across_by_the_rule_of_its_length(tmp_path: Path
         ('seam = "Mirrored"', cs.Mirrored()),
         ('seam_across = "AsMeasured"', cs.AsMeasured()),
     ):
-        read = described(f"load.per_length = 1e5\n{solids}[[shapes]]\n{surface}\n{seam}", tmp_path)
-        assert read.scene.shapes[0].seam_across == expected
-        cs.write_scene(read, tmp_path / "again.toml")
-        assert cs.read_scene(tmp_path / "again.toml").scene == read.scene
-
-
-def test_a_table_in_single_brackets_is_answered_with_double_ones(tmp_path: Path) -> None:
-    text = STEEL_ROLLER.replace("[[shapes]]", "[shapes]").replace(
-        'total = "2 kN"', "per_length = 1e5"
-    )
-    with pytest.raises(
-        cs.InvalidInput, match="shapes: it is one table: write its name in double brackets"
-    ):
-        described(text, tmp_path)
+        found = read(f"load.per_length = 1e5\n{solids}[[shapes]]\n{surface}\n{seam}", tmp_path)
+        assert found.scene.shapes[0].seam_across == expected
+        cs.write_scene(found, tmp_path / "again.toml")
+        assert cs.read_scene(tmp_path / "again.toml").scene == found.scene

@@ -235,7 +235,7 @@ def _with_length(document: Document, shapes: Iterable[Shape]) -> ConstantLoad | 
     has_length = any(
         0 < getattr(shape, "length_scales", LengthScales()).roller < inf for shape in shapes
     )
-    period = document.grid.period if document.grid else document.plan.period
+    period = document.grid.length if document.grid else document.plan.period
     if isinstance(load, TotalLoad) and load.length is None and not has_length and period:
         return replace(load, length=period)
     return load

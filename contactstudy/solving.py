@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_of
-from contactstudy.domain.checks import InvalidInput, relative_error
+from contactstudy.domain.checks import InvalidInput, checked_relative_error
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
@@ -135,7 +135,7 @@ def solve(
     """
     if named:
         options = replace(options, **named) if options else SolveOptions(**named)
-    requested = None if error is None else relative_error("solve.error", error)
+    requested = None if error is None else checked_relative_error("solve.error", error)
     request = _Request(
         scene, grid, padding, requested, period, times, start, folder, progress, on, options or SolveOptions()
     )  # fmt: skip

@@ -113,7 +113,7 @@ def stress_errors(
 def _cells(solution: Solution) -> list[float]:
     """Return the sizes of a cell [m] along the axes with more than one."""
     grid = solution.problem.grid
-    return [size for size, count in zip(grid.cell, grid.cells, strict=True) if count > 1]
+    return [size for size, count in zip(grid.cell_size, grid.cells, strict=True) if count > 1]
 
 
 def _finite(parts: ErrorParts | None) -> float:

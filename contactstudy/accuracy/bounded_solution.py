@@ -168,7 +168,10 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
         remaining = sum(
             fraction * (finer / coarse) ** order
             for fraction, finer, coarse in zip(
-                fine.fractions, fine.grid.cell, coarser[number].problem.grid.cell, strict=True
+                fine.fractions,
+                fine.grid.cell_size,
+                coarser[number].problem.grid.cell_size,
+                strict=True,
             )
         )
         if remaining < 1:
@@ -245,9 +248,9 @@ def _end_error(solution: Solution) -> float:
         return 0.0
     total, error = float(pressure.sum()), 0.0
     for row, inner in ends:
-        half_width = np.count_nonzero(pressure[:, row]) * grid.cell[0] / 2
+        half_width = np.count_nonzero(pressure[:, row]) * grid.cell_size[0] / 2
         rise = float(np.abs(pressure[:, row] - pressure[:, inner]).sum()) / total
-        error += (CONSTANTS.end_rise_error * sqrt(grid.cell[1] / half_width) - 1 / 12) * rise
+        error += (CONSTANTS.end_rise_error * sqrt(grid.cell_size[1] / half_width) - 1 / 12) * rise
     lengths = _row_lengths(solution.problem)
     if lengths is None:
         return error

@@ -25,7 +25,7 @@ def contact_perimeter(touching: NDArray[np.bool_], grid: Grid, paddings: Padding
     """Return the length [m] of the edges between cells in and out of contact, across the ends of a periodic axis too."""
     total = 0.0
     for axis in (0, 1):
-        edge = grid.cell[1 - axis]
+        edge = grid.cell_size[1 - axis]
         total += edge * np.count_nonzero(np.diff(touching, axis=axis))
         window = (0,) if paddings is None else paddings[axis].window
         if window is None or len(window) > 1:

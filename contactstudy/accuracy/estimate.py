@@ -231,7 +231,7 @@ def _edge_rise(problem: Problem) -> tuple[float, float, str]:
     scene = problem.description.scene
     for coating in filter(is_layered, scene.solids):
         stiffer = coating.substrate.compliance / coating.compliance
-        cells = coating.thickness / problem.grid.cell[0]
+        cells = coating.thickness / problem.grid.cell_size[0]
         if stiffer > CONSTANTS.stiff_coating and cells < CONSTANTS.cells_in_coating:
             curvature = 1 / scene.hertz.radius if scene.hertz is not None else 0.0
             bending = coating.thickness * curvature / coating.compliance
@@ -414,7 +414,7 @@ def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
 def _unresolved_length(problem: Problem) -> str:
     """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
     finest = problem.source.finest if problem.source is not None else (inf, inf)
-    for axis, (cell, length) in enumerate(zip(problem.grid.cell, finest, strict=True)):
+    for axis, (cell, length) in enumerate(zip(problem.grid.cell_size, finest, strict=True)):
         if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
             count = int(np.ceil(2 * problem.grid.extent[axis] / length))
             return (

@@ -25,7 +25,7 @@ def implausible(solution: Solution) -> str:
     scene, grid, pressure = posed.scene, posed.grid, solution.pressure
     peak, modulus, hertz = float(pressure.max()), scene.contact_modulus, scene.hertz
     slope = _slope(solution)
-    width = float(np.count_nonzero(pressure.any(axis=1)) * grid.cell[0])
+    width = float(np.count_nonzero(pressure.any(axis=1)) * grid.cell_size[0])
     hints = {
         "heights": "are heights given in µm as if they were m?",
         "modulus": "is a modulus given in GPa or MPa as if it were Pa?",
@@ -113,7 +113,7 @@ def _slope(solution: Solution) -> float:
     """
     gap, touching = solution.problem.undeformed_gap, solution.pressure > 0
     largest = 0.0
-    for axis, step in enumerate(solution.problem.grid.cell):
+    for axis, step in enumerate(solution.problem.grid.cell_size):
         if gap.shape[axis] < 3:
             continue
         if _steepest(gap, axis) <= MAX_SLOPE * step:  # as are median and rms

@@ -191,7 +191,10 @@ class SubgridHeights:
         corner = kink = mean = 0.0
         for part in self.along:
             modulus = _modulus(problem, part.axis)
-            stiffness, halving = modulus / problem.grid.cell[part.axis], modulus * log(2) / (2 * pi)
+            stiffness, halving = (
+                modulus / problem.grid.cell_size[part.axis],
+                modulus * log(2) / (2 * pi),
+            )
             hidden += part.in_rows(part.missed, rows, pressure.shape) * stiffness
             protrusion += part.in_rows(part.protrusion, rows, pressure.shape) * stiffness
             corner = max(corner, part.largest(part.corner, beside, rows, pressure.shape) * halving)
@@ -202,7 +205,9 @@ class SubgridHeights:
         risen = loaded + CONSTANTS.pressure_rise * hidden
         if self.between_lines is not None:
             missed, protrusion_there, narrow, unseen = (field[rows] for field in self.between_lines)
-            stiffness = max(_modulus(problem, axis) / problem.grid.cell[axis] for axis in (0, 1))
+            stiffness = max(
+                _modulus(problem, axis) / problem.grid.cell_size[axis] for axis in (0, 1)
+            )
             hidden = np.maximum(hidden, missed * stiffness)
             protrusion = np.maximum(protrusion, protrusion_there * stiffness)
             risen = np.maximum(
@@ -239,7 +244,9 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
     for begin in range(0, points.shape[1], together):
         beside = slice(begin, begin + together)
         parts = centres[:, beside], points[:, beside]
-        heights = SampledHeights.from_heights(*parts, grid.cell[axis], wraps=paddings[axis].wraps)
+        heights = SampledHeights.from_heights(
+            *parts, grid.cell_size[axis], wraps=paddings[axis].wraps
+        )
         of_any = heights.missed, heights.corner(), heights.protrusion
         of_unknown = () if source.names_scales else (heights.kink(),)
         examined.append((*of_any, *of_unknown))
@@ -272,11 +279,11 @@ class _ShiftedGrid(Grid):
 
     @property
     def x(self) -> Array:
-        return super().x + self.shift[0] * self.cell[0]
+        return super().x + self.shift[0] * self.cell_size[0]
 
     @property
     def y(self) -> Array:
-        return super().y + self.shift[1] * self.cell[1]
+        return super().y + self.shift[1] * self.cell_size[1]
 
 
 def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
@@ -393,7 +400,7 @@ def _modulus(problem: Problem, axis: int) -> float:
     else:
         wave = across[:, None] * along
         energy = float((problem.operator(wave) * wave).sum())
-    return 2 * problem.grid.cell[axis] * prod(problem.grid.cells) / (pi * energy)
+    return 2 * problem.grid.cell_size[axis] * prod(problem.grid.cells) / (pi * energy)
 
 
 @dataclass(frozen=True)

@@ -132,7 +132,7 @@ class Evolution(Answer):
             [float(time) for time in self.times],
             last_frame,
             own_length(self.posed),
-            (self.grid.cell_area, self.grid.period),
+            (self.grid.cell_area, self.grid.length),
             plastic_fields,
             self.error.l1,
         )

@@ -44,7 +44,7 @@ def suggest_fields(cls: type[Described]) -> type[Described]:
     return cls
 
 
-def relative_error(field: str, value: object) -> float:
+def checked_relative_error(field: str, value: object) -> float:
     """Return a relative error above 0 and below 1, given as a number or as a text such as ``"1 %"``."""
     remedy = "give a relative error above 0 and below 1, such as 1e-2 or '1 %'"
     number = value
@@ -153,7 +153,7 @@ def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
     return both[0], both[1]
 
 
-def divides(field: str, length: float, period: float) -> int:
+def whole_quotient(field: str, length: float, period: float) -> int:
     """Return ``period / length``, which must be a whole number, or raise :class:`InvalidInput`."""
     times = period / length
     if abs(times - round(times)) > 1e-9 * max(times, 1):

@@ -31,14 +31,15 @@ LARGEST_ASPECT_RATIO = 1e9
 class Grid:
     """Grid of equal rectangular cells, centred on the origin.
 
-    x runs across the contact, y along it. Fields are constant in a cell and have the shape (nx, ny).
+    x runs across the contact line, which is the direction of motion (longitudinal), y along it (lateral). Fields are
+    constant in a cell and have the shape (nx, ny).
 
     Parameters
     ----------
     cells
         Number of cells (nx, ny), across and along; ``ny = 1`` is plane strain.
     extent
-        Width and period (across, along) [m].
+        Width and length (across, along) [m]; the length is a period where the axis is periodic.
 
     Raises
     ------
@@ -52,18 +53,18 @@ class Grid:
 
     def __post_init__(self) -> None:
         nx, ny = pair("Grid.cells", self.cells, "give two whole numbers, (across, along)")
-        width, period = pair("Grid.extent", self.extent, "give two lengths, (width, period) [m]")
+        width, length = pair("Grid.extent", self.extent, "give two lengths, (width, length) [m]")
         cells = (
             whole_number("Grid.cells[0]", nx, 2, "give at least 2 cells across the width"),
             whole_number("Grid.cells[1]", ny, 1, "give at least 1 cell along the length"),
         )
         extent = (
             in_range("Grid.extent[0]", width, "give a width above 0 m"),
-            in_range("Grid.extent[1]", period, "give a period above 0 m"),
+            in_range("Grid.extent[1]", length, "give a length above 0 m"),
         )
         object.__setattr__(self, "cells", cells)
         object.__setattr__(self, "extent", extent)
-        aspect_ratio = self.cell[1] / self.cell[0]
+        aspect_ratio = self.cell_size[1] / self.cell_size[0]
         if not 1 / LARGEST_ASPECT_RATIO <= aspect_ratio <= LARGEST_ASPECT_RATIO:
             raise InvalidInput(
                 f"Grid.extent is {extent!r}: give lengths whose cells are no more than {LARGEST_ASPECT_RATIO:g} times "
@@ -71,29 +72,29 @@ class Grid:
             )
 
     @property
-    def cell(self) -> tuple[float, float]:
+    def cell_size(self) -> tuple[float, float]:
         """Sides of a cell (dx, dy) [m]."""
         return self.extent[0] / self.cells[0], self.extent[1] / self.cells[1]
 
     @property
     def cell_area(self) -> float:
         """Area of a cell, dx dy [m^2]."""
-        return self.cell[0] * self.cell[1]
+        return self.cell_size[0] * self.cell_size[1]
 
     @property
-    def period(self) -> float:
+    def length(self) -> float:
         """Extent along the length [m]."""
         return self.extent[1]
 
     @property
     def x(self) -> Array:
         """Cell centres across the width, shape (nx,) [m], antisymmetric to the last bit."""
-        return _centres(self.cells[0], self.cell[0])
+        return _centres(self.cells[0], self.cell_size[0])
 
     @property
     def y(self) -> Array:
         """Cell centres along the length, shape (ny,) [m], antisymmetric to the last bit."""
-        return _centres(self.cells[1], self.cell[1])
+        return _centres(self.cells[1], self.cell_size[1])
 
 
 def _centres(count: int, step: float) -> Array:

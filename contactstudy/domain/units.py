@@ -28,12 +28,14 @@ PerMetre = Annotated[float, Unit("1/m", "a spin", "0.5 1/m")]
 PerPascal = Annotated[float, Unit("1/Pa", "a wear coefficient", "1e-17 1/Pa")]
 PressureViscosity = Annotated[float, Unit("1/Pa", "a pressure-viscosity coefficient", "20 1/GPa")]
 ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)")]
-HeatCapacity = Annotated[float, Unit("J/(m^3*K)", "a heat capacity", "3.6 MJ/(m^3*K)")]
+VolumetricHeatCapacity = Annotated[
+    float, Unit("J/(m^3*K)", "a volumetric heat capacity", "3.6 MJ/(m^3*K)")
+]
 PerKelvin = Annotated[float, Unit("1/K", "a fraction per temperature", "0.04 1/K")]
 PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]
 MetresPerSecond = Annotated[float, Unit("m/s", "a speed", "100 mm/s")]
 Seconds = Annotated[float, Unit("s", "a time", "2 min")]
-Hertz = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
+PerSecond = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
 Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]
 

@@ -128,7 +128,7 @@ def kernel(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:
 
     A periodic axis of n cells has ``n // 2 + 1`` offsets, any other axis n.
     """
-    axes = zip(grid.cells, grid.cell, grid.extent, paddings, strict=True)
+    axes = zip(grid.cells, grid.cell_size, grid.extent, paddings, strict=True)
     across, along = (_Axis(*axis) for axis in axes)
     return _kernel(across, along, coefficients)
 

@@ -118,7 +118,7 @@ HALVINGS = 10
 # A pressure older than this multiple of the time constant has no effect left.
 NEGLIGIBLE_AGE = 40.0
 
-Field = Callable[[Array], Array]
+Kernel = Callable[[Array], Array]
 
 
 @dataclass(frozen=True)
@@ -228,7 +228,7 @@ def retarded(
     return parts
 
 
-def _free(kernel: Field, x: Array, step: float, length: float, parity: int) -> tuple[Array, Array]:
+def _free(kernel: Kernel, x: Array, step: float, length: float, parity: int) -> tuple[Array, Array]:
     """Return V at `x` and at ``-x``, multiples of `step` at least 0; `kernel` has a parity and is not periodic."""
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
@@ -249,7 +249,7 @@ def _free(kernel: Field, x: Array, step: float, length: float, parity: int) -> t
 
 
 def _closed(
-    kernel: Field, x: Array, step: float, period: float, length: float, parity: int
+    kernel: Kernel, x: Array, step: float, period: float, length: float, parity: int
 ) -> tuple[Array, Array]:
     """Return V at `x` and at ``-x``, multiples of `step`; `kernel` has a parity and repeats after `period`."""
     count = round(period / step)
@@ -269,7 +269,7 @@ def _closed(
     return around[index], around[-index % count]
 
 
-def _panels(kernel: Field, count: int, step: float, length: float) -> tuple[Array, Array]:
+def _panels(kernel: Kernel, count: int, step: float, length: float) -> tuple[Array, Array]:
     """Return integrals over each of `count` panels of size `step`.
 
     They are weighted from the panel's near end on, and from its far end backwards.
@@ -291,7 +291,7 @@ def _panels(kernel: Field, count: int, step: float, length: float) -> tuple[Arra
     )
 
 
-def _integral(kernel: Field, start: float, edges: Array, length: float, sign: int) -> Array:
+def _integral(kernel: Kernel, start: float, edges: Array, length: float, sign: int) -> Array:
     """Return the integral of `kernel` over panels between `edges`, from `start` on.
 
     It is weighted from the first panel on (`sign` 1) or from the last backwards (-1).
@@ -307,7 +307,7 @@ def _integral(kernel: Field, start: float, edges: Array, length: float, sign: in
     return np.asarray(total)
 
 
-def _beyond(kernel: Field, start: float, step: float, length: float) -> Array:
+def _beyond(kernel: Kernel, start: float, step: float, length: float) -> Array:
     """Return V at `start`, by panels that grow with their distance."""
     reach = NEGLIGIBLE_AGE * length
     edges = [0.0, step]

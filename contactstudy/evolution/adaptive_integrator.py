@@ -338,7 +338,7 @@ class AdaptiveIntegrator:
     def _relative_to_largest_load(self, pressures: float) -> float:
         """Return a sum of cell pressures [Pa] divided by the sum under the largest load."""
         grid = self.stepper.problem.grid
-        return pressures * grid.cell_area / grid.period / self.stepper.load.largest
+        return pressures * grid.cell_area / grid.length / self.stepper.load.largest
 
     def _record(self) -> None:
         """Append a frame of the present contact to those that wait for their error."""

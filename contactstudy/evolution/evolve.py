@@ -243,7 +243,7 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
         forces=None if fretting.forces is None else fretting.history,
         displacements=None if fretting.displacements is None else fretting.history,
         period=inf if fretting.period is None else fretting.period,
-        cell_compliance=least_compliance(scene.contact_modulus, min(problem.grid.cell)),
+        cell_compliance=least_compliance(scene.contact_modulus, min(problem.grid.cell_size)),
         gap_scale=problem.scales.gap,
         coated=any(map(is_layered, scene.solids)),
         creep=_relative_creep(scene, problem.scales.length),

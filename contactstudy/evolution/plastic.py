@@ -53,10 +53,10 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     depth
         Depth that the layers cover [m].
     """
-    edges, thickness = [0.0], grid.cell[0]
+    edges, thickness = [0.0], grid.cell_size[0]
     while edges[-1] < depth:
         edges.append(edges[-1] + thickness)
-        if edges[-1] >= (2 * thickness / grid.cell[0] - 1) * length:
+        if edges[-1] >= (2 * thickness / grid.cell_size[0] - 1) * length:
             thickness *= 2
     return (*edges, edges[-1] + thickness)
 
@@ -82,7 +82,7 @@ def first_volume(
     """
     loaded = np.flatnonzero(pressure.any(axis=1))
     first, last = (int(loaded[0]), int(loaded[-1]) + 1) if loaded.size else (0, grid.cells[0])
-    depth = min(length, (last - first) * grid.cell[0] / 2)
+    depth = min(length, (last - first) * grid.cell_size[0] / 2)
     while True:
         volume = Volume(grid, 0, grid.cells[0], layers(grid, length, depth))
         ratio = yield_ratio(volume).max(axis=2)

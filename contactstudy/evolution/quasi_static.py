@@ -112,7 +112,7 @@ def _posed(problem: Problem, scene: Scene, load: float, law: AdhesiveSolver | No
     grid, instant = posed.grid, _under(scene, load)
     return replace(
         problem,
-        control=PrescribedLoad(load * grid.period / grid.cell_area),
+        control=PrescribedLoad(load * grid.length / grid.cell_area),
         adhesion=law,
         source=instant.source_with(grid, posed.padding, law),
         description=PosedScene(instant, grid, posed.padding),

@@ -214,7 +214,7 @@ def roll_repeatedly(
         grid, padding
     )
     _check_grid(problem)
-    length, cell = problem.scales.length, grid.cell[0]
+    length, cell = problem.scales.length, grid.cell_size[0]
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, INITIAL_DEPTH * length))
     operator = PlaneStrainOperator(volume, body.moduli)
     roller = _Rolling(
@@ -304,7 +304,7 @@ class _Rolling:
             statuses.append(Status.YIELD_AT_EDGE)
         return track, RollingPass(
             track.left_profile,
-            distance=(len(profiles) - 1) * grid.cell[0],
+            distance=(len(profiles) - 1) * grid.cell_size[0],
             solution=steps[-1][0],
             status=worst(statuses),
             steps=len(steps),

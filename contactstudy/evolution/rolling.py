@@ -84,7 +84,7 @@ class SteadyRolling:
         )
         padded = np.concatenate((displacement[:1], displacement, displacement[-1:]))
         faces = (padded[:-1:times] + padded[1::times]) / 2
-        work = -(pressure * np.diff(faces, axis=0)).sum() / problem.grid.cell[0]
+        work = -(pressure * np.diff(faces, axis=0)).sum() / problem.grid.cell_size[0]
         return self.direction * float(work / pressure.sum())
 
     @cached_property

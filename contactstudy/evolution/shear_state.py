@@ -115,7 +115,7 @@ class ShearState:
             rise = step.loads[1] - step.loads[0]
             if rise > 0 and step.duration > 0:
                 slope = float(np.clip((last - first) / rise, -self.coefficient, self.coefficient))
-            total = np.array([last * self.grid.period / self.grid.cell_area, 0.0])
+            total = np.array([last * self.grid.length / self.grid.cell_area, 0.0])
         else:
             assert self.displacements is not None
             rigid_displacement = self.displacements.at(step.end)

@@ -11,7 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, relative_error, suggest_fields, whole_number
+from contactstudy.domain.checks import (
+    InvalidInput,
+    checked_relative_error,
+    suggest_fields,
+    whole_number,
+)
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 
@@ -282,7 +287,7 @@ class StepControl:
         InvalidInput
             If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
         """
-        error = relative_error("evolve.error", error)
+        error = checked_relative_error("evolve.error", error)
         if error < MIN_ERROR_OVER_TOLERANCE * tolerance:
             raise InvalidInput(
                 f"evolve.error is {error!r}: give at least {MIN_ERROR_OVER_TOLERANCE} times the tolerance of the "

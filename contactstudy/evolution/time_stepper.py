@@ -340,7 +340,7 @@ class TimeStepper:
         return replace(
             problem,
             operator=self._operator(problem, weights, local),
-            control=PrescribedLoad(load * grid.period / grid.cell_area),
+            control=PrescribedLoad(load * grid.length / grid.cell_area),
             scales=self._scales(load, compliance_ratio) if load > 0 else problem.scales,
         )
 

@@ -71,7 +71,7 @@ def contact_quantities(
     area = float(np.count_nonzero(touching) * grid.cell_area)
     total = float(pressure.sum() * grid.cell_area)
     peak, peak_position = _largest(pressure, {"x": grid.x, "y": grid.y})
-    half_width = _half_width(touching, grid.cell[0])
+    half_width = _half_width(touching, grid.cell_size[0])
     solved = ErrorParts(residual=solution.residual)
     wide = "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     numbers = {
@@ -101,9 +101,9 @@ def contact_quantities(
         numbers |= _of_adhesion(solution, solution.adhesion, estimate)
     numbers |= {
         "contact_area": bounded(
-            per_length(area, "m2", "contact area", length, grid.period), estimate.contact_area, why
+            per_length(area, "m2", "contact area", length, grid.length), estimate.contact_area, why
         ),
-        "half_width": Quantity(half_width, "m", "outermost half-width", grid.cell[0], ""),
+        "half_width": Quantity(half_width, "m", "outermost half-width", grid.cell_size[0], ""),
         "mean_pressure": bounded(
             Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact"),
             estimate.peak_pressure
@@ -119,9 +119,9 @@ def contact_quantities(
     if scene is not None and scene.hardness < inf:
         depth = max(-float(gap.min()), 0.0)
         numbers["yielded_depth"] = Quantity(depth, "m", "largest depth of yielding")
-    carried, of_load = solution.load_per_length * grid.period, estimate.load or solved
+    carried, of_load = solution.load_per_length * grid.length, estimate.load or solved
     numbers["load_per_length"] = bounded(
-        Quantity(carried / (length or grid.period), "N m-1", "load per length"), of_load
+        Quantity(carried / (length or grid.length), "N m-1", "load per length"), of_load
     )
     if length is not None:
         numbers["total_load"] = bounded(Quantity(carried, "N", "load"), of_load)
@@ -157,7 +157,7 @@ def _of_adhesion(
 ) -> dict[str, Quantity]:
     """Return attraction, energy and load of separation, and what says which state this is and how fine its grid."""
     grid = solution.problem.grid
-    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.period)
+    attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length)
     touching = bool(solution.pressure.any())
     # in the JKR limit the attraction grows as the peak pressure does
     error = estimate.peak_pressure if adhesion.regularised else estimate.l1
@@ -165,7 +165,7 @@ def _of_adhesion(
         "attraction": bounded(
             Quantity(attraction, "N m-1", "attraction per length"), error, estimate.warnings
         ),
-        "energy": Quantity(adhesion.energy / grid.period, "J m-1", "energy per length"),
+        "energy": Quantity(adhesion.energy / grid.length, "J m-1", "energy per length"),
         "attraction_range": Quantity(adhesion.range, "m", "range of the attraction", 0.0, ""),
         "cells_in_zone": Quantity(adhesion.cells_in_zone, "1", "cells in the cohesive zone", 0.0, ""),
         "detached": Quantity(float(not touching), "1", "1 if the bodies do not touch", 0.0, ""),
@@ -240,7 +240,7 @@ def _of_cycle(
     """
     grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
-    dissipated = per_length(energy, "J", "energy lost per cycle", length, grid.period)
+    dissipated = per_length(energy, "J", "energy lost per cycle", length, grid.length)
     slid = Quantity(float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle")
     slips = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
     border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slips))
@@ -264,7 +264,7 @@ def _of_creepage(
 ) -> dict[str, Quantity]:
     """Return what tractive rolling adds to the numbers of a traction: creepage, and power with its bound."""
     total = float(traction.power.sum() * grid.cell_area)
-    power = per_length(total, "W", "frictional power", length, grid.period)
+    power = per_length(total, "W", "frictional power", length, grid.length)
     of_power = traction.errors.power / total if total else 0.0
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
     of_creepage = 0.0 if traction.creepage_given else traction.errors.creepage

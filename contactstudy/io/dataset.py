@@ -288,7 +288,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
         }
 
     length = own_length(evolution.description)
-    of_one = per_length(1.0, "m2", "contact area", length, grid.period)
+    of_one = per_length(1.0, "m2", "contact area", length, grid.length)
     area = labelled("time", evolution.contact_area * of_one.value, of_one.unit, of_one.label)
     statuses = [frame.status for frame in frames]
     dataset = xr.Dataset(

@@ -85,7 +85,7 @@ def own_length(posed: PosedScene | None) -> float | None:
     scene = posed.scene
     if isinstance(scene.load, TotalLoad):
         length = scene.load.length
-        is_period = length != posed.grid.period and scene.repeats(posed.padding)
+        is_period = length != posed.grid.length and scene.repeats(posed.padding)
         return None if is_period else length
     length_scales = (
         shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")

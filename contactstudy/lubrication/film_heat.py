@@ -111,7 +111,7 @@ def moving_source(grid: Grid, body: ThermalBody, speed: float) -> Array:
 
     The surface moves at ``speed`` [m/s] towards larger x.
     """
-    nx, cell = grid.cells[0], grid.cell[0]
+    nx, cell = grid.cells[0], grid.cell_size[0]
     rate = speed * body.heat_capacity / (2 * body.conductivity)
     edges = (np.arange(-nx, nx) + 0.5) * cell
     between = np.diff(_source_integral(rate * edges)) / (np.pi * body.conductivity * rate)

@@ -132,7 +132,7 @@ class FilmSolution:
     @property
     def load_per_length(self) -> float:
         """Load that the pressure carries, mean over the length [N/m]."""
-        return float(self.pressure.sum() * self.grid.cell[0] / self.grid.cells[1])
+        return float(self.pressure.sum() * self.grid.cell_size[0] / self.grid.cells[1])
 
     @property
     def sliding_speed(self) -> float:
@@ -143,7 +143,7 @@ class FilmSolution:
     def meniscus(self) -> float:
         """Position x [m] of the inlet meniscus, mean over the length; near the edge of the grid for a flooded inlet."""
         full = self.film_fraction[2:] >= 1
-        return float(self.grid.x[2 + np.argmax(full, axis=0)].mean() - self.grid.cell[0] / 2)
+        return float(self.grid.x[2 + np.argmax(full, axis=0)].mean() - self.grid.cell_size[0] / 2)
 
     @property
     def lubricant_pressure(self) -> Array:
@@ -164,7 +164,7 @@ class FilmSolution:
         if self.contact_pressure is None:
             return 0.0
         area = np.count_nonzero(self.contact_pressure) * self.grid.cell_area
-        return float(area / (2 * self.scales.hertz.half_width * self.grid.period))
+        return float(area / (2 * self.scales.hertz.half_width * self.grid.length))
 
     @property
     def flash_temperature(self) -> float:
@@ -208,7 +208,7 @@ class FilmSolution:
     def power_loss(self) -> float:
         """Power lost in the film per length [W/m], by sliding, and by the flow that pressure drives."""
         oil = self.scales.lubrication.lubricant
-        dx, dy = self.grid.cell
+        dx, dy = self.grid.cell_size
         pressure = self.lubricant_pressure
         across = np.gradient(pressure, dx, axis=0)
         along = (np.roll(pressure, -1, 1) - np.roll(pressure, 1, 1)) / (2 * dy)
@@ -220,13 +220,13 @@ class FilmSolution:
     @property
     def sliding_loss(self) -> float:
         """Part of :attr:`power_loss` [W/m] that the friction of sliding surfaces makes; zero in pure rolling."""
-        sheared = float(self.shear.sum()) * self.grid.cell[0] / self.grid.cells[1]
+        sheared = float(self.shear.sum()) * self.grid.cell_size[0] / self.grid.cells[1]
         return sheared * self.sliding_speed
 
     def thinner_than(self, film: float) -> tuple[float, float]:
         """Return the fractions of the area of Hertz's contact and of the load where the film is below ``film`` [m]."""
         thin = self.film < film
-        hertz_area = 2 * self.scales.hertz.half_width * self.grid.period
+        hertz_area = 2 * self.scales.hertz.half_width * self.grid.length
         return (
             float(np.count_nonzero(thin) * self.grid.cell_area / hertz_area),
             float(self.pressure[thin].sum() / self.pressure.sum()),

@@ -129,7 +129,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             "length, give one for the length that wraps, such as ExactPeriodicity()."
         )
     bearing = scales.reach * scales.hertz.half_width
-    if grid.cell[0] > bearing:
+    if grid.cell_size[0] > bearing:
         least = ceil(grid.extent[0] / bearing)
         raise InvalidInput(
             f"Grid.cells[0] is {grid.cells[0]}, of cells wider than half the contact: give {least} at the least."
@@ -167,12 +167,12 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         return value, peak * slope
 
     boundary, supply = scales.lubrication.boundary, scales.lubrication.supply
-    upstream = Grid((rows, grid.cells[1]), (rows * grid.cell[0], grid.period))
+    upstream = Grid((rows, grid.cells[1]), (rows * grid.cell_size[0], grid.length))
     deflection = operator_on(upstream)
     equation = FilmEquation(
         gap=problem.undeformed_gap[:rows] / scales.film,
         deflection=deflection,
-        cell=(grid.cell[0] / hertz.half_width, grid.cell[1] / hertz.half_width),
+        cell=(grid.cell_size[0] / hertz.half_width, grid.cell_size[1] / hertz.half_width),
         resistance=scales.resistance,
         load=scene.mean_load(grid, paddings) / (hertz.half_width * peak),
         log_viscosity=log_viscosity,
@@ -244,7 +244,7 @@ def hertz_start(posed: PosedFilm) -> Film:
 def _dry_pressure(posed: PosedFilm) -> Array:
     """Return the pressure of the dry contact over p_H, averaged over the cells of a coarser grid."""
     (nx, ny), fine = posed.upstream.cells, posed.problem.grid
-    across = round(posed.upstream.cell[0] / fine.cell[0])
+    across = round(posed.upstream.cell_size[0] / fine.cell_size[0])
     dry = solve_contact(posed.problem, SolveOptions(tolerance=1e-4)).pressure[: nx * across]
     blocks = dry.reshape(nx, across, ny, fine.cells[1] // ny)
     return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
@@ -281,7 +281,7 @@ def between_cells(values: Array, grid: Grid, x: Array, y: Array) -> Array:
         return np.repeat(columns[0][:, None], len(y), axis=1)
     if np.array_equal(y, grid.y):
         return np.stack(columns, axis=1)
-    rows = [np.interp(y, grid.y, row, period=grid.period) for row in np.stack(columns, axis=1)]
+    rows = [np.interp(y, grid.y, row, period=grid.length) for row in np.stack(columns, axis=1)]
     return np.stack(rows)
 
 

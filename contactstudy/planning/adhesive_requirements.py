@@ -71,7 +71,7 @@ def adhesive_requirements(
             zone / ZONE_CELLS,
             ATTRACTION_REACH * sqrt(2 * radius * range_of_law),
         )
-    cell = max(grid.cell) if requirements.varies else grid.cell[0]
+    cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
         tabor, cells = scale / law.range, ZONE_CELLS
@@ -105,8 +105,8 @@ def _grid(
     """Return the grid of the surfaces alone, made wider by the `reach` [m] and with cells of this size [m] at most."""
     base = requirements.grid(error, period)
     width = min(base.extent[0] + 2 * reach, requirements.widest)
-    across = halvable(width / min(base.cell[0], cell))
+    across = halvable(width / min(base.cell_size[0], cell))
     along = base.cells[1]
     if along > 1:
-        along = max(along, halvable(base.period / min(base.cell[1], cell)))
-    return replace(base, cells=(across, along), extent=(width, base.period))
+        along = max(along, halvable(base.length / min(base.cell_size[1], cell)))
+    return replace(base, cells=(across, along), extent=(width, base.length))

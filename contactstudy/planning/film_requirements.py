@@ -92,7 +92,7 @@ def film_requirements(
         f"the formula of Moes expects a film of {readable(scales.expected_film * scales.film)} at "
         f"M = {scales.load_parameter:.3g}, L = {scales.viscosity_parameter:.3g}",
         f"the inlet begins {inlet:.2g} half-widths from the axis: its error falls as that distance^-2",
-        f"cells of {readable(grid.cell[0])} across resolve the pressure's rise in the inlet",
+        f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet",
     ]
     seconds = (
         MIN_SECONDS + SECONDS_PER_CELLS_SQUARED * nx**2

@@ -100,7 +100,7 @@ class GridForecast:
 
     def errors_of(self, cell: tuple[float, float]) -> tuple[float, float]:
         """Return the contributions (across, along) to the error to expect of another cell (dx, dy) [m]."""
-        parts = zip(self.errors, self.orders, cell, self.grid.cell, strict=True)
+        parts = zip(self.errors, self.orders, cell, self.grid.cell_size, strict=True)
         across, along = (
             error * (size / present) ** order if error else 0.0
             for error, order, size, present in parts
@@ -193,7 +193,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     if requirements.smooth and scene.hardness > requirements.hertz.peak_pressure:
         return GridForecast(
             grid,
-            (requirements.error(grid.cell), 0.0),
+            (requirements.error(grid.cell_size), 0.0),
             orders,
             (MIN_CELLS_PER_AXIS, 1),
             grid.extent[0] < 2 * requirements.hertz.half_width,
@@ -215,7 +215,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     seconds = CostModel((timing,)).seconds(grid, padding, timing.convolutions)
     result = _extrapolated(refinement, levels, grid, CONSTANTS.estimate_cost * seconds)
     if result.error == inf and not result.outgrows_grid:
-        errors = requirements.errors(grid.cell)
+        errors = requirements.errors(grid.cell_size)
         factor = CONSTANTS.unresolved_factor
         return replace(result, errors=(factor * errors[0], factor * errors[1]), orders=orders)
     return result
@@ -242,13 +242,13 @@ def _extrapolated(
         next((text for text in last.estimate.warnings if SHARP_EDGE in text), ""),
         seconds,
     )
-    return replace(forecast, grid=grid, errors=forecast.errors_of(grid.cell))
+    return replace(forecast, grid=grid, errors=forecast.errors_of(grid.cell_size))
 
 
 def with_width(grid: Grid, width: float) -> Grid:
     """Return a grid with cells of the same size over the width `width` [m]."""
     across = halvable(grid.cells[0] * width / grid.extent[0])
-    return Grid((across, grid.cells[1]), (width, grid.period))
+    return Grid((across, grid.cells[1]), (width, grid.length))
 
 
 def within_memory(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:

@@ -293,7 +293,9 @@ class GridRequirements:
             f"width {readable(grid.extent[0])}: the contact is expected to end within "
             f"{self.half_width / a:.3g} half-widths of Hertz (a = {readable(a)}) from the axis."
         )
-        cell = f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell[0]:.3g} in a half-width"
+        cell = (
+            f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell_size[0]:.3g} in a half-width"
+        )
         cell += f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.rough
         cell += f", for an error of {error:.1g}"
         is_for_slip = self.sticks and not self.varies
@@ -329,8 +331,8 @@ class GridRequirements:
         modulus = 1 / coating.compliance_at(self.hertz.half_width)
         return (
             f"coating {readable(coating.thickness)}: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
-            f"{coating.thickness / grid.cell[0]:.3g} cells across thick. Its coefficients are exact at any thickness; "
-            f"the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
+            f"{coating.thickness / grid.cell_size[0]:.3g} cells across thick. Its coefficients are exact at any "
+            f"thickness; the effective modulus of a smooth contact is about {readable(modulus, 'Pa', 3)}, between "
             f"{readable(coating_modulus, 'Pa', 3)} "
             f"of the coating and {substrate}. Width and error are those of solutions on coarse grids with the coating."
         )
@@ -342,10 +344,10 @@ class GridRequirements:
             stiffer = coating.substrate.compliance / coating.compliance
             if (
                 stiffer > ESTIMATE.stiff_coating
-                and grid.cell[0] > coating.thickness / ESTIMATE.cells_in_coating
+                and grid.cell_size[0] > coating.thickness / ESTIMATE.cells_in_coating
             ):
                 messages.append(
-                    f"Grid.cells[0] is {grid.cells[0]}: {coating.thickness / grid.cell[0]:.2g} cells in a coating "
+                    f"Grid.cells[0] is {grid.cells[0]}: {coating.thickness / grid.cell_size[0]:.2g} cells in a coating "
                     f"{stiffer:.3g} times as stiff as its substrate, too few for a bound of the error, give "
                     f"{int(np.ceil(ESTIMATE.cells_in_coating * grid.extent[0] / coating.thickness))}."
                 )
@@ -356,14 +358,14 @@ class GridRequirements:
                 "large a fraction for half-spaces: give loads and radii in N/m and m, and "
                 "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
-        for axis, (cell, wave) in enumerate(zip(grid.cell, self.finest, strict=True)):
+        for axis, (cell, wave) in enumerate(zip(grid.cell_size, self.finest, strict=True)):
             if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
                     f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not resolve the "
                     f"finest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} "
                     "or more."
                 )
-        if fault := self.period_fault(grid.period):
+        if fault := self.period_fault(grid.length):
             messages.append(fault)
         return tuple(messages)
 
@@ -430,7 +432,7 @@ def grid_of_flat(scales: LengthScales, period: float | None) -> Grid:
 
 def _cells_per_wave(grid: Grid, finest: tuple[float, float]) -> float:
     """Return the number of cells in the finest wavelength, along the axis with the fewest."""
-    return min(wave / cell for wave, cell in zip(finest, grid.cell, strict=True))
+    return min(wave / cell for wave, cell in zip(finest, grid.cell_size, strict=True))
 
 
 def _whole_parts(total: float, part: float) -> int | None:

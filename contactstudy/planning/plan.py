@@ -209,7 +209,7 @@ def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Pla
         error=inf,
         seconds=FORECAST.estimate_cost * seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
-        period_check=f"The period {readable(grid.period)} is that of the measured surface.",
+        period_check=f"The period {readable(grid.length)} is that of the measured surface.",
         reasons=(
             "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
             "periodic; the solve estimates the error.",
@@ -229,7 +229,7 @@ def _plan_static(
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
     requirements = requirements_of(scene)
     padding = requirements.padding()
-    if grid is not None and period is not None and period != grid.period:
+    if grid is not None and period is not None and period != grid.length:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
     limit = MEMORY_FRACTION * min(available_bytes(), on.available_bytes)
     own_points = grid is None and error is None and requirements.points is not None
@@ -244,7 +244,7 @@ def _plan_static(
     else:
         target = inf
         prediction = forecast_of_grid(scene, requirements, within_memory(grid, padding, limit))
-    predicted = prediction.error_of(grid.cell)
+    predicted = prediction.error_of(grid.cell_size)
     return Plan(
         grid=grid,
         padding=padding,
@@ -252,7 +252,7 @@ def _plan_static(
         error=predicted,
         seconds=prediction.seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
-        period_check=requirements.period_check(grid.period),
+        period_check=requirements.period_check(grid.length),
         reasons=(
             *requirements.reasons(grid, predicted),
             *_axis_reasons(prediction, own_points=own_points),
@@ -341,7 +341,7 @@ def _warnings(
             f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and this machine has "
             f"{limit / MEMORY_FRACTION / 1e9:.3g} GB, give fewer cells."
         )
-    predicted = prediction.error_of(grid.cell)
+    predicted = prediction.error_of(grid.cell_size)
     if error < predicted < inf:
         finer = prediction.grid_for(error)
         bytes_of_finer = memory(finer, requirements.padding())
@@ -387,7 +387,7 @@ def _plan_of_film(
         seconds=film.seconds,
         steps=film.steps,
         bytes=film.bytes,
-        period_check=requirements.period_check(film.grid.period),
+        period_check=requirements.period_check(film.grid.length),
         reasons=film.reasons,
         warnings=film.warnings,
     )
@@ -406,7 +406,7 @@ def _plan_of_adhesion(
 
     adhesive = adhesive_requirements(scene, requirements, error, period, grid)
     grid, padding = adhesive.grid, requirements.padding()
-    expected_error = requirements.error(grid.cell)
+    expected_error = requirements.error(grid.cell_size)
     return Plan(
         grid=grid,
         padding=padding,
@@ -414,7 +414,7 @@ def _plan_of_adhesion(
         error=expected_error,
         seconds=adhesive.seconds,
         bytes=memory(grid, padding),
-        period_check=requirements.period_check(grid.period),
+        period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid, expected_error), *adhesive.reasons),
         warnings=(*requirements.warnings(grid), *adhesive.warnings),
         steps=adhesive.solves,

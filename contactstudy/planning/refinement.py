@@ -407,7 +407,7 @@ def _contact_width(solution: Solution) -> float:
     """Return the width [m] about the axis within which all cells in contact lie."""
     grid = solution.problem.grid
     touching = np.abs(grid.x[solution.pressure.any(axis=1)])
-    return float(2 * touching.max(initial=0.0)) + grid.cell[0]
+    return float(2 * touching.max(initial=0.0)) + grid.cell_size[0]
 
 
 def _end_misfit(count: int, fraction: float) -> float:

@@ -58,7 +58,7 @@ class Yielding:
     def volume(self, grid: Grid) -> Volume:
         """Return the cells of `grid` expected to yield."""
         half = min(self.reach, grid.extent[0] / 2)
-        across = round(half / grid.cell[0])
+        across = round(half / grid.cell_size[0])
         middle = grid.cells[0] // 2
         depth = max(PLASTIC_DEPTH * self.ratio - 1, 1.0) * self.half_width
         edges = layers(grid, self.half_width, depth)

@@ -194,5 +194,7 @@ class Problem:
             self.operator.scaled(self.scales.pressure / self.scales.gap, precision),
             self.constraint.scaled(1 / self.scales.pressure),
             self.control.scaled(1 / self.scales.pressure),
-            aspect_ratio=self.grid.cell[1] / self.grid.cell[0] if self.grid.cells[1] > 1 else 1.0,
+            aspect_ratio=self.grid.cell_size[1] / self.grid.cell_size[0]
+            if self.grid.cells[1] > 1
+            else 1.0,
         )

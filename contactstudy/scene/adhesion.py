@@ -191,7 +191,7 @@ class Adhesion:
         The cohesive zone is ``pi E* w / (4 sigma0^2)`` long, with the largest traction sigma0 (Dugdale).
         """
         varies = bool((gap != gap[:, :1]).any())
-        cell = max(grid.cell) if varies else grid.cell[0]
+        cell = max(grid.cell_size) if varies else grid.cell_size[0]
         law = self.cohesive(scene, cell)
         zone = pi * scene.contact_modulus * self.work / (4 * law.strength**2)
         cells = zone / cell

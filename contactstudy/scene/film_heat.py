@@ -9,7 +9,7 @@ from contactstudy.domain.checks import (
     set_fields,
     suggest_fields,
 )
-from contactstudy.domain.units import HeatCapacity, PerKelvin, ThermalConductivity
+from contactstudy.domain.units import PerKelvin, ThermalConductivity, VolumetricHeatCapacity
 
 
 @suggest_fields
@@ -31,7 +31,7 @@ class ThermalBody:
     """
 
     conductivity: ThermalConductivity = 46.0
-    heat_capacity: HeatCapacity = 3.6e6
+    heat_capacity: VolumetricHeatCapacity = 3.6e6
 
     def __post_init__(self) -> None:
         remedy = "must be above 0 W/(m K), such as 46"

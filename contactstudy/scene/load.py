@@ -16,7 +16,7 @@ from contactstudy.domain.checks import (
     set_fields,
     suggest_fields,
 )
-from contactstudy.domain.units import Hertz, Metres, Newtons, NewtonsPerMetre, Radians, Seconds
+from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, PerSecond, Radians, Seconds
 
 ABOVE_ZERO, AT_LEAST_ZERO = "give a load above 0 N/m", "give a load of at least 0 N/m"
 
@@ -299,7 +299,7 @@ class SineLoad:
 
     mean_load: NewtonsPerMetre
     amplitude: NewtonsPerMetre
-    frequency: Hertz
+    frequency: PerSecond
     phase: Radians = 0.0
 
     def __post_init__(self) -> None:

@@ -140,7 +140,7 @@ def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
 
 def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
     """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
-    return any(0 < scales.roller <= grid.period * (1 + 1e-9) for scales in _length_scales(shapes))
+    return any(0 < scales.roller <= grid.length * (1 + 1e-9) for scales in _length_scales(shapes))
 
 
 def _length_scales(shapes: tuple[Shape, ...]) -> list[LengthScales]:
@@ -452,13 +452,13 @@ class Scene:
         if isinstance(load, TotalLoad) and self.repeats(padding):
             return load.per_length
         assert not isinstance(load, ChangingLoad | Approach)
-        return load.over(grid.period)
+        return load.over(grid.length)
 
     def _control(self, grid: Grid, padding: Padding | Paddings) -> Control:
         """Return the condition on the pressures of all cells of `grid`."""
         if isinstance(self.load, Approach):
             return PrescribedApproach(self.load.approach)
-        return PrescribedLoad(self.mean_load(grid, padding) * grid.period / grid.cell_area)
+        return PrescribedLoad(self.mean_load(grid, padding) * grid.length / grid.cell_area)
 
     def _adhesion_law(self, solver: "AdhesiveSolver | None") -> AdhesionLaw | None:
         """Return the law that the problem is solved with: the attraction, or the search for the pull-off with it."""

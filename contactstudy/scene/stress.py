@@ -234,7 +234,7 @@ class StressBelow:
 
     def searched_depths(self, width: float) -> list[float]:
         """Return the depths [m] from the surface to below a contact of this `width` [m] at which a search begins."""
-        cell = min(self.grid.cell)
+        cell = min(self.grid.cell_size)
         deepest = max(width, 2 * cell)
         count = 2 + int(np.ceil(np.log(2 * deepest / cell) / np.log(COARSE_STEP)))
         return [0.0, *np.geomspace(cell / 2, deepest, count).tolist(), *self.medium.faces]
@@ -251,7 +251,7 @@ class StressBelow:
         returned.
         """
         rows = np.flatnonzero(pressure.any(axis=1))
-        width = (rows[-1] - rows[0] + 1) * self.grid.cell[0] if rows.size else 0.0
+        width = (rows[-1] - rows[0] + 1) * self.grid.cell_size[0] if rows.size else 0.0
         stress: dict[float, Array] = {}
         largest: dict[float, float] = {}
         residual = None if self.residual is None else self.residual()

@@ -177,7 +177,7 @@ class PullOffSearch:
             else:
                 load, last_stable = trial, state
         assert last_stable.adhesion is not None
-        line = problem.grid.cell_area / problem.grid.period
+        line = problem.grid.cell_area / problem.grid.length
         part = replace(
             last_stable.adhesion,
             branch=self.solver.branch.value,

@@ -228,7 +228,7 @@ class Solution:
         load = self.pressure.sum()
         if self.adhesion is not None:
             load -= self.adhesion.attraction.sum()
-        return float(load * grid.cell_area / grid.period)
+        return float(load * grid.cell_area / grid.length)
 
     @property
     def mean_gap(self) -> float:

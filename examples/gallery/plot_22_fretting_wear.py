@@ -52,5 +52,5 @@ hertz = scene.hertz.peak_pressure
 punch = hertz * (0.5 + c**2 / 2 - x[inside] ** 2) / np.sqrt(c**2 - x[inside] ** 2)
 left.plot(x[inside], punch / 1e6, "k:")
 # the edge of the stick zone is known to a cell
-assert np.abs(last.pressure[inside, 0] / punch - 1).max() < 2 * grid.cell[0] / (c * half_width)
+assert np.abs(last.pressure[inside, 0] / punch - 1).max() < 2 * grid.cell_size[0] / (c * half_width)
 assert last.state["worn_depth"].values[inside].max() == 0

@@ -285,7 +285,7 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
     if scene.hertz is not None:
         requirements = requirements_of(scene)
         padding = requirements.padding()
-        if check := requirements.period_check(grid.period):
+        if check := requirements.period_check(grid.length):
             notes.append(check)
     elif not isinstance(padding, tuple):
         padding = cs.ExactPeriodicity()

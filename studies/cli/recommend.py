@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import contactstudy as cs
-from contactstudy.domain.checks import positive, relative_error
+from contactstudy.domain.checks import checked_relative_error, positive
 from studies.cli.options import JSON, out_option
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ ERROR = click.option(
     "--error",
     default="1 %",
     show_default=True,
-    callback=lambda _context, _option, value: relative_error("--error", value),
+    callback=lambda _context, _option, value: checked_relative_error("--error", value),
     help="Requested relative L1 error of the pressure, such as '3 %' or 0.03.",
 )
 BUDGET = click.option(

@@ -148,12 +148,12 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
         length = shape.length_scales.roller if hasattr(shape, "length_scales") else 0.0
         if not 0 < length < inf:
             continue
-        if length < grid.period * (1 - 1e-9):
+        if length < grid.length * (1 - 1e-9):
             notes.append(
-                f"shapes[{number}] is {readable(length)} long on a grid {readable(grid.period)} long, and stays at "
+                f"shapes[{number}] is {readable(length)} long on a grid {readable(grid.length)} long, and stays at "
                 f"its end drop beyond its ends: add the shape FiniteLength(length={length:g}) if the roller ends there"
             )
-        elif length <= grid.period * (1 + 1e-9):
+        elif length <= grid.length * (1 + 1e-9):
             notes.append(
                 f"shapes[{number}] ends where the grid ends, so that no FiniteLength is needed"
             )

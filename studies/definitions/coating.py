@@ -74,7 +74,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     assert isinstance(body, CoatedHalfSpace)
     pressure, x = solution.pressure, case.grid.x
     ratio = body.coating.youngs_modulus / body.substrate.youngs_modulus
-    shear, tension = interface(body, pressure[:, 0], case.grid.cell[0])
+    shear, tension = interface(body, pressure[:, 0], case.grid.cell_size[0])
     highest = float(pressure.max())
     alone = _image_alone(case, body)
     without = np.abs(alone.pressure - pressure).sum() / pressure.sum()

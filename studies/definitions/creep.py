@@ -61,7 +61,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     for frame in frames[1:]:
         exact = CLOSED.pressure(x, frame.time)
         errors.append(float(np.abs(frame.pressure[:, 0] - exact).sum() / exact.sum()))
-    cell = case.grid.cell[0]
+    cell = case.grid.cell_size[0]
     return {
         "time": xr.Variable("time", time, {"units": "1", "long_name": "time over that of creep"}),
         "half_width": series(

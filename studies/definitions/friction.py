@@ -59,7 +59,7 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     for fraction in FRACTIONS:
         slip = PartialSlip(MU, fraction * MU * case.scene.load.largest)
         slipping = replace(case, scene=replace(case.scene, friction=slip))
-        stick_width = cs.solve(slipping.prepare()).stick.sum() * case.grid.cell[0] / 2
+        stick_width = cs.solve(slipping.prepare()).stick.sum() * case.grid.cell_size[0] / 2
         stick.append(float(stick_width) / hertz.half_width)
         mindlin.append(_sphere(case, fraction))
     error, across = _superposition(case)

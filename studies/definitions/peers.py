@@ -77,7 +77,7 @@ class ProgramRun:
 
     def record(self, result: Array) -> Mapping[str, xr.Variable]:
         """Return the load carried over the load given: they should agree."""
-        load = SCENE.load.largest * self.grid.period
+        load = SCENE.load.largest * self.grid.length
         carried = float(result.sum()) * self.grid.cell_area
         return {"load_carried": number(carried / load, "load carried over load given")}
 
@@ -116,7 +116,7 @@ def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:
         result = constrained_conjugate_gradients(
             substrate,
             Topography(heights, grid.extent),
-            external_force=SCENE.load.largest * grid.period,
+            external_force=SCENE.load.largest * grid.length,
             pentol=1e-8 * P_H * A / MODULUS,
             forcetol=1e-8 * P_H * grid.cell_area,
         )

@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.analytic import image_error
-from contactstudy.domain.checks import divides, non_negative, positive, whole_number
+from contactstudy.domain.checks import non_negative, positive, whole_number, whole_quotient
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis
 from studies.model.case import Case
@@ -60,7 +60,7 @@ def scene_at(point: Point) -> PaddingComparison:
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
-    divides("the rough surface's length", LENGTH * A, period * A)
+    whole_quotient("the rough surface's length", LENGTH * A, period * A)
     shape = cs.Roughness(
         rms=rms * FLATTENING,
         hurst=float(point["hurst"]),
@@ -123,7 +123,7 @@ def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.So
     Beyond the window's reach D the logarithm lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
     that is a parabola and a tilt, whatever the surface.
     """
-    curvature = 2 * image_error(HERTZ.half_width, padding.reach(exact.grid.period))
+    curvature = 2 * image_error(HERTZ.half_width, padding.reach(exact.grid.length))
     opened = sum(shape.gap(exact.grid) for shape in SCENE.shapes) * curvature
     return exact.run(replace(problem, undeformed_gap=problem.undeformed_gap + opened))
 
@@ -133,9 +133,9 @@ def _answers(pressure: Array, smooth: Array, grid: cs.Grid) -> dict[str, float]:
     load = pressure.sum(axis=0)
     touched = np.abs(grid.x)[(pressure > 0).any(axis=1)]
     return {
-        "contact_area": float((pressure > 0).sum() * grid.cell_area / (2 * A * grid.period)),
+        "contact_area": float((pressure > 0).sum() * grid.cell_area / (2 * A * grid.length)),
         "half_width": _half_width(pressure, grid) / A,
-        "contact_extent": float(touched.max() + grid.cell[0] / 2) / A,
+        "contact_extent": float(touched.max() + grid.cell_size[0] / 2) / A,
         "peak_pressure": float(pressure.max()) / P_H,
         "load_spread": float(load.std() / load.mean()),
         "smooth_difference": l1_error(pressure, smooth, smooth.sum() * grid.cells[1]),

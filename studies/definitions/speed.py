@@ -111,7 +111,7 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, fraction: float) ->
 
     Source: Persson (2001): the fraction is ``erf(sqrt(2) p / (E* slope))``.
     """
-    side = grid.period
+    side = grid.length
     cut_off = positive("cut_off", cut_off, "give a number of cells above 0")
     fraction = in_range("fraction", fraction, "give a fraction between 0 and 1")
     if fraction >= 1:
@@ -120,7 +120,7 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, fraction: float) ->
         rms=cs.RmsSlope(SLOPE),
         hurst=hurst,
         roll_off=ROLL_OFF * side,
-        cut_off=cut_off * grid.cell[0],
+        cut_off=cut_off * grid.cell_size[0],
         seed=1,
     )
     mean = float(erfinv(fraction)) / sqrt(2) * SCENE.contact_modulus * SLOPE

@@ -69,7 +69,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     """Return the half-width over distance, the volume, and the error against an evolution with many short steps."""
     frames = result.frames
     indices = np.linspace(0, len(frames) - 1, RECORDS + 1).round().astype(int)
-    cell = case.grid.cell[0]
+    cell = case.grid.cell_size[0]
     widths = [np.count_nonzero(frames[n].pressure) * cell / 2 / HALF_WIDTH for n in indices]
     fine = _fine(case.grid.cells[0])
     last = frames[-1]

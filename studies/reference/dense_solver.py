@@ -59,7 +59,7 @@ def answer(
     factor = scales.pressure / (np.pi * scene.contact_modulus * scales.gap)
     matrix = factor * influence_matrix(grid, paddings, scales.length)
     gap = (solution.problem.undeformed_gap.ravel() - solution.problem.reference_height) / scales.gap
-    total = scene.load.largest * grid.period / grid.cell_area / scales.pressure
+    total = scene.load.largest * grid.length / grid.cell_area / scales.pressure
     limit = scene.hardness / scales.pressure
     before = solution.pressure.ravel() / scales.pressure
     diagonal = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative
@@ -141,7 +141,7 @@ def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
 @lru_cache(maxsize=64)
 def influence_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:
     """Return the influence coefficients [m] of every cell on every other, pair by pair, all images summed."""
-    (nx, ny), (dx, dy) = grid.cells, grid.cell
+    (nx, ny), (dx, dy) = grid.cells, grid.cell_size
     x, y = np.arange(1 - nx, nx) * dx, np.arange(1 - ny, ny) * dy
     offsets = _coefficients(x[:, None], y[None, :], grid, paddings, datum)
     i, j = np.divmod(np.arange(nx * ny), ny)
@@ -150,7 +150,7 @@ def influence_matrix(grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Arra
 
 def _coefficients(x: Array, y: Array, grid: cs.Grid, paddings: cs.Paddings, datum: float) -> Array:
     """Return the influence coefficients [m] at all offsets between cells, with all images summed."""
-    (dx, dy), (width, period) = grid.cell, grid.extent
+    (dx, dy), (width, period) = grid.cell_size, grid.extent
     across, along = paddings
     if across.window is None and along.window is None:
         return boussinesq_cell_doubly_periodic(x, y, dx, dy, width, period)

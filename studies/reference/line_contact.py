@@ -63,7 +63,7 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     pressure = solution.pressure / hertz.peak_pressure
     true = hertz.pressure(grid.x)[:, None] / hertz.peak_pressure
     error = np.abs(pressure - true).max()
-    axis = np.abs(grid.x) < 0.75 * grid.cell[0]
+    axis = np.abs(grid.x) < 0.75 * grid.cell_size[0]
     edge = half_widths(pressure, grid.x).mean() / hertz.half_width
     l1 = relative_l1(solution.pressure, hertz_means(hertz, grid))
     corrected = np.abs(corrected_pressure(pressure) - true).max()
@@ -102,7 +102,10 @@ def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
     borders = np.clip(borders, -1, 1)
     integral = (borders * np.sqrt(1 - borders**2) + np.arcsin(borders)) / 2
     means = (
-        np.maximum(np.diff(integral), 0.0) * hertz.peak_pressure * hertz.half_width / grid.cell[0]
+        np.maximum(np.diff(integral), 0.0)
+        * hertz.peak_pressure
+        * hertz.half_width
+        / grid.cell_size[0]
     )
     return np.repeat(means[:, None], grid.cells[1], axis=1)
 

@@ -69,7 +69,7 @@ def normal_stiffness(solution: cs.Solution) -> float:
     # the energy of a unit of load [m per unit of summed pressure]
     compliance = inner(pressure, displacement)
     grid = problem.grid
-    return float(grid.cell_area / grid.period / compliance)
+    return float(grid.cell_area / grid.length / compliance)
 
 
 def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
@@ -116,7 +116,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     area_error = contact.quantities["contact_area"].relative_bound
     area = float(np.count_nonzero(touching) * grid.cell_area)
     perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
-    load = float(contact.pressure.sum()) * grid.cell_area / grid.period
+    load = float(contact.pressure.sum()) * grid.cell_area / grid.length
     scene_datum, datum = approach_datum(contact), common_datum(contact)
     described = {"description": f"counted from {readable(datum)} beside the axis"} if datum else {}
     farther = _compliance_between(contact, scene_datum, datum)
@@ -129,7 +129,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
         "approach": labelled((), contact.approach + load * farther, "m", "approach", **described),
     }  # fmt: skip
     if (hertz := scene.hertz) is not None:
-        ratio = area / (2 * hertz.half_width * grid.period)
+        ratio = area / (2 * hertz.half_width * grid.length)
         measured["contact_area_over_hertz"] = number(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
     if contact.pressure.any():

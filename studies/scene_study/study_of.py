@@ -9,7 +9,7 @@ from pathlib import Path
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
-from contactstudy.domain.checks import divides
+from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.units import readable
 from contactstudy.io.scene_writer import scene_text
@@ -77,7 +77,7 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
 def _check(name: str, shape: object, grid: cs.Grid) -> None:
     """Raise InvalidInput if `grid` cannot hold a surface that has a size."""
     if isinstance(shape, Roughness) and shape.extent is not None and shape.rms:
-        divides(f"{name}.extent[1]", shape.extent[1], grid.period)
+        whole_quotient(f"{name}.extent[1]", shape.extent[1], grid.length)
     if not isinstance(shape, MeasuredSurface) or shape.extent is None:
         return
     width, length = shape.extent
@@ -87,8 +87,8 @@ def _check(name: str, shape: object, grid: cs.Grid) -> None:
             "the surface."
         )
     period = shape.seam.lengths * length
-    if grid.period > period * (1 + 1e-9) and grid.cells[1] > 1:
-        divides(f"The period of {name}", period, grid.period)
+    if grid.length > period * (1 + 1e-9) and grid.cells[1] > 1:
+        whole_quotient(f"The period of {name}", period, grid.length)
 
 
 def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
@@ -105,7 +105,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     requirements = [requirements_of(point.scene) for point in points]
     planned = _planned(points, requirements)
     width = max(grid.extent[0] for grid in planned)
-    periods = {grid.period for grid in planned}
+    periods = {grid.length for grid in planned}
     measured = [
         shape for point in points for shape in point.scene.shapes
         if isinstance(shape, MeasuredSurface) and shape.extent is not None
@@ -129,8 +129,11 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         separate = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
         return planned, [separate, *notes]
     cells = (
-        halvable(width / min(grid.cell[0] for grid in planned)),
-        max(1, *(halvable(period / grid.cell[1]) if grid.cells[1] > 1 else 1 for grid in planned)),
+        halvable(width / min(grid.cell_size[0] for grid in planned)),
+        max(
+            1,
+            *(halvable(period / grid.cell_size[1]) if grid.cells[1] > 1 else 1 for grid in planned),
+        ),
     )
     finest = cs.Grid(cells, (width, period))
     grid = _fitting(finest, first)
@@ -158,7 +161,7 @@ def _planned(
     by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
     chosen = by_width[:: len(points) // (PLANNED - 1)] + by_width[-1:]
     plans = {number: _grid_of_plan(points[number]) for number in chosen}
-    cells = [min(grid.cell[axis] for grid in plans.values()) for axis in (0, 1)]
+    cells = [min(grid.cell_size[axis] for grid in plans.values()) for axis in (0, 1)]
     width = max(grid.extent[0] for grid in plans.values())
     grids = []
     for number, (point, requirement) in enumerate(zip(points, requirements, strict=True)):
@@ -182,8 +185,8 @@ def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
     """Return the extent of random surfaces without one, and a note on it; None if the periods have no common divisor."""
-    width, period = max(grid.extent[0] for grid in grids), min(grid.period for grid in grids)
-    if any(abs(grid.period / period - round(grid.period / period)) > 1e-9 for grid in grids):
+    width, period = max(grid.extent[0] for grid in grids), min(grid.length for grid in grids)
+    if any(abs(grid.length / period - round(grid.length / period)) > 1e-9 for grid in grids):
         differ = (
             "random surfaces differ from grid to grid, since the periods of the grids have no common divisor: give "
             "Roughness an extent whose length divides all periods for one surface"

@@ -88,7 +88,8 @@ def test_a_solid_of_ones_own_gives_the_closed_form_of_its_kernel() -> None:
     # cells' centres instead of their means: the load differs by the square of a cell over the width
     highest = stiffness * half_width**2 / (2 * radius)
     assert (
-        np.abs(solution.pressure[:, 0] - exact).max() < highest * (grid.cell[0] / half_width) ** 2
+        np.abs(solution.pressure[:, 0] - exact).max()
+        < highest * (grid.cell_size[0] / half_width) ** 2
     )
 
 
@@ -182,13 +183,13 @@ def test_a_problem_is_built_from_arrays_an_operator_and_a_load() -> None:
         undeformed_gap=(grid.x**2 / 0.02)[:, None],
         operator=operator,
         constraint=cs.Compressive(),
-        control=cs.PrescribedLoad(1e5 / grid.cell[0]),
+        control=cs.PrescribedLoad(1e5 / grid.cell_size[0]),
         scales=cs.Scales(length=1e-4, pressure=6e8, gap=6e8 * 1e-4 / 1e11),
     )
     solution = cs.solve(problem)
     assert solution.status is cs.Status.CONVERGED
     # at rounding of the largest of the cells' pressures
-    assert solution.pressure.sum() * grid.cell[0] == pytest.approx(1e5, rel=1e-8)
+    assert solution.pressure.sum() * grid.cell_size[0] == pytest.approx(1e5, rel=1e-8)
     assert solution.to_dataset()["pressure"].sizes == {"x": 64, "y": 1}
 
 

@@ -46,4 +46,4 @@ def test_cells_of_any_shape_give_hertz(aspect: float) -> None:
     solution = cs.solve(SCENE.problem(on, cs.ExactPeriodicity()))
     error = np.abs(solution.pressure - HERTZ.pressure(on.x)[:, None])[np.abs(on.x) < 0.8 * A].max()
     # of second order in the cell, away from the edge
-    assert error < 5 * (on.cell[0] / A) ** 2 * P_H
+    assert error < 5 * (on.cell_size[0] / A) ** 2 * P_H

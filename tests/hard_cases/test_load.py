@@ -21,7 +21,7 @@ def test_a_cell_alone_bears_all(padding: str) -> None:
     assert np.count_nonzero(solution.pressure) == 1
     on = solution.problem.grid
     assert solution.pressure.max() * on.cell_area == pytest.approx(
-        SCENE.load.per_length * on.period, rel=1e-14
+        SCENE.load.per_length * on.length, rel=1e-14
     )
 
 
@@ -48,8 +48,8 @@ def test_full_contact_is_westergaard(solver: cs.Solver) -> None:
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     solution = cs.solve(scene.problem(on, both), tolerance=1e-13, solver=solver)
     mean = scene.load.per_length / on.extent[0]
-    wave = np.pi * scene.contact_modulus * 1e-3 * FLATTENED / on.period
-    expected = mean + wave * np.cos(2 * np.pi * on.y / on.period)
+    wave = np.pi * scene.contact_modulus * 1e-3 * FLATTENED / on.length
+    expected = mean + wave * np.cos(2 * np.pi * on.y / on.length)
     error = np.abs(solution.pressure - expected).max() / wave
     assert error < (np.pi / 32) ** 2
 

@@ -65,7 +65,7 @@ def test_conditions_of_contact_hold(
     )
     assert pressure.min() >= 0
     assert pressure.max() <= scene.hardness
-    assert abs(pressure.sum() * on.cell_area / (scene.load.per_length * on.period) - 1) < 1e-9
+    assert abs(pressure.sum() * on.cell_area / (scene.load.per_length * on.length) - 1) < 1e-9
     assert (gap[pressure == 0] >= -slack).all()
     assert (gap[pressure == scene.hardness] <= slack).all()
     free = np.where(pressure < scene.hardness, pressure, 0.0)

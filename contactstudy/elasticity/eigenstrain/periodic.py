@@ -51,7 +51,7 @@ class AntiplaneOperator:
     def _spectrum_and_blocks(self) -> tuple[Array, Array]:
         """Real matrices (waves, 2 layers, 2 layers), and the blocks of each layer's cells on themselves."""
         layers, across, _ = self.volume.shape
-        edges = np.array(self.volume.edges) / self.volume.grid.cell[0]
+        edges = np.array(self.volume.edges) / self.volume.grid.cell_size[0]
         blocks = 2 * self.moduli.shear * influence(across, edges)
         spectrum = np.array(
             [
@@ -283,11 +283,11 @@ class WaveGroup:
 def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
     """Yield all waves along the length except the mean, in groups that are transformed together."""
     layers, _, ny = volume.shape
-    (nx, _), (dx, _) = volume.grid.cells, volume.grid.cell
+    (nx, _), (dx, _) = volume.grid.cells, volume.grid.cell_size
     last = ny // 2
     order = 1
     while order <= last:
-        decay_cells = ceil(-log(WRAP) * volume.grid.period / (2 * pi * order * dx))
+        decay_cells = ceil(-log(WRAP) * volume.grid.length / (2 * pi * order * dx))
         window = slice(max(volume.first - decay_cells, 0), min(volume.last + decay_cells, nx))
         reach = max(volume.last - window.start, window.stop - volume.first)
         period = _odd(max(reach + decay_cells, window.stop - window.start))

@@ -306,7 +306,7 @@ class PlaneStrainOperator:
     @property
     def edges_in_cells(self) -> Array:
         """Depths between layers (layers + 1,), in cells across."""
-        return np.array(self.volume.edges) / self.volume.grid.cell[0]
+        return np.array(self.volume.edges) / self.volume.grid.cell_size[0]
 
     @cached_property
     def _spectra(self) -> dict[Kernel, Array]:

@@ -88,7 +88,7 @@ class Aliases:
 
     def alias(self, across: int, along: int) -> WaveDirection:
         """Return the aliases that have `across` and `along` more periods to a cell than the resolved modes."""
-        dx, dy = self.volume.grid.cell
+        dx, dy = self.volume.grid.cell_size
         x, y = self.x + 2 * pi * across / dx, self.y + 2 * pi * along / dy
         q = np.hypot(x, y)
         weight = (np.sinc(x * dx / (2 * pi)) * np.sinc(y * dy / (2 * pi))) ** 2
@@ -99,7 +99,7 @@ class Aliases:
         volume = self.volume
         total = np.zeros((5, volume.shape[0], len(self.x)))
         for number, top in enumerate(volume.edges[:-1]):
-            if top >= DEEP * max(volume.grid.cell):
+            if top >= DEEP * max(volume.grid.cell_size):
                 break
             for direction in self._directions():
                 layer = Layer.from_ratio(direction.q * volume.thicknesses[number])
@@ -112,8 +112,8 @@ class Aliases:
         edges = self.volume.edges
         thicknesses = rounded(self.volume.thicknesses)
         surface_depth, near = (
-            DEEP / 2 * max(self.volume.grid.cell),
-            NEAR * min(self.volume.grid.cell),
+            DEEP / 2 * max(self.volume.grid.cell_size),
+            NEAR * min(self.volume.grid.cell_size),
         )
         single: dict[tuple[float, float], list[int]] = {}
         pairs: dict[tuple[int, float, float, float, float], list[int]] = {}
@@ -166,7 +166,7 @@ class Aliases:
 
     def _directions(self) -> Iterator[WaveDirection]:
         """Yield the short waves of the first `ORDERS`, then waves that represent all shorter ones together."""
-        (dx, dy), orders = self.volume.grid.cell, range(-ORDERS, ORDERS + 1)
+        (dx, dy), orders = self.volume.grid.cell_size, range(-ORDERS, ORDERS + 1)
         for shift in product(orders, repeat=2):
             if any(shift):
                 yield self.alias(*shift)
@@ -236,8 +236,8 @@ class Waves:
 
         The `period` across is an odd number of cells.
         """
-        across = 2 * np.pi * np.fft.fftfreq(period, volume.grid.cell[0])
-        return cls(volume, moduli, across, 2 * np.pi * orders / volume.grid.period)
+        across = 2 * np.pi * np.fft.fftfreq(period, volume.grid.cell_size[0])
+        return cls(volume, moduli, across, 2 * np.pi * orders / volume.grid.length)
 
     def stress(self, strain: Complex, components: Components) -> Complex:
         """Return the mean stress of cells (components, layers, period, orders) by `strain` (5, layers, ...)."""

@@ -10,7 +10,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
 from contactstudy.elasticity.kernels.stress_cell import (
     Component,
-    Field,
+    KernelFunction,
     second_derivative_log,
     second_derivative_log_point,
     stress_cell,
@@ -145,7 +145,9 @@ def _x_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     return np.asarray(y * np.log(r + z) + x * second_derivative_log(x, y, z, r) + z * asinh)
 
 
-def _field(name: str, parity: tuple[int, int], point: Field, corner: Field) -> Component:
+def _field(
+    name: str, parity: tuple[int, int], point: KernelFunction, corner: KernelFunction
+) -> Component:
     """Return a field of a cell alone."""
     return Component(name, parity, point, corner, lambda strip, nu: 0.0, name)
 

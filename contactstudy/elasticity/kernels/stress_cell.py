@@ -20,7 +20,7 @@ CORNER_DISTANCE = 4.0
 GAUSS_ZONES = ((CORNER_DISTANCE, 7), (9.0, 5), (20.0, 4), (80.0, 3), (1000.0, 2))
 
 # X, Y, z, distance, Poisson's ratio -> the field
-Field = Callable[[Array, Array, float, Array, float], Array]
+KernelFunction = Callable[[Array, Array, float, Array, float], Array]
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class Component:
 
     name: str
     parity: tuple[int, int]
-    point: Field
-    corner: Field
+    point: KernelFunction
+    corner: KernelFunction
     plane: "Callable[[Strip, float], Array | float]"
     swapped: str
     family: "Mapping[str, Component] | None" = field(default=None, compare=False, repr=False)
@@ -261,7 +261,7 @@ def sign(offset: Array, parity: int) -> Array | float:
 
 
 def _corners(
-    field: Field, x: Array, y: Array, z: float, dx: float, dy: float, poisson_ratio: float
+    field: KernelFunction, x: Array, y: Array, z: float, dx: float, dy: float, poisson_ratio: float
 ) -> Array:
     """Return the integral of a field over a cell, as the difference of its `corner` field at the four corners."""
     total = np.zeros(x.shape)
@@ -273,7 +273,14 @@ def _corners(
 
 
 def _points(
-    field: Field, x: Array, y: Array, z: float, dx: float, dy: float, nu: float, points: int
+    field: KernelFunction,
+    x: Array,
+    y: Array,
+    z: float,
+    dx: float,
+    dy: float,
+    nu: float,
+    points: int,
 ) -> Array:
     """Return the integral of a field over a cell, by Gauss `points` along either side."""
     total = np.zeros(x.shape)

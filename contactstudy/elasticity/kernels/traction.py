@@ -7,10 +7,10 @@ that rows and lattices of cells are summed by the same functions. x runs across,
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, Field, Strip
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, KernelFunction, Strip
 
 
-def _swapped(field: Field) -> Field:
+def _swapped(field: KernelFunction) -> KernelFunction:
     """Return `field` with x and y exchanged."""
     return lambda x, y, z, r, nu: field(y, x, z, r, nu)
 
@@ -62,7 +62,7 @@ def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     return np.asarray(_asinh(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
 
 
-def _incompressible(field: Field) -> Field:
+def _incompressible(field: KernelFunction) -> KernelFunction:
     """Return `field` for a Poisson's ratio of a half: fields that do not depend on it under shear."""
     return lambda x, y, z, r, nu: field(x, y, z, r, 0.5)
 

@@ -76,6 +76,6 @@ class MovingShape:
         if hasattr(self.shape, "seam"):  # heights that stand on the grid
             heights = np.broadcast_to(self.shape.gap(grid), grid.cells)
             return np.asarray(
-                ndimage.shift(heights, (shift / grid.cell[0], 0), order=3, mode="grid-wrap")
+                ndimage.shift(heights, (shift / grid.cell_size[0], 0), order=3, mode="grid-wrap")
             )
         return self.shape.gap(ShiftedGrid(grid.cells, grid.extent, shift))

@@ -343,7 +343,7 @@ class FiniteLength:
         A row whose centre lies beyond the end stands for nothing: the row next to it also stands for its part on the
         roller.
         """
-        within = np.clip((self.length / 2 - np.abs(grid.y)) / grid.cell[1] + 0.5, 0.0, 1.0)
+        within = np.clip((self.length / 2 - np.abs(grid.y)) / grid.cell_size[1] + 0.5, 0.0, 1.0)
         beyond = np.abs(grid.y) > self.length / 2
         lengths = np.where(beyond, 0.0, within)
         left_over = np.where(beyond, within, 0.0)

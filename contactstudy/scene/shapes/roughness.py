@@ -8,7 +8,6 @@ from scipy import fft
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    divides,
     finite,
     in_range,
     in_range_from_zero,
@@ -16,6 +15,7 @@ from contactstudy.domain.checks import (
     set_fields,
     suggest_fields,
     whole_number,
+    whole_quotient,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -208,7 +208,7 @@ class Roughness:
             rows = fft.ifft(_folded(waves, kx * grid.extent[0], nx), axis=0, norm="forward")
         rows *= np.exp(2j * np.pi * ky * grid.y[0])
         # the heights are real: the upper half of the waves is the lower half, conjugate
-        columns = np.round(ky * grid.period).astype(int).ravel() % ny
+        columns = np.round(ky * grid.length).astype(int).ravel() % ny
         upper = columns > ny // 2
         rows[:, upper] = rows[:, upper].conj()
         half = _folded(rows.T, np.where(upper, ny - columns, columns), ny // 2 + 1)
@@ -218,7 +218,7 @@ class Roughness:
     def _waves(self, grid: Grid) -> tuple[np.ndarray, tuple[Array, Array]]:
         """Return complex amplitudes [m] of half the plane of waves, and their wave numbers [1/m]."""
         extent = self.extent or grid.extent
-        divides("Roughness.extent[1]", extent[1], grid.period)
+        whole_quotient("Roughness.extent[1]", extent[1], grid.length)
         amplitudes = cached_array((self, extent), partial(self._amplitudes, extent))
         return amplitudes, self._wave_numbers(extent)
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    divides,
     finite,
     in_range,
     in_range_from_zero,
@@ -17,6 +16,7 @@ from contactstudy.domain.checks import (
     positive,
     set_fields,
     suggest_fields,
+    whole_quotient,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -224,7 +224,7 @@ class Texture:
     def gap(self, grid: Grid) -> Array:
         """Return depths [m] at the cell centres, of shape (x, y), or (nx, 1) for grooves along the length."""
         across, along = self.pitch
-        divides("Texture.pitch[1]", along, grid.period)
+        whole_quotient("Texture.pitch[1]", along, grid.length)
         if self.feature.depth == 0:
             return np.zeros((grid.cells[0], 1))
         y = grid.y if along < inf else np.zeros(1)
@@ -312,7 +312,7 @@ class Waviness:
 
     def gap(self, grid: Grid) -> Array:
         """Return the depth below the mean at the cell centres [m], of shape (x, y), or (nx, 1) without waves along."""
-        divides("Waviness.along", self.along, grid.period)
+        whole_quotient("Waviness.along", self.along, grid.length)
         y = grid.y if self.amplitude and self.along < inf else np.zeros(1)
         angle = 2 * np.pi * (grid.x[:, None] / self.across + y / self.along) + self.phase
         return np.asarray(-self.amplitude * np.cos(angle))

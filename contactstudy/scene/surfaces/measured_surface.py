@@ -12,11 +12,11 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    divides,
     in_range,
     pair,
     set_fields,
     suggest_fields,
+    whole_quotient,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -285,7 +285,7 @@ class MeasuredSurface:
             )
             length = piece
         period = seam.lengths * length
-        divides("MeasuredSurface period", period, grid.extent[axis])
+        whole_quotient("MeasuredSurface period", period, grid.extent[axis])
         closed = seam.close(heights) if axis else seam.close(heights.T).T
         cells, width = grid.cells[axis], grid.extent[axis]
         return cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")

@@ -52,7 +52,7 @@ class FrettingShear:
         # without a load there is no tangential force
         forces = self.forces if limit.any() else ()
         for force in forces:
-            total = np.array([force * problem.grid.period / problem.grid.cell_area, 0.0])
+            total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
             step = slip_step(
                 self.response, limit, shear, options.tolerance, options.max_iterations, total=total
             )
@@ -74,7 +74,7 @@ class FrettingShear:
             stick=stick,
             method="fretting, Newton",
             iterations=applications,
-            forces=np.array([0.0, *forces]) * problem.grid.period,
+            forces=np.array([0.0, *forces]) * problem.grid.length,
             rigid_displacement=np.array(displacements),
             shears=np.array(shears),
             slip_distance=slip_distance,

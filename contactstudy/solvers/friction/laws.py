@@ -122,7 +122,7 @@ class CoulombDisks:
             np.zeros((2, *limit.shape)),
             options.tolerance,
             options.max_iterations,
-            total=np.array([self.force * problem.grid.period / problem.grid.cell_area, 0.0]),
+            total=np.array([self.force * problem.grid.length / problem.grid.cell_area, 0.0]),
         )
         status = shear_status(
             step.residual, step.applications, options.tolerance, options.max_iterations

@@ -167,7 +167,7 @@ class TractiveShear:
     def _power(self, grid: Grid, state: "SteadyShear") -> Array:
         """Return the frictional power per area (x, y) [W/m^2] of a steady state."""
         # the shear before and after a step: q . s alone misses what the step from cell to cell dissipates
-        mean = (state.shear + ahead(state.shear, np.copysign(grid.cell[0], self.speed))) / 2
+        mean = (state.shear + ahead(state.shear, np.copysign(grid.cell_size[0], self.speed))) / 2
         return np.asarray(-abs(self.speed) * np.einsum("cxy,cxy->xy", mean, state.slip))
 
     def steady(
@@ -186,13 +186,13 @@ class TractiveShear:
             fine = level is grid
             limit = on_cells(self.coefficient * pressure, level.cells)
             limit = np.where(limit < 1e-12 * limit.max(), 0, limit)
-            step = float(np.copysign(level.cell[0], self.speed))
+            step = float(np.copysign(level.cell_size[0], self.speed))
             slip = RollingSlip(self.shear_response(level), step)
             displacement = on_grid(by_pressure, level)
             free_slip = (displacement - ahead(displacement, step)) / abs(step) - creepage.on(level)
             total = None
             if self.force is not None:
-                total = np.array([self.force * level.period / level.cell_area, np.nan])
+                total = np.array([self.force * level.length / level.cell_area, np.nan])
             newton = CoulombNewton(slip, limit, total)
             steady = _steady(
                 newton,

@@ -138,8 +138,8 @@ def roughness() -> Iterator[AccuracyCase]:
                 shape = cs.Roughness(
                     rms * FLATTENED,
                     hurst=hurst,
-                    roll_off=max(0.9 * A, cut_off * grid.cell[0]),
-                    cut_off=cut_off * grid.cell[0],
+                    roll_off=max(0.9 * A, cut_off * grid.cell_size[0]),
+                    cut_off=cut_off * grid.cell_size[0],
                     seed=number,
                 )
                 yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
@@ -223,11 +223,11 @@ def bumps() -> Iterator[AccuracyCase]:
     ):
         cells = 48 + 5 * number, 40 + 3 * number
         grid = cs.Grid(cells, (3.2 * A, 3.2 * A * cells[1] / cells[0]))
-        dx, dy = grid.cell
+        dx, dy = grid.cell_size
         shape = Bumps(
             height * FLATTENED,
             width * dx,
-            (5 * dx, grid.period / (cells[1] // 5)),
+            (5 * dx, grid.length / (cells[1] // 5)),
             (number / 12 * dx, dy / 2),
         )
         yield AccuracyCase("bumps", scene(shape), grid, EXACT, Finer((6, 6), EXACT))
@@ -285,7 +285,7 @@ def point_loads() -> Iterator[AccuracyCase]:
             0.05 * grown,
             hurst=0.8,
             roll_off=size / 4,
-            cut_off=cut_off * grid.cell[0],
+            cut_off=cut_off * grid.cell_size[0],
             seed=number,
         )
         ball = cs.Scene(cs.LineLoad(30.0 / size), SCENE.solids, (cs.Sphere(0.01), shape))

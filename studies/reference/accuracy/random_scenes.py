@@ -53,7 +53,7 @@ def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
     width = (2.6 + 2 * (height / FLATTENED) ** 0.5) * A
     if rng.random() < 0.6:
         grid = cs.Grid((int(rng.integers(40, 200)), 1), (width, A))
-        wave = cs.Waviness(height, across=_ratio(rng, *cells) * grid.cell[0], phase=phase)
+        wave = cs.Waviness(height, across=_ratio(rng, *cells) * grid.cell_size[0], phase=phase)
         return scene(wave), grid, EXACT, Finer((32, 1), EXACT)
     grid = cs.Grid((int(rng.integers(30, 60)), int(rng.integers(12, 30))), (width, A))
     count = max(1, round(grid.cells[1] / _ratio(rng, *cells)))
@@ -75,7 +75,9 @@ def slits(rng: np.random.Generator) -> Made:
     """Slits of a tenth of a cell to three cells."""
     grid = cs.Grid((int(rng.integers(40, 250)), 1), (rng.uniform(2.6, 3.4) * A, A))
     places = tuple(rng.uniform(-1, 1, int(rng.integers(1, 4))) * A)
-    shape = Slits(places, rng.uniform(0.1, 3) * grid.cell[0], _ratio(rng, 0.01, 10) * FLATTENED)
+    shape = Slits(
+        places, rng.uniform(0.1, 3) * grid.cell_size[0], _ratio(rng, 0.01, 10) * FLATTENED
+    )
     return scene(shape), grid, EXACT, Finer((64, 1), EXACT)
 
 
@@ -85,8 +87,8 @@ def needles(rng: np.random.Generator) -> Made:
     grid = cs.Grid(cells, (3 * A, 3 * A * cells[1] / cells[0]))
     shape = Bumps(
         _ratio(rng, 1e-3, 0.3) * FLATTENED,
-        rng.uniform(0.3, 1.5) * grid.cell[0],
-        (rng.uniform(5, 20) * grid.cell[0], grid.period / int(rng.integers(1, 4))),
+        rng.uniform(0.3, 1.5) * grid.cell_size[0],
+        (rng.uniform(5, 20) * grid.cell_size[0], grid.length / int(rng.integers(1, 4))),
         (rng.uniform(-1, 1) * A, rng.uniform(-1, 1) * A),
     )
     return scene(shape), grid, EXACT, Finer((12, 12), EXACT)
@@ -98,7 +100,7 @@ def textures(rng: np.random.Generator) -> Made:
     depth = _ratio(rng, 0.02, 5) * FLATTENED
     if rng.random() < 0.5:
         grid = cs.Grid((int(rng.integers(50, 400)), 1), (2.9 * A, A))
-        pitch = _ratio(rng, 4, 60) * grid.cell[0]
+        pitch = _ratio(rng, 4, 60) * grid.cell_size[0]
         groove = cs.Groove(depth, rng.uniform(0.3, 1) * pitch, profile)
         return scene(cs.Texture(groove, (pitch, inf))), grid, EXACT, Finer((24, 1), EXACT)
     across, along = rng.uniform(0.3, 0.9, 2) * A
@@ -112,7 +114,7 @@ def roughness(rng: np.random.Generator) -> Made:
     """Roughness cut off at one to sixteen cells."""
     cells = int(rng.integers(60, 110))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
-    cut_off = _ratio(rng, 1, 16) * grid.cell[0]
+    cut_off = _ratio(rng, 1, 16) * grid.cell_size[0]
     shape = cs.Roughness(
         _ratio(rng, 0.02, 1) * FLATTENED,
         hurst=rng.uniform(0.3, 0.9),
@@ -164,7 +166,9 @@ def rollers(rng: np.random.Generator) -> Made:
     period = rng.uniform(3, 16) * A
     grid = cs.Grid((int(rng.integers(28, 60)), int(rng.integers(16, 80))), (4 * A, period))
     length = (
-        rng.uniform(0.1, 3) * grid.cell[1] if rng.random() < 0.3 else rng.uniform(0.6, 1) * period
+        rng.uniform(0.1, 3) * grid.cell_size[1]
+        if rng.random() < 0.3
+        else rng.uniform(0.6, 1) * period
     )
     shapes: list[cs.Shape] = [cs.FiniteLength(length)]
     if rng.random() < 0.4:

@@ -54,7 +54,7 @@ def few_cells() -> Iterator[AccuracyCase]:
     for touching in (0.3, 0.6, 1.0, 1.4, 2.0, 2.6, 3.5, 5.0, 7.0, 10.0):
         for fraction in (0.0, 0.37):
             grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
-            aside = fraction * grid.cell[0]
+            aside = fraction * grid.cell_size[0]
             truth = ClosedForm(_cylinder(aside), P_H, touching / 32, 512)
             shifted = cs.Scene(SCENE.load, STEEL, (Shifted(aside),))
             yield AccuracyCase("1-10 cells in contact", shifted, grid, EXACT, truth)
@@ -103,7 +103,7 @@ def sharp() -> Iterator[AccuracyCase]:
         grid = cs.Grid((cells, 1), (4 * A, A))
         heights = np.where(np.abs(grid.x) < A, 0.0, -50 * FLATTENED)[:, None]
         punch = cs.Scene(SCENE.load, STEEL, (cs.MeasuredSurface(heights),))
-        edge = (np.abs(grid.x) < A).sum() * grid.cell[0] / 2
+        edge = (np.abs(grid.x) < A).sum() * grid.cell_size[0] / 2
 
         def under(x: Array, _: Array, edge: float = edge) -> Array:
             return np.where(

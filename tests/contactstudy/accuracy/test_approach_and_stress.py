@@ -23,7 +23,7 @@ def test_the_bounds_hold_of_smooth_and_of_wavy_contacts(
     grid = line_contact.grid((90, 1), 1.0, width=3.2)
     shapes = line_contact.scene.shapes
     if wave is not None:
-        shapes = (*shapes, cs.Waviness(wave[0], across=wave[1] * grid.cell[0], phase=0.4))
+        shapes = (*shapes, cs.Waviness(wave[0], across=wave[1] * grid.cell_size[0], phase=0.4))
     scene = replace(line_contact.scene, shapes=shapes, outputs=(cs.SubsurfaceStress(DEPTHS),))
 
     def solved(cells: int) -> tuple[cs.Contact, np.ndarray]:

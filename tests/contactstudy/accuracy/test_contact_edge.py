@@ -75,7 +75,7 @@ def test_edge_of_a_sphere_is_found_where_it_runs_along_the_cells() -> None:
     grid = cs.Grid(cells=(128, 128), extent=(length, length))
     free = cs.ZeroPadding()
     solution = cs.solve(scene.problem(grid, (free, free)))
-    halves, step = half_widths(solution.pressure, grid.x), grid.cell[0]
+    halves, step = half_widths(solution.pressure, grid.x), grid.cell_size[0]
     touching = np.flatnonzero(solution.pressure.any(axis=0))
     true = np.sqrt(np.clip(a**2 - grid.y**2, 0, None))
     # an edge of radius a is straight to one part in a / step
@@ -96,7 +96,7 @@ def test_unresolved_edges_stay_as_they_are(line_contact: LineContact) -> None:
     pressure = cs.solve(scene.problem(grid, EXACT), tolerance=1e-6).pressure
     np.testing.assert_array_equal(corrected_pressure(pressure), pressure)
     touching = pressure > 0
-    faces = grid.x + grid.cell[0] / 2
+    faces = grid.x + grid.cell_size[0] / 2
     right = faces[63 - np.argmax(touching[::-1], axis=0)]
     left = faces[63 - np.argmax(touching, axis=0)]
     np.testing.assert_allclose(half_widths(pressure, grid.x), (right + left) / 2, rtol=1e-12)

@@ -246,7 +246,7 @@ def test_wherever_the_edge_falls_the_error_is_below_the_expected(line_contact: L
             solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
             true = hertz.pressure(grid.x)[:, None]
             error = np.abs(solution.pressure - true).sum() / solution.pressure.sum()
-            worst = max(worst, float(error) / smooth_l1(grid.cell[0] / hertz.half_width))
+            worst = max(worst, float(error) / smooth_l1(grid.cell_size[0] / hertz.half_width))
     # a bound, and no larger than the edge at its worst place calls for
     assert 0.5 < worst <= 1
 

@@ -71,7 +71,7 @@ def test_what_stands_out_of_the_cells_of_an_unknown_shape_leaves_no_bound(
 @pytest.mark.parametrize("place", [0.1, 0.3])
 def test_one_hidden_peak_is_enough(place: float, line_contact: LineContact) -> None:
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
-    spike = Spike(place * grid.cell[0], 0.05 * grid.cell[0])
+    spike = Spike(place * grid.cell_size[0], 0.05 * grid.cell_size[0])
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, spike))
     assert estimate_of(scene, grid).l1.total == inf
 
@@ -114,7 +114,9 @@ class Bumps:
     def gap(self, grid: cs.Grid) -> np.ndarray:
         across, along = (
             ((points / cell - place + 2) % 4 - 2) / self.width
-            for points, cell, place in zip((grid.x, grid.y), self.cell, self.place, strict=True)
+            for points, cell, place in zip(
+                (grid.x, grid.y), self.cell_size, self.place, strict=True
+            )
         )
         return -self.height * np.exp(-(across[:, None] ** 2) - along**2)
 
@@ -130,7 +132,7 @@ def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
     hertz = line_contact.hertz
     grid = line_contact.grid(cells, 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
-    bumps = Bumps(height, width, place, grid.cell)
+    bumps = Bumps(height, width, place, grid.cell_size)
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
     estimate = estimate_of(scene, grid)
     assert estimate.l1.total == estimate.peak_pressure.total == inf
@@ -141,7 +143,7 @@ def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineC
     hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
     height = 1e-3 * hertz.half_width**2 / hertz.radius
     scene = line_contact.scene
-    bumpy = replace(scene, shapes=(*scene.shapes, Bumps(height, 0.3, (0.0, 0.0), grid.cell)))
+    bumpy = replace(scene, shapes=(*scene.shapes, Bumps(height, 0.3, (0.0, 0.0), grid.cell_size)))
     coarse = cs.solve(bumpy.problem(grid, cs.ExactPeriodicity()))
     fine_grid = cs.Grid((8 * 48, 8 * 40), grid.extent)
     fine = cs.solve(bumpy.problem(fine_grid, cs.ExactPeriodicity()), tolerance=1e-5)
@@ -159,7 +161,7 @@ def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> No
     """Bumps a hundredth of a cell wide are missed by a few points and found by many."""
     hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
-    bumps = Bumps(height, 0.02, (0.27, 0.13), grid.cell)
+    bumps = Bumps(height, 0.02, (0.27, 0.13), grid.cell_size)
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert error_estimate(solution, confidence=0.5).l1.total < inf
@@ -190,7 +192,7 @@ def test_a_wave_of_few_cells_is_seen_between_the_centres(
 ) -> None:
     """With a hundred cells, all centres lie on the zeros of a wave of two."""
     grid = line_contact.grid((100, 1), 1.0, width=3.2)
-    wave = cs.Waviness(height, across=cells * grid.cell[0])
+    wave = cs.Waviness(height, across=cells * grid.cell_size[0])
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, wave))
     coarse = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     fine_grid = cs.Grid((3200, 1), grid.extent)
@@ -209,7 +211,7 @@ def test_a_roller_shorter_than_a_cell_leaves_no_bound(
     length: float, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((48, 16), 1.0, width=3.0)
-    roller = cs.FiniteLength(length * grid.cell[1])
+    roller = cs.FiniteLength(length * grid.cell_size[1])
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, roller))
     estimate = error_estimate(cs.solve(scene.problem(grid, cs.ZeroPadding())))
     assert estimate.l1.total == estimate.mean_gap.total == inf
@@ -233,7 +235,7 @@ def test_slits_between_the_centres_count_in_the_mean_gap(
     cells: int, width: float, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((cells, 1), 1.0, width=3.2)
-    slit = Slit(float(grid.x[cells // 2]) + grid.cell[0] / 2, width * grid.cell[0])
+    slit = Slit(float(grid.x[cells // 2]) + grid.cell_size[0] / 2, width * grid.cell_size[0])
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, slit))
     coarse, fine = (
         cs.solve(scene.problem(cs.Grid((count, 1), grid.extent), cs.ExactPeriodicity()))

@@ -47,7 +47,7 @@ def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(
     assert found.corner_rise == pytest.approx(rise / 1e9)
     # where nothing bears it does not count
     aside: Any = SimpleNamespace(
-        gap=lambda grid: 1e-3 * np.abs(grid.x - 5 * problem.grid.cell[0])[:, None],
+        gap=lambda grid: 1e-3 * np.abs(grid.x - 5 * problem.grid.cell_size[0])[:, None],
         names_scales=True,
     )
     elsewhere = subcell(replace(problem, source=aside), pressure, 0.95)

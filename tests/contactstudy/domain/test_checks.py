@@ -13,7 +13,6 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.checks import (
     InvalidInput,
-    divides,
     in_range,
     in_range_from_zero,
     in_range_or_zero,
@@ -23,6 +22,7 @@ from contactstudy.domain.checks import (
     sequence,
     suggestion,
     whole_number,
+    whole_quotient,
 )
 
 NUMBERS: list[tuple[Callable[[str, object, str], float], list[float], list[object]]] = [
@@ -65,12 +65,12 @@ def test_a_pair_has_two_and_a_sequence_is_flat() -> None:
 
 
 def test_a_length_divides_a_period_to_a_billionth_of_it() -> None:
-    assert divides("pitch", 2.0, 6.0) == 3
-    assert divides("pitch", 1.0, 1000 + 0.5e-6) == 1000
-    assert divides("pitch", 1.0, 1000 - 0.5e-6) == 1000
+    assert whole_quotient("pitch", 2.0, 6.0) == 3
+    assert whole_quotient("pitch", 1.0, 1000 + 0.5e-6) == 1000
+    assert whole_quotient("pitch", 1.0, 1000 - 0.5e-6) == 1000
     for period in (1000 + 1.5e-6, 1000 - 1.5e-6, 1 + 1.5e-9, 2.5):
         with pytest.raises(InvalidInput, match=r"^pitch is 1\.0: give a length that divides"):
-            divides("pitch", 1.0, period)
+            whole_quotient("pitch", 1.0, period)
 
 
 def test_a_name_that_is_none_brings_the_nearest_or_all() -> None:
@@ -83,7 +83,7 @@ def test_a_name_that_is_none_brings_the_nearest_or_all() -> None:
     ("make", "sentence"),
     [
         (lambda: cs.Cylinder(radious=1), "Cylinder.radious is not known: did you mean 'radius'"),  # type: ignore[call-arg]
-        (lambda: cs.Grid(cell=(1, 2)), "Grid.cell is not known: did you mean 'cells'"),  # type: ignore[call-arg]
+        (lambda: cs.Grid(cell=(1, 2)), "Grid.cell_size is not known: did you mean 'cells'"),  # type: ignore[call-arg]
         (lambda: cs.LineLoad(force=1.0), "LineLoad.force is not known: choose from per_length"),  # type: ignore[call-arg]
     ],
 )

@@ -9,13 +9,13 @@ def test_cell_centres_are_symmetric_to_the_last_bit() -> None:
     assert (grid.x == -grid.x[::-1]).all()
     assert (grid.y == -grid.y[::-1]).all()
     assert grid.x[3] == 0
-    np.testing.assert_allclose(np.diff(grid.y), grid.cell[1], rtol=1e-14)
-    np.testing.assert_allclose(grid.x[-1] + grid.cell[0] / 2, 0.15, rtol=1e-15)
+    np.testing.assert_allclose(np.diff(grid.y), grid.cell_size[1], rtol=1e-14)
+    np.testing.assert_allclose(grid.x[-1] + grid.cell_size[0] / 2, 0.15, rtol=1e-15)
 
 
 def test_cells_are_the_extent_parted() -> None:
     grid = cs.Grid(cells=(4, 2), extent=(8.0, 6.0))
-    assert (grid.cell, grid.cell_area, grid.period) == ((2, 3), 6, 6)
+    assert (grid.cell_size, grid.cell_area, grid.length) == ((2, 3), 6, 6)
     assert grid.x.tolist() == [-3, -1, 1, 3]
     assert grid.y.tolist() == [-1.5, 1.5]
 

@@ -18,7 +18,7 @@ def errors(
     pressure = solution.pressure / contact.hertz.peak_pressure
     error = pressure - contact.hertz.pressure(grid.x)[:, None] / contact.hertz.peak_pressure
     near = np.argsort(np.abs(grid.x), kind="stable")[:2]
-    fraction = grid.cell[0] / (np.pi / 2 * contact.hertz.half_width)
+    fraction = grid.cell_size[0] / (np.pi / 2 * contact.hertz.half_width)
     return (
         float(pressure[near].mean() - 1),
         float(np.abs(error).max()),

@@ -38,7 +38,7 @@ def dense(grid: cs.Grid, along: Images, across: Images = NONE) -> np.ndarray:
     width, period = grid.extent
     x, y = across.offset(x, width), along.offset(y, period)
     return sum(
-        boussinesq_cell(x + k * width, y + m * period, *grid.cell)
+        boussinesq_cell(x + k * width, y + m * period, *grid.cell_size)
         for k in across.window
         for m in along.window
     )
@@ -94,7 +94,7 @@ def test_superposition_of_no_images_is_zero_padding() -> None:
 def test_folded_duplication_is_the_literal_copy(cells: tuple[int, int]) -> None:
     """Figure 2 of the paper: zeros behind the width, a copy of the pressure behind the length."""
     grid = cs.Grid(cells=cells, extent=(1.2, 0.8))
-    (nx, ny), (dx, dy) = cells, grid.cell
+    (nx, ny), (dx, dy) = cells, grid.cell_size
     pressure = np.random.default_rng(5).random(cells)
     copied = np.zeros((2 * nx, 2 * ny))
     copied[:nx, :ny] = copied[:nx, ny:] = pressure
@@ -111,9 +111,9 @@ def test_exact_periodicity_is_what_superposition_tends_to(
 ) -> None:
     """Truncation leaves terms of (x^2, y^2) / D^2 after the rigid shift ln(2 n + 1) L."""
     exact = applied(GRID, cs.ExactPeriodicity())
-    logarithm = 2 * GRID.cell_area / GRID.period
+    logarithm = 2 * GRID.cell_area / GRID.length
     for images in (10, 100, 1000):
-        reach = (2 * images + 1) * GRID.period
+        reach = (2 * images + 1) * GRID.length
         shifted = applied(GRID, kind(images)) - logarithm * np.log(reach)
         bound = logarithm * GRID.extent[0] ** 2 / (reach / 2) ** 2
         assert np.abs(shifted - exact).max() < bound
@@ -122,9 +122,9 @@ def test_exact_periodicity_is_what_superposition_tends_to(
 def test_ten_thousand_images_lose_no_digits() -> None:
     """Truncation is then of order 1e-8; the sums of the coefficients must be as good as that."""
     exact = applied(GRID, cs.ExactPeriodicity())
-    logarithm = 2 * GRID.cell_area / GRID.period
+    logarithm = 2 * GRID.cell_area / GRID.length
     images = 10_000
-    reach = (2 * images + 1) * GRID.period
+    reach = (2 * images + 1) * GRID.length
     shifted = applied(GRID, cs.CircularSuperposition(images)) - logarithm * np.log(reach)
     difference = shifted - exact
     # the leading term left out is the same for all y: (x^2 + dx^2 / 12 ...) / (4 D^2) of the logarithm

@@ -115,7 +115,7 @@ def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_
 def test_a_plan_puts_six_cells_into_the_zone_and_leaves_room_for_the_attraction() -> None:
     planned = cs.plan(replace(SCENE, load=cs.LineLoad(pi)), error=0.1)
     # one zone is 1 m long here, and the attraction of the cylinder falls to 1e-6 within 7.4 m of the contact
-    assert planned.grid.cell[0] <= 1 / 6
+    assert planned.grid.cell_size[0] <= 1 / 6
     assert planned.grid.extent[0] / 2 > 7.4
     contact = cs.solve(replace(SCENE, load=cs.LineLoad(pi)), planned.grid, planned.padding)
     assert contact.status is cs.Status.CONVERGED

@@ -43,7 +43,7 @@ def marched(
 
 
 def width_of(frame: Trajectory, number: int = -1) -> float:
-    return float(frame.contact_area[number]) / frame.grid.period / 2
+    return float(frame.contact_area[number]) / frame.grid.length / 2
 
 
 def test_a_held_load_spreads_as_lee_and_radok_have_it() -> None:
@@ -54,7 +54,7 @@ def test_a_held_load_spreads_as_lee_and_radok_have_it() -> None:
     found = marched(rolling_cylinder(SOLID), grid, np.linspace(0, 2, 21))
     assert found.peak_pressure[-1] == pytest.approx(0.031855429, rel=2e-4)
     # the contact ends in a cell
-    assert width_of(found) == pytest.approx(0.151558473, abs=grid.cell[0])
+    assert width_of(found) == pytest.approx(0.151558473, abs=grid.cell_size[0])
     exact = held_pressure(SOLID, 2.0, grid.x)
     wrong = np.abs(found.frames[-1].pressure[:, 0] - exact).sum() / exact.sum()
     assert (
@@ -82,8 +82,8 @@ def test_a_contact_falls_back_at_a_sudden_unloading_as_ting_has_it() -> None:
     before, after = found.frames[-2:]
     assert (before.load, after.load) == (LOAD, 0.4 * LOAD)
     assert before.time == after.time == 1.0
-    assert width_of(found, -2) == pytest.approx(half_width(SOLID, 1.0), abs=grid.cell[0])
-    assert width_of(found) == pytest.approx(0.094359465, abs=grid.cell[0])
+    assert width_of(found, -2) == pytest.approx(half_width(SOLID, 1.0), abs=grid.cell_size[0])
+    assert width_of(found) == pytest.approx(0.094359465, abs=grid.cell_size[0])
 
 
 def test_a_sine_load_on_a_solid_with_two_times() -> None:
@@ -93,10 +93,10 @@ def test_a_sine_load_on_a_solid_with_two_times() -> None:
     grid = line(400)
     found = marched(scene, grid, np.linspace(0, 1.5, 61)[1:])
     assert found.peak_pressure[-1] == pytest.approx(0.028086871, rel=3e-4)
-    assert width_of(found) == pytest.approx(0.121487781, abs=grid.cell[0])
+    assert width_of(found) == pytest.approx(0.121487781, abs=grid.cell_size[0])
     widest = int(np.argmax(found.contact_area))
     assert found.times[widest] == pytest.approx(1.217635, abs=0.1)
-    assert width_of(found, widest) == pytest.approx(0.129483507, abs=grid.cell[0])
+    assert width_of(found, widest) == pytest.approx(0.129483507, abs=grid.cell_size[0])
 
 
 def test_a_maxwell_fluid_spreads_for_ever() -> None:
@@ -104,7 +104,7 @@ def test_a_maxwell_fluid_spreads_for_ever() -> None:
     fluid = cs.ViscoelasticHalfSpace(0.0, 0.0, ((1.0, 3.0),))
     grid = line(600, 1.2)
     found = marched(rolling_cylinder(fluid), grid, np.linspace(0, 9, 61))
-    assert width_of(found) == pytest.approx(0.2, abs=grid.cell[0])
+    assert width_of(found) == pytest.approx(0.2, abs=grid.cell_size[0])
     exact = held_pressure(fluid, 9.0, grid.x)
     assert found.peak_pressure[-1] == pytest.approx(exact.max(), rel=1e-3)
 

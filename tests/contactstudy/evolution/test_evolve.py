@@ -177,11 +177,11 @@ def test_a_dataset_names_all_that_was_found() -> None:
     assert dataset["von_mises"].dims[0] == "time"
     for name in ("approach", "contact_area", "peak_pressure", "load", "status", "step_error"):
         assert dataset[name].dims == ("time",)
-    load = dataset["pressure"].sum(("x", "y")) * grid.cell_area / grid.period
+    load = dataset["pressure"].sum(("x", "y")) * grid.cell_area / grid.length
     np.testing.assert_allclose(load, LOAD, rtol=1e-7)
     touching = np.count_nonzero(found.pressure[0])
     assert float(dataset["contact_area"][0]) == pytest.approx(
-        touching * grid.cell_area / grid.period
+        touching * grid.cell_area / grid.length
     )
     alone = cs.solve(
         replace(scene, solids=ELASTIC.solids, wear=None).problem(grid, cs.ZeroPadding())
@@ -205,7 +205,7 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     grid = cs.Grid((48, 16), (0.8, 0.6))
     found = evolve(scene, grid, padding, times=[0.0, 0.5, 1.0], step_error=cs.StepError.NONE)
     assert found.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
-    borne = found.frames[-1].pressure.sum() * grid.cell_area / grid.period
+    borne = found.frames[-1].pressure.sum() * grid.cell_area / grid.length
     assert borne == pytest.approx(LOAD, rel=1e-7)
 
 

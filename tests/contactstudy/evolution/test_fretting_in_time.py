@@ -121,11 +121,11 @@ def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None
     inside = np.abs(x) < 0.9 * c
     expected = (1 / pi + 2 / pi * (c**2 / 2 - x[inside] ** 2)) / np.sqrt(c**2 - x[inside] ** 2)
     # the edge of stick is known to a cell, which moves the pressure inside by as much
-    assert np.abs(pressure[inside] / expected - 1).max() < 2 * frame.grid.cell[0] / c
-    assert pressure[np.abs(x) > c + frame.grid.cell[0]].max() < 1e-3 * pressure.max()
+    assert np.abs(pressure[inside] / expected - 1).max() < 2 * frame.grid.cell_size[0] / c
+    assert pressure[np.abs(x) > c + frame.grid.cell_size[0]].max() < 1e-3 * pressure.max()
     assert not depth[inside].any()
     # the volume in the limit, of a stick zone that may be a cell wider or narrower
-    assert depth.sum() * frame.grid.cell[0] == pytest.approx(0.1702123, rel=0.04)
+    assert depth.sum() * frame.grid.cell_size[0] == pytest.approx(0.1702123, rel=0.04)
 
 
 @pytest.mark.parametrize(
@@ -229,7 +229,7 @@ def test_a_scene_file_frets_on_a_planned_grid_under_a_load_that_changes(tmp_path
     file.write_text(text)
     found = cs.read_scene(file).solve()
     assert found.quantities["worn_volume"].value > 0
-    force = found.frames[-1].shear[0].sum() * found.grid.cell_area / found.grid.period
+    force = found.frames[-1].shear[0].sum() * found.grid.cell_area / found.grid.length
     assert force == pytest.approx(-1e4)
     assert {"shear_x", "slip_distance", "worn_depth"} <= set(found.to_dataset())
 

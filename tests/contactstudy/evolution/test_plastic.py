@@ -366,7 +366,7 @@ def test_a_body_that_yields_can_wear() -> None:
     found = evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), options=cs.SolveOptions(1e-7))
     worn = (
         evolution_of(found).to_dataset()["worn_depth"].isel(time=-1).sum().item()
-        * found.grid.cell[0]
+        * found.grid.cell_size[0]
     )
     assert worn == pytest.approx(2 * 1e-15 * load(3), rel=1e-9)
     assert found.peak_pressure[-1] < found.peak_pressure[0]

@@ -137,8 +137,8 @@ def test_a_worn_cylinder_is_flat_as_wide_as_the_rigid_one() -> None:
     distance = 0.5**3 / (1.5 * LOAD)
     times = np.concatenate([[0.0], np.geomspace(distance * 1e-5, distance, 120)])
     found = marched(CYLINDER, grid, times)
-    half = found.contact_area[-1] / grid.period / 2
-    assert half == pytest.approx(0.5058, abs=grid.cell[0])
+    half = found.contact_area[-1] / grid.length / 2
+    assert half == pytest.approx(0.5058, abs=grid.cell_size[0])
     middle = found.frames[-1].pressure[300, 0]
     assert middle * 2 * half / LOAD == pytest.approx(1.016, abs=0.015)
 
@@ -164,7 +164,7 @@ def test_the_worn_volume_is_that_of_archard_to_rounding(
     breakpoints = sorted({*times.tolist(), *load.breaks(2.0)})
     impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(breakpoints))
     worn = found.frames[-1].fields["worn_depth"].values
-    assert worn.sum() * grid.cell[0] == pytest.approx(1e-3 * impulse, rel=1e-13)
+    assert worn.sum() * grid.cell_size[0] == pytest.approx(1e-3 * impulse, rel=1e-13)
     assert worn.min() >= 0
 
 
@@ -182,7 +182,7 @@ def test_no_wear_is_the_scene_without_it() -> None:
 def test_an_explicit_march_breaks_where_it_is_said_to() -> None:
     """Beyond the limit the shortest wave of the contact grows from step to step, below it does not."""
     grid = cs.Grid((128, 1), (2.0, 1.0))
-    limit = explicit_limit(1.0, 1.0, grid.cell[0])
+    limit = explicit_limit(1.0, 1.0, grid.cell_size[0])
     # a punch under so much load that it stays in contact as a whole
     scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), (Jagged(1e-9),), wear=cs.Wear(1.0, 1.0))
     for factor in (0.9, 1.1):
@@ -215,7 +215,7 @@ def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() ->
     found = marched(scene, grid, [0.0, 0.5, 2.0])
     assert found.status is cs.Status.CONVERGED
     worn = found.frames[-1].fields["worn_depth"].values
-    assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.period, rel=1e-12)
+    assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.length, rel=1e-12)
     first, *_, last = found.frames
     assert last.pressure.max() <= 0.05 == first.pressure.max()
     assert last.pressure.std() < first.pressure.std()

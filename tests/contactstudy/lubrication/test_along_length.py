@@ -45,7 +45,7 @@ def test_a_rough_film_converges_and_loses_no_lubricant(load: float, viscosity: f
     assert contact.status is not cs.Status.FILM_NOT_CONVERGED
     assert contact.flux_spread < 1e-6
     assert (contact.film > 0).all()
-    carried = contact.pressure.sum() * contact.grid.cell_area / contact.grid.period
+    carried = contact.pressure.sum() * contact.grid.cell_area / contact.grid.length
     assert carried == pytest.approx(1e5, rel=1e-7)
 
 

@@ -38,8 +38,8 @@ def test_a_rough_plan_has_cells_for_its_waves_and_no_error() -> None:
     planned = cs.plan(scene)
     assert planned.dimension == 2
     assert planned.error == inf
-    assert planned.grid.cell[0] <= 1e-4 / 8
-    assert planned.grid.cell[1] <= 5e-5 / 8
+    assert planned.grid.cell_size[0] <= 1e-4 / 8
+    assert planned.grid.cell_size[1] <= 5e-5 / 8
     assert "not known beforehand" in " ".join(planned.warnings)
     with pytest.raises(cs.InvalidInput, match=r"contactstudy\.plan\(scene\)\.grid"):
         solve_lubricated(scene, error=1e-2)

@@ -92,7 +92,7 @@ def test_a_load_that_grows_squeezes_the_film_to_that_of_the_larger_load() -> Non
     films = evolution.central_film
     assert films.max() > films[0] * 1.01
     assert films[-1] == pytest.approx(heavy.central_film, rel=1e-3)
-    carried = evolution.contacts[5].pressure.sum() * grid(160, 4.0).cell[0]
+    carried = evolution.contacts[5].pressure.sum() * grid(160, 4.0).cell_size[0]
     assert carried == pytest.approx(2e5, rel=1e-5)
 
 
@@ -156,7 +156,7 @@ def test_friction_and_load_are_those_of_the_instant() -> None:
     first = march.contacts[0]
     assert first.mean_speed == pytest.approx(1e-3 * speed_of(scene))
     rate = first.sliding_speed * first.film_fraction / first.film
-    drag = (0.04 * rate).sum() * first.grid.cell[0]
+    drag = (0.04 * rate).sum() * first.grid.cell_size[0]
     assert first.friction == pytest.approx(drag / 1e5, rel=1e-6)
     load = cs.LoadHistory((0, passage), (1e5, 2e5))
     grown = evolve_lubricated(

@@ -128,7 +128,7 @@ def test_laws_without_their_effect_are_the_simpler_ones() -> None:
 def test_the_load_is_carried_and_no_cell_has_both_pressure_and_void() -> None:
     scene = by_moes(20, 5)
     contact = solve_lubricated(scene, grid(200, 4.5))
-    carried = contact.pressure.sum() * contact.grid.cell[0]
+    carried = contact.pressure.sum() * contact.grid.cell_size[0]
     assert carried == pytest.approx(1e5, rel=1e-7)
     assert (contact.film_fraction[contact.pressure > 0] == 1).all()
     assert (contact.film_fraction <= 1).all()
@@ -164,7 +164,7 @@ def test_couette_friction_of_an_isoviscous_film_is_that_of_its_mean_inverse() ->
     contact = solve_lubricated(scene, grid(200, 4.5))
     motion = contact.scales.lubrication
     rate = contact.sliding_speed * contact.film_fraction / contact.film
-    drag = (motion.lubricant.viscosity * rate).sum() * contact.grid.cell[0]
+    drag = (motion.lubricant.viscosity * rate).sum() * contact.grid.cell_size[0]
     assert contact.friction == pytest.approx(drag / 1e5, rel=1e-7)
 
 

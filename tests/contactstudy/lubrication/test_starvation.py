@@ -42,7 +42,7 @@ def test_the_meniscus_is_where_the_reference_has_it(fraction: float, front: floa
     contact = solve_lubricated(supplied(scene, fraction * flooded), cells)
     # two cells of this grid and of that one; the flow has an error by its cells of 0.2 %, and the front at 0.9 moves by
     # ten times as much
-    assert contact.meniscus / A == pytest.approx(front, abs=2 * cells.cell[0] / A)
+    assert contact.meniscus / A == pytest.approx(front, abs=2 * cells.cell_size[0] / A)
 
 
 def test_a_starved_film_is_not_said_to_have_too_short_a_grid() -> None:

@@ -133,7 +133,7 @@ def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
     moes, inlet, cells = found.reasons
     assert moes.endswith(" at M = 20, L = 5")
     assert inlet.startswith("the inlet begins 4.5 half-widths from the axis")
-    assert cells.startswith(f"cells of {readable(given.cell[0])} across")
+    assert cells.startswith(f"cells of {readable(given.cell_size[0])} across")
     assert found.bytes == 8 * 6 * 100**2
     assert "The grid is given" in found.warnings[0]
 

@@ -107,7 +107,7 @@ def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineCont
 def test_shapes_that_repeat_share_a_period(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     waves = (cs.Waviness(1e-8, along=0.5 * a), cs.Waviness(1e-8, along=0.75 * a))
-    assert cs.plan(with_shapes(line_contact, *waves), error=0.1).grid.period == pytest.approx(
+    assert cs.plan(with_shapes(line_contact, *waves), error=0.1).grid.length == pytest.approx(
         1.5 * a
     )
     stranger = cs.Waviness(1e-8, along=0.5 * np.pi * a)
@@ -121,7 +121,7 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
     good = cs.plan(scene, error=0.1)
     assert good.warnings == ()
     assert cs.plan(scene, grid=good.grid).warnings == ()
-    narrow = replace(good.grid, extent=(2 * a, good.grid.period))
+    narrow = replace(good.grid, extent=(2 * a, good.grid.length))
     assert "outgrow" in " ".join(cs.plan(scene, grid=narrow).warnings)
     assert cs.plan(scene, grid=narrow).error == inf
     short = replace(good.grid, extent=(good.grid.extent[0], 2 * a))
@@ -208,7 +208,7 @@ def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked
     heights = 1e-8 * np.random.default_rng(0).standard_normal((60, 40))
     scene = with_shapes(line_contact, cs.MeasuredSurface(heights, extent=(6 * a, 4 * a)))
     found = cs.plan(scene)
-    assert found.grid.cell == pytest.approx((0.1 * a, 0.1 * a))
+    assert found.grid.cell_size == pytest.approx((0.1 * a, 0.1 * a))
     assert found.grid.cells[1] == 40
     assert any("its own points" in reason for reason in found.reasons)
     assert cs.solve(scene.problem(found.grid, found.padding)).status is cs.Status.CONVERGED

@@ -98,7 +98,7 @@ def test_a_plan_says_how_thick_a_coat_is_in_cells_and_half_widths() -> None:
     scene = replace(PLAIN, solids=(BODY, STEEL))
     planned = plan(scene, error=1e-2)
     (said,) = (reason for reason in planned.reasons if reason.startswith("coat"))
-    cells, widths = 2e-6 / planned.grid.cell[0], 2e-6 / scene.hertz.half_width
+    cells, widths = 2e-6 / planned.grid.cell_size[0], 2e-6 / scene.hertz.half_width
     assert f"{widths:.3g} half-widths and {cells:.3g} cells" in said
     assert not planned.warnings
     assert not any(reason.startswith("coat") for reason in plan(PLAIN, error=1e-2).reasons)

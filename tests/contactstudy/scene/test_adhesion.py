@@ -78,7 +78,7 @@ def test_a_pull_off_without_adhesion_is_refused() -> None:
 
 
 def test_a_range_that_the_grid_cannot_hold_names_the_range_and_the_cell_that_would_do() -> None:
-    work, modulus, cell = 0.05, SCENE.contact_modulus, GRID.cell[0]
+    work, modulus, cell = 0.05, SCENE.contact_modulus, GRID.cell_size[0]
     short = replace(SCENE, adhesion=cs.Adhesion(work, 1e-9))
     with pytest.raises(cs.InvalidInput, match=r"^Adhesion\.range is 1e-09: its cohesive zone of"):
         short.problem(GRID, LINE)
@@ -102,7 +102,7 @@ def test_the_approach_of_a_loaded_contact_gives_back_its_load(adhesion: cs.Adhes
     held = cs.solve(near, GRID, LINE, tolerance=1e-10)
     assert held.approach == 4e-5
     attraction = 0.0 if held.adhesion is None else held.adhesion.attraction
-    load = float((held.pressure - attraction).sum()) * GRID.cell[0]
+    load = float((held.pressure - attraction).sum()) * GRID.cell_size[0]
     problem = replace(SCENE, adhesion=adhesion, load=cs.LineLoad(load)).problem(GRID, LINE)
     held_operator = replace(problem, operator=held.problem.operator)
     loaded = cs.solve(held_operator, start=held.pressure, tolerance=1e-10)
@@ -142,7 +142,7 @@ def test_solvers_agree_under_a_given_approach(solver: Any) -> None:
     found = cs.solve(scene, grid, LINE, solver=solver)
     assert found.status is cs.Status.CONVERGED
     under_load = replace(
-        scene, load=cs.LineLoad(float(found.pressure.sum()) * grid.cell_area / grid.period)
+        scene, load=cs.LineLoad(float(found.pressure.sum()) * grid.cell_area / grid.length)
     )
     loaded = cs.solve(replace(under_load.problem(grid, LINE), operator=found.problem.operator))
     np.testing.assert_allclose(found.pressure, loaded.pressure, atol=1e-5 * loaded.pressure.max())
@@ -181,11 +181,13 @@ def test_friction_is_limited_by_the_pressure_that_the_attraction_adds_to(frictio
     assert found.status is cs.Status.CONVERGED
     np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
     assert (np.hypot(*found.shear) <= 0.3 * found.pressure * (1 + 1e-9)).all()
-    force = found.shear[0].sum() * GRID.cell[0]
+    force = found.shear[0].sum() * GRID.cell_size[0]
     if isinstance(friction, cs.PartialSlip | cs.Fretting):
         assert force == pytest.approx(0.4)
     coefficient = found.quantities["traction_coefficient"].value
-    assert coefficient == pytest.approx(np.hypot(*found.shear.sum(axis=(1, 2))) * GRID.cell[0] / 2)
+    assert coefficient == pytest.approx(
+        np.hypot(*found.shear.sum(axis=(1, 2))) * GRID.cell_size[0] / 2
+    )
 
 
 @pytest.mark.parametrize("friction", FRICTIONS[1:])

@@ -168,7 +168,7 @@ def test_a_rough_roller_with_a_coat_and_a_hardness_is_solved() -> None:
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert solution.status is cs.Status.CONVERGED
     assert solution.pressure.max() == 3e9
-    assert solution.pressure.sum() * grid.cell_area / grid.period == pytest.approx(1e5, rel=1e-9)
+    assert solution.pressure.sum() * grid.cell_area / grid.length == pytest.approx(1e5, rel=1e-9)
 
 
 def test_the_modulus_of_its_hertz_contact_lies_between_coat_and_substrate() -> None:
@@ -220,7 +220,7 @@ def test_a_contact_is_about_as_wide_as_its_compliance_says(
     scene = cs.Scene(cs.LineLoad(load), (body, RIGID), (cs.Cylinder(radius),))
     grid = cs.Grid((256, 1), (4 * half_width, half_width))
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-    wide = np.count_nonzero(solution.pressure) * grid.cell[0] / (2 * half_width)
+    wide = np.count_nonzero(solution.pressure) * grid.cell_size[0] / (2 * half_width)
     assert wide == pytest.approx(1, abs=within)
 
 

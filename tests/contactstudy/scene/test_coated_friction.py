@@ -151,7 +151,7 @@ def test_shear_locked_in_below_a_coating_is_known_to_its_step_error(coating: cs.
         found = cs.solve(scene, cs.Grid((64, 1), (4e-4, 1e-3)), EXACT, times=times, tolerance=1e-6)
         shears.append(found.frames[-1].shear[0])
         errors.append(found.frames[-1].error.l1.steps)
-        force = shears[-1].sum() * found.grid.cell_area / found.grid.period
+        force = shears[-1].sum() * found.grid.cell_area / found.grid.length
         assert force == pytest.approx(1.2e4)
     change = np.abs(shears[1] - shears[0]).sum() / np.abs(shears[1]).sum()
     assert 1e-4 < change < errors[0]

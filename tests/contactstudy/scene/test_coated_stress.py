@@ -30,8 +30,8 @@ def integral(s: np.ndarray) -> np.ndarray:
 def under_ellipse(ratio: float, cells: int, *depths: float) -> np.ndarray:
     """Return stress (component, depth, x) under ``sqrt(1 - x^2)`` on a layer of thickness 1, nu = 0.3 throughout."""
     grid = cs.Grid((cells, 1), (2.4, 1.0))
-    ends = grid.x[:, None] + np.array([-0.5, 0.5]) * grid.cell[0]
-    pressure = np.diff(integral(ends), axis=1) / grid.cell[0]
+    ends = grid.x[:, None] + np.array([-0.5, 0.5]) * grid.cell_size[0]
+    pressure = np.diff(integral(ends), axis=1) / grid.cell_size[0]
     medium = CoatedStress(LayerResponse(ratio, 0.3, 0.3), 1.0)
     return StressBelow(grid, LINE, medium, depths)(pressure)[..., 0]
 

@@ -58,7 +58,7 @@ def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> Non
     assert 1 < solution.traction.iterations <= 30
     pressure = solution.pressure[:, 0]
     touching = grid.x[pressure > 0]
-    dx = grid.cell[0]
+    dx = grid.cell_size[0]
     assert np.ptp(touching) / 2 == pytest.approx(half, abs=dx)
     assert touching[[0, -1]].mean() == pytest.approx(-sign * half * (2 * fraction - 1), abs=dx)
     centroid = -half * (2 * fraction - 1) * 4 / 3
@@ -88,7 +88,7 @@ def test_partial_slip_of_a_cylinder_is_cattaneos(fraction: float, sign: int) -> 
     mu = 0.3
     one = scene(cs.PartialSlip(mu, sign * fraction * mu * 1e5))
     solution = solved(one, (601, 1), tolerance=1e-10)
-    hertz, dx = one.hertz, solution.problem.grid.cell[0]
+    hertz, dx = one.hertz, solution.problem.grid.cell_size[0]
     assert solution.traction.method == "Ciavarella-Jaeger"
     stick = solution.stick.sum() * dx / 2
     assert stick == pytest.approx(hertz.half_width * sqrt(1 - fraction), abs=dx)
@@ -128,7 +128,7 @@ def test_disks_meet_every_condition_of_coulombs_law() -> None:
     shear, size = solution.shear, np.hypot(*solution.shear)
     radius = mu * solution.pressure
     assert (size <= radius * (1 + 1e-12)).all()
-    assert shear.sum(axis=(1, 2)) * grid.cell_area / grid.period == pytest.approx(
+    assert shear.sum(axis=(1, 2)) * grid.cell_area / grid.length == pytest.approx(
         [-1.4e4, 0], abs=1e-5
     )
     assert np.abs(shear[1]).max() > 0.03 * size.max()

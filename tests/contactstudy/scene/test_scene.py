@@ -167,7 +167,7 @@ def scene(load: cs.LineLoad | cs.TotalLoad, *shapes: cs.Shape) -> cs.Scene:
 def test_a_total_load_is_a_load_per_length_of_the_grid() -> None:
     total, line = (
         cs.solve(scene(load), GRID, cs.ZeroPadding())
-        for load in (cs.TotalLoad(100.0), cs.LineLoad(100.0 / GRID.period))
+        for load in (cs.TotalLoad(100.0), cs.LineLoad(100.0 / GRID.length))
     )
     scale = line.pressure.max()
     np.testing.assert_allclose(total.pressure, line.pressure, atol=1e-6 * scale)

@@ -48,7 +48,7 @@ def test_stress_is_the_sum_over_all_pairs(
     operator = below(cells, padding, 0.15)
     pressure = np.random.default_rng(1).random(cells)
     found = operator(pressure)[:, 0]
-    (dx, dy), (width, period) = operator.grid.cell, operator.grid.extent
+    (dx, dy), (width, period) = operator.grid.cell_size, operator.grid.extent
     exact_x, exact_y = (one.window is None for one in operator.paddings)
     across, along = (seen(one, count) for one, count in zip(operator.paddings, cells, strict=True))
     steps_x, steps_y = (sorted({d for _, _, d, _ in side}) for side in (across, along))
@@ -236,9 +236,9 @@ def test_chosen_depths_show_the_largest_stress_to_one_per_cent(
     hertz = line_contact.hertz
     assert values.max() / hertz.peak_pressure == pytest.approx(0.55751, rel=1e-2)
     assert depths[level] / hertz.half_width == pytest.approx(0.704, rel=0.1)
-    width = np.count_nonzero(solution.pressure.any(axis=1)) * grid.cell[0]
+    width = np.count_nonzero(solution.pressure.any(axis=1)) * grid.cell_size[0]
     assert len(depths) == solution.problem.outputs[0].count_searched(width)
-    assert_allclose(depths[:2], [0, min(grid.cell) / 2])
+    assert_allclose(depths[:2], [0, min(grid.cell_size) / 2])
     assert (np.diff(depths) > 0).all()
     # steps by a tenth about the largest, from which the stress falls on both sides
     assert_allclose(depths[level : level + 2] / depths[level - 1 : level + 1], 1.1, rtol=1e-12)

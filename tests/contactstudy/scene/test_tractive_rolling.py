@@ -42,7 +42,7 @@ def traction_share(solution: cs.Solution) -> np.ndarray:
 def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
     """The error of the force is of first order, by where the edge of stick falls in its cell."""
     solution = solved(rolling(longitudinal=part * SATURATION), (cells, 1))
-    dx = solution.problem.grid.cell[0]
+    dx = solution.problem.grid.cell_size[0]
     assert solution.status is cs.Status.CONVERGED
     error = traction_share(solution)[0] - (1 - (1 - part) ** 2)
     assert MU * abs(error) <= solution.traction.errors.force <= 50 * MU / cells
@@ -192,7 +192,7 @@ class Mirrored:
     def gap(self, grid: cs.Grid) -> np.ndarray:
         x, y = self.sign * grid.x[:, None], grid.y
         return (
-            1e-7 * np.sin(2 * pi * (x / 1e-4 + 0.1)) * np.cos(2 * pi * y / grid.period + x / 2e-5)
+            1e-7 * np.sin(2 * pi * (x / 1e-4 + 0.1)) * np.cos(2 * pi * y / grid.length + x / 2e-5)
         )
 
 
@@ -512,7 +512,7 @@ def test_creeping_bodies_that_roll_back_are_those_in_a_mirror() -> None:
 def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> None:
     """In plane strain, shear of like bodies loses in them what the same pressure would."""
     found = driven((creeping(1e-4),) * 2, (512, 1), lateral=0.0, spin=0.0, longitudinal=1e-3)
-    force = found.traction.shear[0].sum() * found.grid.cell[0]
+    force = found.traction.shear[0].sum() * found.grid.cell_size[0]
     steady = found.rolling
     as_pressure = replace(steady.lagged.solution, pressure=found.traction.shear[0])
     of_shear = replace(steady, lagged=replace(steady.lagged, solution=as_pressure))

@@ -25,7 +25,7 @@ def force(solution: cs.Solution) -> float:
     """Load per length that pressure and attraction carry [N/m]."""
     grid = solution.problem.grid
     net = solution.pressure - solution.adhesion.attraction
-    return float(net.sum()) * grid.cell_area / grid.period
+    return float(net.sum()) * grid.cell_area / grid.length
 
 
 def pulled(scene: cs.Scene, grid: cs.Grid, error: float, padding: object = LINE) -> cs.Solution:

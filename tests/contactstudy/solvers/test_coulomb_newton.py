@@ -24,7 +24,7 @@ RIGID = -np.stack(
 
 
 def settled() -> tuple[CoulombNewton, np.ndarray, np.ndarray, float]:
-    rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell[0]), LIMIT)
+    rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell_size[0]), LIMIT)
     start = np.zeros((2, np.count_nonzero(LIMIT)))
     return rolled, *rolled.solve(RIGID, start, 1e-9, 2000)
 
@@ -49,13 +49,13 @@ def test_shear_obeys_coulombs_law() -> None:
 def test_slip_is_the_rigid_one_and_the_change_of_displacement_from_the_cell_ahead() -> None:
     rolled, shear, slip, _ = settled()
     displacement = RESPONSE(rolled.field(shear))
-    change = (displacement[:, :-1] - displacement[:, 1:]) / GRID.cell[0]
+    change = (displacement[:, :-1] - displacement[:, 1:]) / GRID.cell_size[0]
     expected = (RIGID[:, :-1] + change)[:, LIMIT[:-1] > 0]
     np.testing.assert_allclose(slip, expected, atol=1e-9)
 
 
 def test_the_limit_of_applications_ends_the_iteration() -> None:
-    rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell[0]), LIMIT)
+    rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell_size[0]), LIMIT)
     start = np.zeros((2, np.count_nonzero(LIMIT)))
     *_, residual = rolled.solve(RIGID, start, 1e-12, 7)
     assert residual > 1e-12

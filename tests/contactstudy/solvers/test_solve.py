@@ -35,7 +35,7 @@ def test_solution_meets_the_contact_conditions(
     weighted = (solution.pressure * np.abs(solution.gap)).sum() / solution.pressure.sum()
     assert weighted <= 1e-9 * scale * (1 + 1e-6)
     carried = solution.pressure.sum() * problem.grid.cell_area
-    assert carried == pytest.approx(1e5 * problem.grid.period, rel=1e-12)
+    assert carried == pytest.approx(1e5 * problem.grid.length, rel=1e-12)
     rebuilt = problem.undeformed_gap + problem.operator(solution.pressure) - solution.approach
     np.testing.assert_allclose(solution.gap, rebuilt, rtol=0, atol=1e-13 * scale)
 
@@ -256,12 +256,12 @@ def test_a_sphere_on_a_free_surface_is_hertz_point_contact() -> None:
     a, cells = hertz.contact_radius, 64
     grid = cs.Grid(cells=(cells, cells), extent=(2.5 * a, 2.5 * a))
     solid = cs.HalfSpace(youngs_modulus=2.3e11, poisson_ratio=0.0)
-    load = cs.LineLoad(hertz.load / grid.period)
+    load = cs.LineLoad(hertz.load / grid.length)
     scene = cs.Scene(load=load, solids=(solid, solid), shapes=(cs.Sphere(0.01),))
     free = cs.ZeroPadding()
     solution = cs.solve(scene.problem(grid, (free, free)))
     assert solution.status is cs.Status.CONVERGED
-    step = (grid.cell[0] / a) ** 2
+    step = (grid.cell_size[0] / a) ** 2
     assert solution.approach == pytest.approx(hertz.approach, rel=step)
     r = np.hypot(grid.x[:, None], grid.y)
     inside = r < 0.8 * a

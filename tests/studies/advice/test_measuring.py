@@ -46,7 +46,7 @@ def cylinder() -> Comparison:
 def test_means_of_hertzs_pressure_carry_his_load_on_any_cells() -> None:
     for cells in ((7, 3), (64, 1)):
         grid = cs.Grid(cells, (2.4 * HERTZ.half_width, 1e-4))
-        load = hertz_means(HERTZ, grid).sum() * grid.cell_area / grid.period
+        load = hertz_means(HERTZ, grid).sum() * grid.cell_area / grid.length
         assert load == pytest.approx(HERTZ.load_per_length, rel=1e-12)
 
 

@@ -23,7 +23,7 @@ def test_stress_at_the_interface_of_like_materials_is_that_of_a_half_space() -> 
     x = grid.x / 1e-4
     pressure = np.sqrt(np.maximum(1 - x**2, 0))
     body = CoatedHalfSpace(STEEL, 0.5e-4, STEEL)
-    shear, tension = interface(body, pressure, grid.cell[0])
+    shear, tension = interface(body, pressure, grid.cell_size[0])
     # the period is 128 half-widths: its square is the error
     assert shear == pytest.approx(0.25, abs=1e-3)
     below = StressBelow(

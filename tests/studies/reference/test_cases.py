@@ -31,5 +31,5 @@ def test_a_closed_form_carries_its_load_on_its_area_up_to_its_peak_pressure(name
         assert pressure.max() == pytest.approx(truth.highest, rel=10 * step)
         assert pressure.max() <= truth.highest * (1 + 1e-9)
     means = truth(case)
-    assert means.pressure.sum() * case.grid.cell_area / case.grid.period == pytest.approx(load)
+    assert means.pressure.sum() * case.grid.cell_area / case.grid.length == pytest.approx(load)
     assert means.pressure.shape == case.grid.cells

@@ -73,7 +73,7 @@ def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:
     )
     varied = {"grid.cells": "[32, 1],[64, 1]", "period": "0.2 mm,0.4 mm"}
     found = {
-        (case.grid.cells[0], case.grid.period) for case in scenes(studies.study_of(smooth, varied))
+        (case.grid.cells[0], case.grid.length) for case in scenes(studies.study_of(smooth, varied))
     }
     assert found == {(32, 2e-4), (64, 2e-4), (32, 4e-4), (64, 4e-4)}
 

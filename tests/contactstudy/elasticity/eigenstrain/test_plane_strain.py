@@ -60,7 +60,7 @@ def test_the_lift_of_the_surface_does_the_work_that_pressure_does_on_plastic_str
 
 def test_the_stress_of_pressure_is_the_mean_over_cells_of_that_at_points() -> None:
     operator = _operator(LAYERS["graded"])
-    volume, (dx, _) = operator.volume, operator.volume.grid.cell
+    volume, (dx, _) = operator.volume, operator.volume.grid.cell_size
     pressure = np.zeros(volume.grid.cells)
     pressure[7] = 1.0
     stress = operator.stress_of_pressure(pressure)

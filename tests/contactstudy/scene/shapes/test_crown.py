@@ -48,7 +48,7 @@ def test_a_roller_is_planned_over_the_length_of_its_load() -> None:
     steel = cs.HalfSpace(206e9, 0.3)
     load = cs.TotalLoad(1500.0, length=0.01)
     scene = cs.Scene(load, (steel, steel), (cs.Cylinder(0.005), cs.Crown(2.5)))
-    assert cs.plan(scene, error=0.05).grid.period == 0.01
+    assert cs.plan(scene, error=0.05).grid.length == 0.01
 
 
 def test_crowned_cylinder_of_equal_radii_is_a_sphere() -> None:

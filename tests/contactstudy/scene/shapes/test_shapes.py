@@ -15,7 +15,7 @@ def measured(shape: Any, grid: cs.Grid) -> tuple[float, float]:
     heights = -np.broadcast_to(shape.gap(grid), grid.cells)
     slopes = [
         (np.roll(heights, -1, axis) - heights) / step if count > 1 else np.zeros(1)
-        for axis, (count, step) in enumerate(zip(grid.cells, grid.cell, strict=True))
+        for axis, (count, step) in enumerate(zip(grid.cells, grid.cell_size, strict=True))
     ]
     rms = np.sqrt(sum((one**2).mean() for one in slopes))
     return float(heights.max() - heights.mean()), float(rms)

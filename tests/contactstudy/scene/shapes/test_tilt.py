@@ -26,7 +26,7 @@ def test_a_tilted_crown_is_the_crown_beside_the_middle() -> None:
     """``y^2 / (2 R) + y t`` is the parabola about ``-R t``, less a constant."""
     crown, cells = cs.Crown(0.3), 10
     straight = solved(crown).pressure
-    tilted = solved(crown, cs.Tilt(atan(cells * GRID.cell[1] / crown.radius))).pressure
+    tilted = solved(crown, cs.Tilt(atan(cells * GRID.cell_size[1] / crown.radius))).pressure
     shifted = np.roll(straight, -cells, axis=1)
     np.testing.assert_allclose(tilted, shifted, rtol=0, atol=1e-7 * straight.max())
 
@@ -58,7 +58,7 @@ def test_a_tilted_roller_is_planned_over_its_own_length() -> None:
     shapes = (cs.Cylinder(RADIUS), profile, cs.Tilt(5e-4))
     scene = cs.Scene(cs.TotalLoad(LOAD), (STEEL, STEEL), shapes)
     planned = cs.plan(scene, error=0.05)
-    assert planned.grid.period == LENGTH
+    assert planned.grid.length == LENGTH
     assert planned.padding == (cs.ZeroPadding(), cs.ZeroPadding())
     endless = replace(scene, load=cs.LineLoad(1e5), shapes=(cs.Cylinder(RADIUS), cs.Tilt(5e-4)))
     with pytest.raises(cs.InvalidInput, match="a roller without a length"):

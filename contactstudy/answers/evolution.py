@@ -111,7 +111,11 @@ class Evolution(Answer):
         for sentence in (text for estimate in estimates for text in estimate.warnings):
             sentences.setdefault(sub(r"[\d.]+", "", sentence), sentence)
         warnings = tuple(sentences.values())
-        if self.status in (Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED):
+        if self.status in (
+            Status.NOT_CONVERGED,
+            Status.FILM_NOT_CONVERGED,
+            Status.SHEAR_BEYOND_YIELD,
+        ):
             parts = replace(largest.l1, residual=inf, reason=str(self.status))
             return ErrorEstimate(parts, warnings=(parts.reason, *warnings))
         return replace(largest, warnings=warnings)

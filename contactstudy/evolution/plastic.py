@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from math import inf
 from typing import ClassVar
 
 import numpy as np
@@ -250,6 +251,8 @@ class PlasticState:
         for body, operator, strain, hardened in parts:
             after |= _body_state(body, strain, hardened, operator.volume)
         solution = step_solution(step, tolerance)
+        if self.friction * float(solution.pressure.max(initial=0.0)) > self._shear_limit:
+            solution = replace(solution, status=Status.SHEAR_BEYOND_YIELD)
         yielded = zip(self.operators, equivalents, strict=True)
         if solution.status is Status.CONVERGED and any(
             _meets_edge(operator.volume, hardened > 0) for operator, hardened in yielded
@@ -385,6 +388,13 @@ class PlasticState:
                 f"layer_thickness{place}": Field(layer, volume.thicknesses, "m", thickness),
             }
         return fields
+
+    @property
+    def _shear_limit(self) -> float:
+        """Largest shear [Pa] on the surfaces: the yield stress in shear of a body that does not harden."""
+        laws = (body.hardening for body in self.bodies)
+        limits = (law.yield_stress for law in laws if law.isotropic == law.kinematic == 0)
+        return min(limits, default=inf) / 3**0.5
 
     @property
     def _length(self) -> float:

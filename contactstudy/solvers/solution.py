@@ -41,6 +41,10 @@ class Status(Enum):
         "pressure, and the plastic strain or shear that follows from it, did not converge together to the tolerance: "
         "the residual says how far; give shorter steps in load, or a larger tolerance"
     )
+    SHEAR_BEYOND_YIELD = (
+        "no equilibrium: friction is larger than the yield stress in shear of a body that does not harden, which flows "
+        "without limit: give a smaller coefficient or load, or a hardening modulus"
+    )
     FILM_NOT_CONVERGED = (
         "the residual of the film stayed above the tolerance: give more cells across where a spike of pressure is "
         "unresolved, more iterations, or start from the film at a higher speed"
@@ -87,10 +91,10 @@ class Status(Enum):
 def worst(statuses: Sequence[Status]) -> Status:
     """Return the most serious of `statuses`; converged if there is none."""
     order = (
-        Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.NOT_CONVERGED, Status.FILM_NOT_CONVERGED,
-        Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE,
-        Status.SEVERAL_FILMS, Status.FILM_BELOW_CELL, Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED,
-        Status.CONVERGED,
+        Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.SHEAR_BEYOND_YIELD, Status.NOT_CONVERGED,
+        Status.FILM_NOT_CONVERGED, Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT,
+        Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.SEVERAL_FILMS, Status.FILM_BELOW_CELL,
+        Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED, Status.CONVERGED,
     )  # fmt: skip
     return min(statuses, key=order.index, default=Status.CONVERGED)
 

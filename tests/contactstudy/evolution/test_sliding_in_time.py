@@ -1,7 +1,7 @@
 """Sliding beside what changes: load histories, wear, creep, plastic strain."""
 
 from dataclasses import replace
-from math import pi
+from math import inf, pi
 
 import numpy as np
 import pytest
@@ -145,6 +145,34 @@ def test_bodies_that_slide_with_much_friction_yield_first_at_the_surface() -> No
     assert worst["x"].item() / half_width == pytest.approx(0.33, abs=0.1)
     before = yielding(0.97, 0, cs.Sliding(0.35), ratio=0.7397).to_dataset()
     assert before["equivalent_plastic_strain"].max() == 0
+
+
+@pytest.mark.parametrize("hardening", [0.0, 2e9])
+def test_friction_beyond_the_yield_stress_in_shear_needs_a_body_that_hardens(
+    hardening: float,
+) -> None:
+    """The stress xz at the surface is the friction; of a perfectly plastic body it is at most Y over the root of 3."""
+    solid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 5e8, hardening)
+    peaks = (
+        np.array([0.95, 1.1]) * 5e8 / 3**0.5 / 0.5
+    )  # Hertz's, whose friction is so many times that limit
+    modulus = 210e9 / (1 - 0.3**2) / 2
+    loads = pi * RADIUS * peaks**2 / modulus
+    scene = replace(
+        SCENE,
+        load=cs.LoadHistory((0.0, 1.0), tuple(loads.tolist())),
+        solids=(solid, STEEL),
+        friction=cs.Sliding(0.5),
+    )
+    grid = cs.Grid((40, 1), (8 * RADIUS * peaks[1] / modulus, 1e-3))
+    found = cs.solve(
+        scene, grid, EXACT, times=cs.TimeSteps((0.0, 1.0), step_error=cs.StepError.NONE)
+    )
+    assert found.frames[0].status is cs.Status.CONVERGED
+    assert (found.frames[1].status is cs.Status.CONVERGED) == (hardening > 0)
+    if not hardening:
+        assert found.status is cs.Status.SHEAR_BEYOND_YIELD
+        assert found.error.l1.total == inf
 
 
 def test_yielding_bodies_that_slide_without_friction_are_those_without_a_law() -> None:

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from contactstudy import InvalidInput
@@ -86,25 +85,6 @@ def test_no_damage_makes_a_wrong_value(whole: tuple[bytes, Request], tmp_path: P
         with suppress(InvalidInput):  # nothing of it is a journal
             found = content(path, request)
         assert found.items() <= right.items()
-
-
-def test_a_run_sets_damage_aside_says_so_and_computes_it_anew(tmp_path: Path) -> None:
-    sweep = study(plain(tmp_path), NUMBERS)
-    before = run(sweep, tmp_path, options=ALONE, log=quiet)
-    path = tmp_path / "victim.journal.jsonl"
-    raw = path.read_bytes()
-    place = raw.index(b'"status":"ok"')
-    damaged = raw[:place] + b'"status":"OK"' + raw[place + 13 :]
-    path.write_bytes(damaged)
-    said: list[str] = []
-    after = run(sweep, tmp_path, options=ALONE, log=said.append)
-    assert any("1 damaged lines of the journal are set aside in" in line for line in said)
-    assert any("11 cases are stored, 1 to compute" in line for line in said)
-    assert b'"status":"OK"' in (tmp_path / "victim.journal.jsonl.damaged").read_bytes()
-    np.testing.assert_array_equal(before["square"], after["square"])
-    said.clear()
-    run(sweep, tmp_path, options=ALONE, log=said.append)
-    assert not any("damaged" in line for line in said)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,4 @@
-"""What a user can build from pathlib import Path
-from public names alone."""
+"""What a user can build from public names alone."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace

@@ -13,12 +13,7 @@ from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from tests.conftest import LineContact
 from tests.contactstudy.solvers.test_preconditioned_cg import ROUGH, problem
 
-CONSTRAINTS: list[Constraint] = [
-    Compressive(),
-    HardnessLimited(4.0),
-    HardnessLimited(1.0),
-    HardnessLimited(10 / 12),
-]
+CONSTRAINTS: list[Constraint] = [Compressive(), *map(HardnessLimited, (4.0, 1.0, 10 / 12))]
 
 TOTAL = 10.0
 
@@ -143,23 +138,23 @@ def test_where_all_have_yielded_the_approach_leaves_none_open() -> None:
     assert which.approach_without_free_cells(pressure, gap) == 0.5
 
 
-WHICH = Compressive()
-
-
-def row(*values: float) -> np.ndarray:
-    return np.array([values])
-
-
 @pytest.mark.parametrize(
-    ("heights", "residual"),
+    ("which", "pressure", "gap", "residual"),
     [
-        # the mean gap under the pressure, (2 * 0.3 + 0.5 * 0.8) / 2.5
-        ((0.3, -0.8, -0.25, 0.9), 0.4),
-        # the deepest penetration where there is none
-        ((0.3, -0.8, -0.75, 0.9), 0.75),
+        # the mean gap under the pressure, (2 * 0.3 + 0.5 * 0.8) / 2.5; the deepest penetration where there is none
+        (Compressive(), (2.0, 0.5, 0.0, 0.0), (0.3, -0.8, -0.25, 0.9), 0.4),
+        (Compressive(), (2.0, 0.5, 0.0, 0.0), (0.3, -0.8, -0.75, 0.9), 0.75),
+        # the mean gap under the pressure of free cells; the widest gap where one has yielded
+        (HardnessLimited(4.0), (4.0, 2.0, 0.5, 0.0), (0.2, 0.3, -0.8, -0.1), 0.4),
+        (HardnessLimited(4.0), (4.0, 2.0, 0.5, 0.0), (0.6, 0.3, -0.8, -0.1), 0.6),
+        (HardnessLimited(4.0), (4.0, 2.0, 0.5, 0.0), (-0.6, 0.3, -0.8, -0.7), 0.7),
+        (HardnessLimited(4.0), (4.0, 0.5), (-0.1, 0.25), 0.25),
+        # where none is free there is no complementarity
+        (HardnessLimited(4.0), (4.0, 0.0), (-0.5, 0.25), 0.0),
     ],
-)
-def test_the_residual_is_of_complementarity_or_penetration(
-    heights: tuple[float, ...], residual: float
+)  # fmt: skip
+def test_the_residual_is_of_complementarity_penetration_or_a_gap_that_yielding_left(
+    which: Constraint, pressure: tuple[float, ...], gap: tuple[float, ...], residual: float
 ) -> None:
-    assert WHICH.violation(row(2.0, 0.5, 0.0, 0.0), row(*heights), 2.5) == pytest.approx(residual)
+    found = which.violation(np.array([pressure]), np.array([gap]), sum(pressure))
+    assert found == pytest.approx(residual)

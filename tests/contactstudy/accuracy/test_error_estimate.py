@@ -162,14 +162,6 @@ def test_units_do_not_change_the_estimate(line_contact: LineContact) -> None:
         np.testing.assert_allclose(one[:2], other[:2], rtol=1e-8)
 
 
-def test_a_lost_iteration_is_estimated_as_lost(line_contact: LineContact) -> None:
-    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), EXACT)
-    lost = cs.solve(replace(problem, undeformed_gap=problem.undeformed_gap * np.nan))
-    assert lost.status is cs.Status.NOT_FINITE
-    estimate = error_estimate(lost)
-    assert estimate.l1.total == estimate.peak_pressure.total == math.inf
-
-
 def test_a_problem_without_paddings_is_refused(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), EXACT)
     solution = cs.solve(replace(problem, paddings=None))

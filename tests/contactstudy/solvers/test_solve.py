@@ -40,37 +40,6 @@ def test_solution_meets_the_contact_conditions(
     np.testing.assert_allclose(solution.gap, rebuilt, rtol=0, atol=1e-13 * scale)
 
 
-def test_solution_is_that_of_a_dense_active_set(line_contact: LineContact) -> None:
-    """Remove tensile cells from a dense linear system until none is left."""
-    grid = line_contact.grid((20, 4), 1.2)
-    problem = line_contact.scene.problem(grid, cs.Superposition(1))
-    cells = grid.cells[0] * grid.cells[1]
-    units = np.eye(cells).reshape(cells, *grid.cells) * problem.scales.pressure
-    matrix = np.stack([problem.operator(u).ravel() for u in units], 1) / problem.scales.gap
-    gap = problem.undeformed_gap.ravel() / problem.scales.gap
-    total = problem.control.total / problem.scales.pressure
-    active = np.ones(cells, dtype=bool)
-    while True:
-        n = active.sum()
-        system = np.block(
-            [
-                [matrix[np.ix_(active, active)], -np.ones((n, 1))],
-                [np.ones((1, n)), np.zeros((1, 1))],
-            ]
-        )
-        found = np.linalg.solve(system, np.append(-gap[active], total))
-        if (found[:-1] > 0).all():
-            break
-        active[np.flatnonzero(active)[found[:-1] <= 0]] = False
-    pressure = np.zeros(cells)
-    pressure[active] = found[:-1]
-    assert (gap + matrix @ pressure - found[-1] > -1e-12)[~active].all()
-    solution = cs.solve(problem, tolerance=1e-11)
-    error = solution.pressure.ravel() / problem.scales.pressure - pressure
-    assert np.abs(error).max() < 1e-8
-    assert solution.approach / problem.scales.gap == pytest.approx(found[-1], rel=1e-9)
-
-
 def test_approach_of_the_line_contact_is_hertz(line_contact: LineContact) -> None:
     grid = line_contact.grid((256, 1), 2.4)
     solution = cs.solve(line_contact.scene.problem(grid, cs.ExactPeriodicity()))
@@ -79,28 +48,6 @@ def test_approach_of_the_line_contact_is_hertz(line_contact: LineContact) -> Non
     assert solution.approach == pytest.approx(
         line_contact.hertz.displacement(0.0, a), rel=(2.4 / 256) ** 2
     )
-
-
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-@pytest.mark.parametrize(("metre", "newton"), [(1e9, 1.0), (1e-3, 1e-12), (1e3, 1e3)])
-def test_units_do_not_change_the_answer(
-    padding: cs.Padding, metre: float, newton: float, line_contact: LineContact
-) -> None:
-    pascal = newton / metre**2
-    solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * pascal)
-    scene = cs.Scene(
-        load=cs.LineLoad(1e5 * newton / metre),
-        solids=(solid, solid),
-        shapes=(cs.Cylinder(0.01 * metre),),
-    )
-    grid = line_contact.grid((24, 6), 1.2)
-    other = cs.Grid(cells=grid.cells, extent=(grid.extent[0] * metre, grid.extent[1] * metre))
-    # rounding sends the iteration on another path, so both must end closer than they are compared
-    plain = cs.solve(line_contact.scene.problem(grid, padding), tolerance=1e-12)
-    scaled = cs.solve(scene.problem(other, padding), tolerance=1e-12)
-    atol = 1e-10 * plain.pressure.max()
-    np.testing.assert_allclose(scaled.pressure / pascal, plain.pressure, rtol=0, atol=atol)
-    assert scaled.approach / metre == pytest.approx(plain.approach, rel=1e-10)
 
 
 @settings(max_examples=25)
@@ -146,22 +93,6 @@ def test_contact_on_a_closed_width_has_no_edge_to_reach(
     grid = line_contact.grid(16, 1.2, width=1.5)
     solution = cs.solve(line_contact.scene.problem(grid, (across, cs.ExactPeriodicity())))
     assert solution.status is cs.Status.CONVERGED
-
-
-def test_a_wide_row_of_line_contacts_tends_to_one_alone(line_contact: LineContact) -> None:
-    """Neighbours at every W add x^2 / (k W)^2 to the potential on both sides: the curvature changes by
-    the factor 1 + pi^2 a^2 / (6 W^2), and so the peak by half of that.
-    """
-    exact = cs.ExactPeriodicity()
-    peaks = {}
-    for width in (2.4, 9.6, 19.2):
-        grid = line_contact.grid((round(64 * width / 2.4), 1), 1.2, width)
-        across = cs.ZeroPadding() if width == 2.4 else exact
-        problem = line_contact.scene.problem(grid, (across, exact))
-        peaks[width] = cs.solve(problem, tolerance=1e-10).pressure.max()
-    for width in (9.6, 19.2):
-        change = peaks[width] / peaks[2.4] - 1
-        assert abs(change) == pytest.approx(np.pi**2 / (12 * width**2), rel=0.1)
 
 
 def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact) -> None:
@@ -234,20 +165,6 @@ def test_a_pressure_of_another_shape_is_refused(line_contact: LineContact) -> No
         cs.InvalidInput, match=r"^pressure has the shape \(4, 8\): give it \(8, 4\)\.$"
     ):
         problem.operator(np.ones((4, 8)))
-
-
-def test_random_small_rough_contacts_end_well() -> None:
-    """Few cells and wild heights: where active sets go wrong first."""
-    rng = np.random.default_rng(7)
-    scene = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL))
-    for _ in range(150):
-        cells = tuple(int(n) for n in rng.integers((2, 1), 7))
-        grid = cs.Grid(cells=cells, extent=(2e-5, 2e-5 * 10 ** rng.uniform(-1, 1)))
-        problem = scene.problem(grid, cs.ExactPeriodicity())
-        heights = rng.standard_normal(cells) * problem.scales.gap * 10 ** rng.uniform(-2, 0)
-        for solver in (cs.PolonskyKeer(), cs.PreconditionedCG()):
-            solution = cs.solve(replace(problem, undeformed_gap=heights), solver=solver)
-            assert solution.residual <= 1e-8
 
 
 def test_a_sphere_on_a_free_surface_is_hertz_point_contact() -> None:

@@ -76,31 +76,6 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     assert "from end to end 500 mm" in requirements(LengthScales(roller=0.5)).period_check(0.5)
 
 
-def coat(stiffer: float) -> Any:
-    """Of 0.4 m, so many times as stiff as a substrate of 50 Pa."""
-    return SimpleNamespace(
-        thickness=0.4,
-        compliance=1 / (50 * stiffer),
-        compliance_at=lambda half_width: half_width / 200,
-        substrate=SimpleNamespace(compliance=1 / 50),
-    )
-
-
-@pytest.mark.parametrize(
-    ("stiffer", "cells", "warned"),
-    [(4.0, 40, False), (4.0, 39, True), (2.0, 10, False), (2.1, 10, True), (0.25, 10, False)],
-)
-def test_a_coat_more_than_twice_as_stiff_needs_two_cells(
-    stiffer: float,
-    cells: int,
-    warned: bool,  # noqa: FBT001
-) -> None:
-    posed = replace(requirements(coatings=(coat(stiffer),)), hertz=THICK)
-    said = posed.warnings(cs.Grid((cells, 1), (8.0, 4.0)))
-    assert len(said) == warned
-    assert all("give 40." in one for one in said)
-
-
 # As wide as a tenth of the radius.
 THICK: Any = SimpleNamespace(half_width=2.0, radius=20.0)
 

@@ -1,8 +1,7 @@
 """A study from a scene: any field varied, one grid and one surface for all points."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -196,86 +195,38 @@ def test_numbers_for_a_field_of_lists_are_answered_with_lists(smooth: Path) -> N
         studies.study_of(smooth, {"grid.cells": "48,96"})
 
 
-SURFACE = cs.MeasuredSurface(np.eye(8) * 1e-9, extent=(3.0, 2.0), seam=cs.Tapered())
-ROUGH = cs.Roughness(1e-9, hurst=0.8, roll_off=0.5, cut_off=0.1, seed=1)
-
-
-@dataclass(frozen=True)
-class Asked:
-    """What a file says of its plan."""
-
-    error: float = 0.1
-    period: float | None = None
-
-
-def point(load: float, *shapes: cs.Shape, grid: cs.Grid | None = None, error: float = 0.1) -> Any:
-    """A point of a sweep; its plan is told by its load."""
-    scene = cs.Scene(cs.LineLoad(load), (STEEL, STEEL), (cs.Cylinder(0.01), *shapes))
-    return SimpleNamespace(
-        scene=scene, grid=grid, padding=None, plan_settings=Asked(error), settings=cs.SolveOptions()
-    )
-
-
-@pytest.fixture
-def planned(monkeypatch: pytest.MonkeyPatch) -> dict[float, cs.Grid]:
-    """Grids by the load; periods that need a longer one say so."""
-    made: dict[float, cs.Grid] = {}
-
-    def requirements(_: cs.Scene) -> Any:
-        return SimpleNamespace(
-            period_fault=lambda period: "too short: give more" if period < 1.5 else "",
-            padding=cs.ExactPeriodicity,
-        )
-
-    monkeypatch.setattr(grids, "requirements_of", requirements)
-    monkeypatch.setattr(grids, "_grid_of_plan", lambda point: made[point.scene.load.largest])
-    return made
-
-
-def test_a_measured_surface_bounds_the_width_and_the_period(planned: dict[float, cs.Grid]) -> None:
-    planned |= {1.0: cs.Grid((64, 32), (4.0, 1.0)), 2.0: cs.Grid((64, 32), (3.0, 2.0))}
-    found, notes = grids.posed([point(1.0, SURFACE), point(2.0, SURFACE)])
-    # 3 m of cells of 3/64, one m of cells of 1/32
-    assert {one.grid for one in found} == {cs.Grid((64, 32), (3.0, 1.0))}
-    assert "may become 4 m wide, but a measured surface is 3 m wide" in notes[1]
-    # of two the narrower one
-    narrow = cs.MeasuredSurface(np.eye(8) * 1e-9, extent=(2.25, 2.0), seam=cs.Tapered())
-    found, notes = grids.posed([point(1.0, SURFACE), point(2.0, narrow)])
-    assert {one.grid.extent for one in found} == {(2.25, 1.0)}
-    assert "a measured surface is 2.25 m wide" in notes[1]
-    # one that has its width needs no note
-    planned[1.0] = cs.Grid((64, 32), (3.0, 1.0))
-    assert len(grids.posed([point(1.0, SURFACE), point(2.0, SURFACE)])[1]) == 1
+def test_a_common_grid_is_no_wider_than_the_narrowest_measured_surface(smooth: Path) -> None:
+    heights = 1e-9 * np.random.default_rng(0).standard_normal((60, 8))
+    scene = cs.read_scene(smooth).scene
+    rough = replace(scene, shapes=(*scene.shapes, cs.MeasuredSurface(heights, (1e-3, 1e-4))))
+    surfaces = [cs.MeasuredSurface(heights, (width, 1e-4)) for width in (1e-3, 2.25e-4)]
+    study = studies.study_of(rough, {"shapes.1": surfaces, "plan.error": [0.3]})
+    assert {case.grid.extent[0] for case in scenes(study)} == {2.25e-4}
+    assert "but a measured surface is 225 µm wide" in " ".join(study.notes)
+    alone = studies.study_of(rough, {"shapes.1": surfaces[:1], "plan.error": [0.3]})
+    assert "a measured surface is" not in " ".join(alone.notes)
 
 
 def test_a_common_grid_is_no_larger_than_the_machine(
-    planned: dict[float, cs.Grid], monkeypatch: pytest.MonkeyPatch
+    rough: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    planned |= {1.0: cs.Grid((640, 32), (4.0, 2.0)), 2.0: cs.Grid((64, 640), (4.0, 2.0))}
-    monkeypatch.setattr(grids, "available_bytes", lambda: 20e6)
-    (one, other), notes = grids.posed([point(1.0), point(2.0)])
-    assert one.grid == other.grid
-    assert memory(one.grid, cs.ExactPeriodicity()) <= 16e6
-    assert "640 x 640 cells" in notes[1]
-    assert "this machine has 0.02 GB: the common grid is the finest that it holds" in notes[1]
+    vary = {"load.per_length": "20,100 N/mm"}
+    padding = cs.ExactPeriodicity()
+    needed = memory(scenes(studies.study_of(rough, vary))[0].grid, padding)
+    monkeypatch.setattr(grids, "available_bytes", lambda: needed)
+    study = studies.study_of(rough, vary)
+    (grid,) = {case.grid for case in scenes(study)}
+    assert memory(grid, padding) <= 0.8 * needed
+    assert "the common grid is the finest that it holds" in " ".join(study.notes)
 
 
-def test_random_surfaces_get_the_widest_extent_and_the_part_that_periods_share(
-    planned: dict[float, cs.Grid],
-) -> None:
-    rough = [point(1.0, ROUGH, grid=cs.Grid((64, 32), size)) for size in ((4.0, 2.0), (3.0, 6.0))]
-    found, notes = grids.posed(rough)
-    assert {one.scene.shapes[1].extent for one in found} == {(4.0, 2.0)}  # type: ignore[attr-defined]
-    assert "random surfaces are fixed at 4 m x 2 m for all points" in notes
-    # one that names its extent keeps it, and nothing is said
-    own = replace(ROUGH, extent=(3.0, 1.0))
-    kept, notes = grids.posed([point(1.0, own, grid=cs.Grid((64, 32), (4.0, 2.0)))])
-    assert kept[0].scene.shapes[1].extent == (3.0, 1.0)  # type: ignore[attr-defined]
-    assert len(notes) == 1
-    apart = [point(1.0, ROUGH, grid=cs.Grid((64, 32), size)) for size in ((4.0, 2.0), (3.0, 3.0))]
-    found, notes = grids.posed(apart)
-    assert {one.scene.shapes[1].extent for one in found} == {None}  # type: ignore[attr-defined]
-    assert "the periods of the grids have no common divisor" in notes[-1]
+def test_a_random_surface_keeps_an_extent_of_its_own(rough: Path) -> None:
+    text = rough.read_text(encoding="utf-8")
+    text = text.replace("seed = 3", 'seed = 3\nextent = ["0.3 mm", "0.24 mm"]')
+    rough.write_text(text, encoding="utf-8")
+    study = studies.study_of(rough, {"load.per_length": "20,100 N/mm"})
+    assert {case.scene.shapes[1].extent for case in scenes(study)} == {(3e-4, 2.4e-4)}  # type: ignore[attr-defined]
+    assert "random surfaces" not in " ".join(study.notes)
 
 
 RUBBER = """

@@ -16,7 +16,7 @@ from typing import Any
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.axis import one_of
-from studies.model.drawing import Drawing, nothing
+from studies.model.drawing import Drawing, no_items
 from studies.model.study import Study
 from studies.study_file import module_in, module_name, study_in
 
@@ -46,7 +46,7 @@ def load(name: str) -> Study:
         return part
     title = (part.__doc__ or name).strip().split("\n")[0]
     times = getattr(part, "times", "taken")
-    return Study(name, title, tuple(part.points), part.scene_at, part.measures, times)
+    return Study(name, title, tuple(part.axes), part.case_at, part.measures, times)
 
 
 def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:
@@ -64,7 +64,7 @@ def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -
         part = _part("studies.report.drawings", name)
     if isinstance(part, Drawing):
         return part.reduced()
-    findings, tables = getattr(part, "findings", nothing), getattr(part, "tables", nothing)
+    findings, tables = getattr(part, "findings", no_items), getattr(part, "tables", no_items)
     return Drawing(part.figure, findings, tables, getattr(part, "KNOWN_AXES", ())).reduced()
 
 

@@ -12,8 +12,8 @@ from studies.model.axis import Axis
 from studies.model.plain_text import one_line
 from studies.model.study import Study
 
-NEEDED = ("points", "scene_at", "measures")
-FUNCTIONS = ("scene_at", "measures", "figure", "findings", "tables")
+NEEDED = ("axes", "case_at", "measures")
+FUNCTIONS = ("case_at", "measures", "figure", "findings", "tables")
 
 
 def module_name(path: Path) -> str:
@@ -50,16 +50,16 @@ def module_in(path: Path) -> ModuleType:
     for part in FUNCTIONS:
         if not callable(getattr(module, part, print)):
             raise InvalidInput(f"{_where(path, part)}: {part} is no function: define it with def.")
-    if isinstance(module.points, Axis):
-        vars(module)["points"] = (module.points,)
-    points = module.points
-    if not isinstance(points, tuple | list) or not all(isinstance(axis, Axis) for axis in points):
+    if isinstance(module.axes, Axis):
+        vars(module)["axes"] = (module.axes,)
+    axes = module.axes
+    if not isinstance(axes, tuple | list) or not all(isinstance(axis, Axis) for axis in axes):
         raise InvalidInput(
-            f"{_where(path, 'points')}: points is {one_line(repr(points), 60)}: give a tuple of "
+            f"{_where(path, 'axes')}: axes is {one_line(repr(axes), 60)}: give a tuple of "
             "studies.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
         )
-    if not points:
-        raise InvalidInput(f"{_where(path, 'points')}: points is empty: give one axis or more.")
+    if not axes:
+        raise InvalidInput(f"{_where(path, 'axes')}: axes is empty: give one axis or more.")
     # worker processes cannot import this file: its functions are pickled by value
     from cloudpickle import register_pickle_by_value
 
@@ -76,11 +76,11 @@ def study_in(path: Path) -> Study:
     depends = [*_names(path, module, "depends"), *_names(path, module, "files")]
     try:
         return Study(
-            path.stem, title, tuple(module.points), module.scene_at, module.measures, times,
+            path.stem, title, tuple(module.axes), module.case_at, module.measures, times,
             depends=tuple(depends), folder=path.absolute().parent,
         )  # fmt: skip
     except InvalidInput as error:
-        blamed = "times" if str(error).startswith("times") else "points"
+        blamed = "times" if str(error).startswith("times") else "axes"
         raise InvalidInput(f"{_where(path, blamed)}: {error}") from None
 
 

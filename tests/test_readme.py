@@ -12,7 +12,7 @@ import pytest
 import contactstudy as cs
 from studies.cli.commands import cli
 from studies.engine.run import run
-from studies.reference.line_contact import measures, scene_at
+from studies.reference.line_contact import case_at, measures
 from studies.registry import load
 from tests.readme_blocks import BLOCK, SAID
 
@@ -93,7 +93,7 @@ def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:
     """To half of the last digit shown, beside what the iteration leaves: some ten times its tolerance."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert "A smooth cylinder, 128 x 128 cells over 2.4 a x 2.4 a" in text
-    case = scene_at({"padding": "exact", "images": 0, "period": 2.4, "grid": 128})
+    case = case_at({"padding": "exact", "images": 0, "period": 2.4, "grid": 128})
     rows = re.findall(r"^\| `(\w+)\((.*?)\)`.*? \| (.*) \|$", text, flags=re.MULTILINE)
     rows = [row for row in rows if row[2].count("|") == 2]
     assert len(rows) == 6

@@ -272,7 +272,7 @@ def studies(variables: Path) -> str:
             "| axis | values | meaning |",
             "|---|---|---|",
         ]
-        for axis in study.points:
+        for axis in study.axes:
             values = ", ".join(str(value) for value in axis.values)
             unit = f" [{axis.units}]" if getattr(axis, "units", "1") not in ("", "1") else ""
             text.append(f"| `{axis.name}` | {values} | {axis.long_name}{unit} |")

@@ -21,7 +21,7 @@ ridges = tuple(
 )
 
 
-def scene_at(speed):
+def case_at(speed):
     motion = cs.Lubrication(oil, mean_speed=speed, slide_roll_ratio=0.1, boundary=boundary)
     return cs.Scene(
         cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01), *ridges), lubrication=motion
@@ -35,7 +35,7 @@ grid = cs.Grid((480, 1), (6.3e-4, 1e-3))
 speeds = np.geomspace(0.5, 1e-4, 20)
 contacts, last = [], None
 for speed in speeds:
-    contact = cs.solve(scene_at(speed), grid, start=last)
+    contact = cs.solve(case_at(speed), grid, start=last)
     contacts.append(contact)
     last = contact
 settled = [one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts]

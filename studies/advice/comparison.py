@@ -7,12 +7,12 @@ from math import inf, isfinite, nan
 import numpy as np
 
 import contactstudy as cs
+from studies.advice.compared_scene import Setting
 from studies.advice.front import pareto_front
-from studies.advice.rounds import ratio
-from studies.advice.subject import Setting
+from studies.advice.rounds import median_ratio_and_p
 from studies.reference.line_contact import PADDINGS
 
-# A setting of another boundary is chosen only if it is quicker by this factor, and not by chance.
+# A setting of another padding is chosen only if it is quicker by this factor, with a p-value below this one.
 MIN_SPEED_UP, MAX_PROBABILITY = 1.1, 0.01
 # Factor by which the median of few times outside of rounds may be too short.
 FACTOR_WITHOUT_ROUNDS = 1.25
@@ -21,11 +21,13 @@ FREE = "free"
 LINE = "exact, one cell along"
 
 
-def mode_of(padding: cs.Padding | cs.Paddings) -> tuple[str, int]:
+def name_and_images(padding: cs.Padding | cs.Paddings) -> tuple[str, int]:
     """Return the name of a padding and its number of images, 0 if it counts none."""
     if isinstance(padding, tuple):
-        names = {mode_of(axis)[0] for axis in padding}
-        return (FREE if names == {"zero"} else " by ".join(mode_of(axis)[0] for axis in padding)), 0
+        names = {name_and_images(axis)[0] for axis in padding}
+        return (
+            FREE if names == {"zero"} else " by ".join(name_and_images(axis)[0] for axis in padding)
+        ), 0
     images = getattr(padding, "images", 0)
     name = next(
         (name for name, make in PADDINGS.items() if type(make(1)) is type(padding)), repr(padding)
@@ -35,7 +37,7 @@ def mode_of(padding: cs.Padding | cs.Paddings) -> tuple[str, int]:
 
 def label_of(padding: cs.Padding | cs.Paddings) -> str:
     """Return a padding in words, with its n where it has one."""
-    name, images = mode_of(padding)
+    name, images = name_and_images(padding)
     return f"{name}, n = {images}" if hasattr(padding, "images") else name
 
 
@@ -93,10 +95,11 @@ class Measured:
 
 
 @dataclass(frozen=True)
-class Rival:
-    """Setting of another padding that meets the request: its time over the chosen one's.
+class Alternative:
+    """Quickest setting of another padding that meets the request.
 
-    `p` is the probability of the observed majority of rounds if both are equally fast, by the sign test.
+    `ratio` is its time over the chosen one's, `p` the p-value of the sign test: the probability of the observed majority
+    of rounds if both are equally fast.
     """
 
     measured: Measured
@@ -104,14 +107,14 @@ class Rival:
     p: float
 
     @property
-    def is_tie(self) -> bool:
+    def is_as_fast(self) -> bool:
         """True if the times differ by less than a tenth."""
         return 1 / MIN_SPEED_UP <= self.ratio <= MIN_SPEED_UP
 
     @property
-    def is_shown(self) -> bool:
+    def is_significant(self) -> bool:
         """True if the rounds show a difference of more than a tenth."""
-        return not self.is_tie and self.p < MAX_PROBABILITY
+        return not self.is_as_fast and self.p < MAX_PROBABILITY
 
 
 @dataclass(frozen=True)
@@ -124,7 +127,7 @@ class Verdict:
         Requested relative L1 error.
     best
         The setting; if none meets the request, that of least error.
-    rivals
+    alternatives
         The quickest setting of every other padding that meets it.
     coarser
         The next coarser setting of the same padding, or None.
@@ -134,7 +137,7 @@ class Verdict:
 
     error: float
     best: Measured
-    rivals: tuple[Rival, ...]
+    alternatives: tuple[Alternative, ...]
     coarser: Measured | None
     meets: bool
 
@@ -150,25 +153,25 @@ class Comparison:
     extent
         Width and length [m].
     boundary
-        The boundary of the scene itself.
+        The scene's own padding.
     error
         Requested relative L1 error.
-    floor
+    reference_bound
         Bound on the error of the reference, below which errors are not resolved.
     reference
         Cells of the reference; None where it is Hertz's contact.
     bounds
         Bounds on the relative errors of the reference's main numbers.
     paddings, paddings_on
-        What each padding alone does, and the cells on which.
+        Error of each padding alone, and the cells on which it was measured.
     tolerances
         Relative L1 error by each tolerance, on the same cells.
     settings
         All settings.
     notes
         A sentence for each thing that was left out or is to be known.
-    spent
-        Seconds that it took.
+    seconds
+        Wall time [s] of the measurement.
     """
 
     name: str
@@ -176,7 +179,7 @@ class Comparison:
     extent: tuple[float, float]
     boundary: cs.Padding | cs.Paddings
     error: float
-    floor: float
+    reference_bound: float
     reference: tuple[int, int] | None
     bounds: Mapping[str, float]
     paddings: tuple[PaddingError, ...]
@@ -184,54 +187,54 @@ class Comparison:
     tolerances: Mapping[float, float]
     settings: tuple[Measured, ...]
     notes: tuple[str, ...] = ()
-    spent: float = nan
+    seconds: float = nan
 
-    def asking(self, error: float) -> "Comparison":
+    def with_request(self, error: float) -> "Comparison":
         """Return this comparison with another requested error."""
         return replace(self, error=error)
 
     @property
-    def own_label(self) -> str:
-        """Name of the scene's own boundary."""
+    def boundary_label(self) -> str:
+        """Label of the scene's own padding."""
         return label_of(self.boundary)
 
-    def of(self, label: str) -> list[Measured]:
+    def settings_of(self, label: str) -> list[Measured]:
         """Return the settings of one padding, from the coarsest."""
         chosen = [measured for measured in self.settings if measured.label == label]
         return sorted(chosen, key=lambda measured: np.prod(measured.setting.cells))
 
     @property
     def labels(self) -> list[str]:
-        """Names of all paddings that were timed, the own boundary first."""
+        """Names of all paddings that were timed, the scene's own first."""
         return list(
-            dict.fromkeys([self.own_label, *(measured.label for measured in self.settings)])
+            dict.fromkeys([self.boundary_label, *(measured.label for measured in self.settings)])
         )
 
-    def meeting(self, error: float) -> list[Measured]:
+    def settings_meeting(self, error: float) -> list[Measured]:
         """Return the settings that meet an error with the reference's own bound added, from the quickest."""
         meeting = [
             measured
             for measured in self.settings
-            if measured.is_bounded and measured.error + self.floor <= error
+            if measured.is_bounded and measured.error + self.reference_bound <= error
         ]
         return sorted(meeting, key=lambda measured: measured.time)
 
-    def quickest(self, error: float) -> dict[str, Measured]:
+    def quickest_by_padding(self, error: float) -> dict[str, Measured]:
         """Return the quickest setting of each padding that meets an error, by its name.
 
         One that took no part in the rounds must be quicker by a quarter than one that did.
         """
         quickest: dict[str, Measured] = {}
         for measured in sorted(
-            self.meeting(error),
+            self.settings_meeting(error),
             key=lambda measured: measured.time * (1 if measured.rounds else FACTOR_WITHOUT_ROUNDS),
         ):
             quickest.setdefault(measured.label, measured)
         return dict(sorted(quickest.items(), key=lambda pair: pair[1].time))
 
     def front(self, label: str) -> list[Measured]:
-        """Return the settings of a padding that no other of it beats in both time and error."""
-        good = [measured for measured in self.of(label) if measured.is_bounded]
+        """Return the Pareto front, in time and error, of the settings of a padding."""
+        good = [measured for measured in self.settings_of(label) if measured.is_bounded]
         if not good:
             return []
         cost = np.array([measured.time for measured in good])
@@ -241,40 +244,44 @@ class Comparison:
     def verdict(self, error: float | None = None) -> Verdict | None:
         """Return the quickest setting that meets an error, by default the requested one; None without any setting.
 
-        It is one of the scene's own boundary, unless another padding is quicker by more than a tenth in nearly all
+        It has the scene's own padding, unless another padding is quicker by more than a tenth in nearly all
         rounds.
         """
         error = self.error if error is None else error
-        meeting = self.meeting(error)
+        meeting = self.settings_meeting(error)
         if not meeting:
             candidates = [measured for measured in self.settings if measured.is_bounded] or list(
                 self.settings
             )
             if not candidates:
                 return None
-            own_settings = [measured for measured in candidates if measured.label == self.own_label]
+            own_settings = [
+                measured for measured in candidates if measured.label == self.boundary_label
+            ]
             best = min(candidates, key=_by_error)
             nearest = min(own_settings, key=_by_error, default=best)
             # below the reference's own bound errors are equal
-            if nearest.error <= best.error + self.floor:
+            if nearest.error <= best.error + self.reference_bound:
                 best = nearest
             return Verdict(error, best, (), self._coarser(best), meets=False)
-        quickest = self.quickest(error)
-        best = quickest.get(self.own_label, meeting[0])
+        quickest = self.quickest_by_padding(error)
+        best = quickest.get(self.boundary_label, meeting[0])
         for measured in quickest.values():
-            rival = _rival(measured, best)
-            if rival.is_shown and rival.ratio < 1:
+            alternative = _alternative(measured, best)
+            if alternative.is_significant and alternative.ratio < 1:
                 best = measured
-        rivals = tuple(
-            _rival(measured, best) for measured in quickest.values() if measured is not best
+        alternatives = tuple(
+            _alternative(measured, best) for measured in quickest.values() if measured is not best
         )
-        return Verdict(error, best, rivals, self._coarser(best), meets=True)
+        return Verdict(error, best, alternatives, self._coarser(best), meets=True)
 
     def _coarser(self, best: Measured) -> Measured | None:
         """Return the next coarser setting of the same padding."""
         cells = np.prod(best.setting.cells)
         coarser = [
-            measured for measured in self.of(best.label) if np.prod(measured.setting.cells) < cells
+            measured
+            for measured in self.settings_of(best.label)
+            if np.prod(measured.setting.cells) < cells
         ]
         return coarser[-1] if coarser else None
 
@@ -284,11 +291,11 @@ def _by_error(measured: Measured) -> tuple[float, float]:
     return float(f"{measured.error:.1e}"), measured.time
 
 
-def _rival(measured: Measured, best: Measured) -> Rival:
-    """Return a setting beside the best one."""
+def _alternative(measured: Measured, best: Measured) -> Alternative:
+    """Return a setting with its time over that of the best one."""
     rounds = min(len(measured.rounds), len(best.rounds))
-    median_ratio, probability = ratio(measured.rounds[:rounds], best.rounds[:rounds])
-    return Rival(
+    median_ratio, probability = median_ratio_and_p(measured.rounds[:rounds], best.rounds[:rounds])
+    return Alternative(
         measured, median_ratio if isfinite(median_ratio) else measured.time / best.time, probability
     )
 

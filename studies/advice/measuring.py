@@ -1,8 +1,8 @@
 """The comparison of a scene's settings within a budget: which padding, n, grid and tolerance.
 
-A ladder of grids at the scene's own boundary leads to a reference. Paddings and tolerances are judged on one grid of
-it, where the error by the cells is the same and cancels, so that solves add and do not multiply. Whole settings, on
-grids that nest in the reference, are then timed in turns.
+Nested grids under the scene's own boundary conditions lead to a reference. Paddings and tolerances are compared on one
+of them, where the discretisation error is the same and cancels, so that the numbers of solves add and do not multiply.
+Whole settings, on grids that nest in the reference, are then timed in rounds.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -15,7 +15,16 @@ from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.checks import positive
-from studies.advice.climb import REPEAT_FACTOR, TIGHT_TOLERANCE, Budget, Climb, seconds_left_for
+from studies.advice.compared_scene import (
+    Answer,
+    ComparedScene,
+    Setting,
+    failure_of,
+    last_of,
+    numbers_of,
+    pressure_of,
+    steps_of,
+)
 from studies.advice.comparison import (
     LINE,
     Comparison,
@@ -24,27 +33,24 @@ from studies.advice.comparison import (
     label_of,
     with_envelope,
 )
-from studies.advice.ladder import MULTIPLES, cells_at
-from studies.advice.rounds import ROUNDS, in_rounds, seconds_of
-from studies.advice.subject import (
-    Answer,
-    Setting,
-    Subject,
-    failure_of,
-    last_of,
-    numbers_of,
-    pressure_of,
-    steps_of,
+from studies.advice.nested_answers import (
+    REPEAT_FACTOR,
+    TIGHT_TOLERANCE,
+    Budget,
+    NestedAnswers,
+    seconds_left_for,
 )
+from studies.advice.nested_grids import MULTIPLES, cells_at
+from studies.advice.rounds import ROUNDS, timed_call, times_in_rounds
 from studies.reference.line_contact import hertz_means, relative_l1
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 # Fraction of the requested error that the tolerance may take.
 TOLERANCE_FRACTION = 0.1
 # Cells on which paddings and tolerances are compared, and those of one row.
-MIDDLE_CELLS, MIDDLE_CELLS_1D = 2**14, 2**9
+COMPARISON_CELLS, COMPARISON_CELLS_1D = 2**14, 2**9
 # Fractions of a budget: that the paddings on one grid are to take, after which no further one is compared since some
-# take far longer than the own boundary, and the same for tolerances.
+# take far longer than the scene's own padding, and the same for tolerances.
 PADDINGS_FRACTION, MAX_PADDINGS_FRACTION, MAX_TOLERANCES_FRACTION = 0.12, 0.2, 0.08
 # Fraction of the requested error that a bound by the steps in time may take without a word.
 STEPS_FRACTION = 0.5
@@ -64,10 +70,10 @@ CIRCULAR_IMAGES, SUPERPOSED_IMAGES, TIMED_IMAGES = (1, 2, 4, 6, 10, 20), (1, 6, 
 Log = Callable[[str], object]
 
 
-def compared(
-    subject: Subject, error: float, budget: Budget, log: Log = lambda text: None
+def compare_settings(
+    subject: ComparedScene, error: float, budget: Budget, log: Log = lambda text: None
 ) -> Comparison:
-    """Return what was measured of a scene's settings within a budget.
+    """Return the errors and times of a scene's settings, measured within a budget.
 
     Parameters
     ----------
@@ -88,11 +94,11 @@ def compared(
     positive("error", error, "must be a relative error above 0, such as 1e-2")
     positive("seconds", budget.seconds, "must be a time above 0 s, such as 60")
     with threadpool_limits(1):
-        return _Comparing(Climb(subject, error, budget), log).result()
+        return _Measurement(NestedAnswers(subject, error, budget), log).result()
 
 
 @dataclass(frozen=True)
-class _Rung:
+class _GridLevel:
     """A multiple of the unit, with the tolerance that suffices on it, and whether its answer has a bound."""
 
     multiple: int
@@ -101,70 +107,70 @@ class _Rung:
 
 
 @dataclass
-class _Comparing:
-    """A comparison while it is made."""
+class _Measurement:
+    """Measurement of a scene's settings, step by step."""
 
-    climb: Climb
+    nested: NestedAnswers
     log: Log
     reference: int | None = None
     settings: list[Measured] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.subject, self.error, self.budget = (
-            self.climb.subject, self.climb.error, self.climb.budget
+            self.nested.subject, self.nested.error, self.nested.budget
         )  # fmt: skip
-        self.notes = self.climb.notes
+        self.notes = self.nested.notes
 
     def result(self) -> Comparison:
         """Run all steps."""
-        subject, climb = self.subject, self.climb
+        subject, nested = self.subject, self.nested
         self.notes += subject.notes
-        max_cells = MIDDLE_CELLS if subject.unit[1] > 1 else MIDDLE_CELLS_1D
-        climb.up(lambda multiple: prod(climb.cells(multiple)) <= max_cells)
-        middle = self._middle()
-        paddings = self._paddings(middle)
-        tolerances = self._tolerances(middle)
+        max_cells = COMPARISON_CELLS if subject.unit[1] > 1 else COMPARISON_CELLS_1D
+        nested.refine(lambda multiple: prod(nested.cells(multiple)) <= max_cells)
+        multiple = self._comparison_multiple()
+        paddings = self._paddings(multiple)
+        tolerances = self._tolerances(multiple)
         bounds = {"pressure_l1": 0.0}
         if subject.exact is None:
             bounds = self._bounds_of_reference()
-        floor = bounds["pressure_l1"]
-        self._settings(paddings, floor)
+        reference_bound = bounds["pressure_l1"]
+        self._settings(paddings, reference_bound)
         if not self.settings:
             self.notes.append(
                 f"The budget is too short for grids that can be judged: give --seconds "
-                f"{max(2 * self.budget.seconds, 2 * climb.seconds_for_settings()):.0f}."
+                f"{max(2 * self.budget.seconds, 2 * nested.seconds_for_settings()):.0f}."
             )
-        measured = Comparison(
+        comparison = Comparison(
             name=subject.name,
             text=subject.text,
             extent=subject.extent,
             boundary=subject.boundary,
             error=self.error,
-            floor=floor,
-            reference=None if self.reference is None else climb.cells(self.reference),
+            reference_bound=reference_bound,
+            reference=None if self.reference is None else nested.cells(self.reference),
             bounds=bounds,
             paddings=tuple(paddings),
-            paddings_on=climb.cells(middle),
+            paddings_on=nested.cells(multiple),
             tolerances=tolerances,
             settings=tuple(self.settings),
         )
-        measured = self._in_turns(measured)
-        return replace(measured, notes=tuple(self.notes), spent=self.budget.spent)
+        comparison = self._timed_in_rounds(comparison)
+        return replace(comparison, notes=tuple(self.notes), seconds=self.budget.spent)
 
-    def _middle(self) -> int:
-        """Return the finest rung on which all paddings can be solved in their fraction of the budget."""
+    def _comparison_multiple(self) -> int:
+        """Return the finest level on which all paddings can be solved in their fraction of the budget."""
         count = 2.0 * (len(self._candidates()) + len(TOLERANCES))
         affordable = [
             multiple
-            for multiple, answer in self.climb.solved.items()
+            for multiple, answer in self.nested.answers.items()
             if not failure_of(answer)
-            and self.budget.slowdown * count * self.climb.times[multiple]
+            and self.budget.slowdown * count * self.nested.times[multiple]
             <= PADDINGS_FRACTION * self.budget.seconds
         ]
-        return max(affordable, default=min(self.climb.solved))
+        return max(affordable, default=min(self.nested.answers))
 
     def _candidates(self) -> Sequence[cs.Padding | cs.Paddings]:
-        """Return the paddings other than the own boundary."""
+        """Return the paddings other than the scene's own."""
         if self.subject.is_free and label_of(self.subject.boundary) != "free":
             return ()
         circular = [cs.CircularSuperposition(n) for n in CIRCULAR_IMAGES]
@@ -177,13 +183,13 @@ class _Comparing:
             *(cs.Superposition(n) for n in SUPERPOSED_IMAGES),
         )
 
-    def _paddings(self, middle: int) -> list[PaddingError]:
-        """Return what each padding alone does on the middle grid."""
-        cells, reference = self.climb.cells(middle), self.climb.solved[middle]
+    def _paddings(self, multiple: int) -> list[PaddingError]:
+        """Return the error of each padding alone, on the comparison grid."""
+        cells, reference = self.nested.cells(multiple), self.nested.answers[multiple]
         errors, omitted, refused = [], [], dict[str, str]()
-        goes_on = seconds_left_for(self.budget, MAX_PADDINGS_FRACTION)
+        has_time = seconds_left_for(self.budget, MAX_PADDINGS_FRACTION)
         for padding in self._candidates():
-            if not goes_on():
+            if not has_time():
                 omitted.append(label_of(padding))
                 continue
             try:
@@ -216,30 +222,30 @@ class _Comparing:
                 f"Not {what}, because the budget of seconds was used up: {'; '.join(omitted)}."
             )
 
-    def _tolerances(self, middle: int) -> dict[float, float]:
-        """Return the error by each tolerance, on the middle grid, from the loosest."""
-        goes_on = seconds_left_for(self.budget, MAX_TOLERANCES_FRACTION)
+    def _tolerances(self, multiple: int) -> dict[float, float]:
+        """Return the error by each tolerance, on the comparison grid, from the loosest."""
+        has_time = seconds_left_for(self.budget, MAX_TOLERANCES_FRACTION)
         errors = {}
         for tolerance in TOLERANCES:
-            error = self._error_by(tolerance, middle) if goes_on() else None
+            error = self._error_by(tolerance, multiple) if has_time() else None
             if error is not None:
                 errors[tolerance] = error
         return errors
 
     def _error_by(self, tolerance: float, multiple: int) -> float | None:
-        """Return the error by a tolerance on a rung; None where the steps of the scene refuse a tolerance as loose."""
-        setting = Setting(self.subject.boundary, self.climb.cells(multiple), tolerance)
+        """Return the error by a tolerance on a level; None where the steps of the scene refuse a tolerance as loose."""
+        setting = Setting(self.subject.boundary, self.nested.cells(multiple), tolerance)
         try:
             answer = self.subject.solve(setting)
         except cs.InvalidInput:
             return None
-        return relative_l1(pressure_of(answer), pressure_of(self.climb.solved[multiple]))
+        return relative_l1(pressure_of(answer), pressure_of(self.nested.answers[multiple]))
 
     def _bounds_of_reference(self) -> dict[str, float]:
         """Find the reference, and return the bounds on its errors."""
-        self.reference = self.climb.reference()
-        answer, bounds = self.climb.solved[self.reference], self.climb.bounds(self.reference)
-        cells = self.climb.cells(self.reference)
+        self.reference = self.nested.reference()
+        answer, bounds = self.nested.answers[self.reference], self.nested.bounds(self.reference)
+        cells = self.nested.cells(self.reference)
         bound = bounds["pressure_l1"]
         self.log(
             f"reference on {cells[0]} x {cells[1]} cells, bound {bound:.2g}: {self.budget.spent:.0f} s"
@@ -256,29 +262,33 @@ class _Comparing:
         return bounds
 
     def _multiples(self) -> Iterator[int]:
-        """Yield the rungs that nest in the reference and are at most a third as fine; all for a closed form."""
+        """Yield the levels that nest in the reference and are at most a third as fine; all for a closed form."""
         for multiple in MULTIPLES:
             if self.reference is not None:
                 if multiple <= self.reference // 3 and self.reference % multiple == 0:
                     yield multiple
             elif (
-                multiple in self.climb.solved
-                or self.climb.forecast(multiple) < FINEST_FRACTION * self.budget.seconds
+                multiple in self.nested.answers
+                or self.nested.forecast(multiple) < FINEST_FRACTION * self.budget.seconds
             ):
                 yield multiple
 
-    def _settings(self, paddings: Sequence[PaddingError], floor: float) -> None:
-        """Measure whole settings: the own boundary on all grids, others near the one that suffices, then elsewhere."""
-        rungs: list[_Rung] = []
+    def _settings(self, paddings: Sequence[PaddingError], reference_bound: float) -> None:
+        """Measure whole settings: the scene's own padding on all grids, others on the grid that suffices first."""
+        levels: list[_GridLevel] = []
         for multiple in self._multiples():
             # where a coarser answer has a bound, a finer one has
-            rung = self._rung(multiple, is_bounded=any(measured.is_bounded for measured in rungs))
-            rungs += [] if rung is None else [rung]
-        if not rungs:
+            level = self._grid_level(
+                multiple, is_bounded=any(measured.is_bounded for measured in levels)
+            )
+            levels += [] if level is None else [level]
+        if not levels:
             return
-        own_settings = self._solved(self.subject, self.subject.boundary, rungs)
+        own_settings = self._measure_padding(self.subject, self.subject.boundary, levels)
         bounded = [k for k, measured in enumerate(own_settings) if measured.is_bounded]
-        enough = [k for k in bounded if own_settings[k].error + floor <= self.error] or bounded[-1:]
+        enough = [
+            k for k in bounded if own_settings[k].error + reference_bound <= self.error
+        ] or bounded[-1:]
         near = slice(max(0, enough[0] - 1), enough[0] + 2) if enough else slice(None)
         least = min((own_settings[k].error for k in bounded), default=inf)
         worth_timing = max(MAX_PADDING_ERROR_FACTOR * least, self.error)
@@ -291,23 +301,24 @@ class _Comparing:
             line = replace(self.subject, unit=(self.subject.unit[0], 1))
             candidates.insert(0, (line, cs.ExactPeriodicity(), LINE))
         times = {
-            rung.multiple: measured.time for rung, measured in zip(rungs, own_settings, strict=True)
+            level.multiple: measured.time
+            for level, measured in zip(levels, own_settings, strict=True)
         }
-        outside = [rung for rung in rungs if rung not in rungs[near]]
+        outside = [level for level in levels if level not in levels[near]]
         untimed: list[str] = []
-        for part in (rungs[near], outside):
+        for part in (levels[near], outside):
             for subject, padding, label in candidates:
-                # with the turns that follow, and one half slower than the own boundary
-                cost = 1.5 * (1 + REPEATS) * sum(times[rung.multiple] for rung in part)
+                # with the turns that follow, and one half slower than the scene's own padding
+                cost = 1.5 * (1 + REPEATS) * sum(times[level.multiple] for level in part)
                 if label in untimed or not self.budget.allows(cost, ROUNDS_FRACTION):
                     untimed += [label] * (part is not outside)
                     continue
-                self._solved(subject, padding, part, label)
+                self._measure_padding(subject, padding, part, label)
         self._note("timed", untimed)
         self.log(f"{len(self.settings)} settings solved: {self.budget.spent:.0f} s")
         self.settings = self._enveloped()
         turn_time = sum(measured.time for measured in self.settings)
-        turns = in_rounds(
+        turns = times_in_rounds(
             [partial(self.subject.solve, measured.setting) for measured in self.settings],
             REPEATS,
             lambda: self.budget.allows(turn_time, HALF_ROUNDS_FRACTION),
@@ -327,45 +338,45 @@ class _Comparing:
         )
         return images in (0, *TIMED_IMAGES) or (is_short and images == max(CIRCULAR_IMAGES))
 
-    def _rung(self, multiple: int, *, is_bounded: bool) -> "_Rung | None":
-        """Return a rung with the loosest tolerance that suffices on it; None where it is too coarse to be solved."""
-        climb = self.climb
-        if multiple not in climb.solved:
-            climb.solve(multiple)
-        if multiple not in climb.solved:
+    def _grid_level(self, multiple: int, *, is_bounded: bool) -> "_GridLevel | None":
+        """Return a level with the loosest tolerance that suffices on it; None where it is too coarse to be solved."""
+        nested = self.nested
+        if multiple not in nested.answers:
+            nested.solve(multiple)
+        if multiple not in nested.answers:
             return None
-        is_bounded = not failure_of(climb.solved[multiple]) and (
+        is_bounded = not failure_of(nested.answers[multiple]) and (
             is_bounded
             or self.subject.exact is not None
-            or isfinite(climb.bounds(multiple)["pressure_l1"])
+            or isfinite(nested.bounds(multiple)["pressure_l1"])
         )
         for tolerance in TOLERANCES:
-            if not self.budget.allows(climb.times[multiple]):
+            if not self.budget.allows(nested.times[multiple]):
                 break
             error = self._error_by(tolerance, multiple)
             if error is not None and error <= TOLERANCE_FRACTION * self.error:
-                return _Rung(multiple, tolerance, is_bounded)
-        return _Rung(multiple, TIGHT_TOLERANCE, is_bounded)
+                return _GridLevel(multiple, tolerance, is_bounded)
+        return _GridLevel(multiple, TIGHT_TOLERANCE, is_bounded)
 
-    def _solved(
+    def _measure_padding(
         self,
-        subject: Subject,
+        subject: ComparedScene,
         padding: cs.Padding | cs.Paddings,
-        rungs: Sequence["_Rung"],
+        levels: Sequence["_GridLevel"],
         label: str = "",
     ) -> list[Measured]:
-        """Measure a padding on some rungs, and return its settings, each with its own error."""
+        """Measure a padding on some levels, and return its settings, each with its own error."""
         rows = list[Measured]()
-        for rung in rungs:
-            setting = Setting(padding, cells_at(subject.unit, rung.multiple), rung.tolerance)
-            seconds, answer = seconds_of(partial(subject.solve, setting))
+        for level in levels:
+            setting = Setting(padding, cells_at(subject.unit, level.multiple), level.tolerance)
+            seconds, answer = timed_call(partial(subject.solve, setting))
             if rows:
                 # a first solve of a size may compile, or was interrupted
                 before = rows[-1]
                 grown = prod(setting.cells) / prod(before.setting.cells)
                 if seconds > REPEAT_FACTOR * grown * before.time:
-                    seconds = min(seconds, seconds_of(partial(subject.solve, setting))[0])
-            is_bounded = rung.is_bounded and not failure_of(answer)
+                    seconds = min(seconds, timed_call(partial(subject.solve, setting))[0])
+            is_bounded = level.is_bounded and not failure_of(answer)
             error = self._error(answer)
             rows.append(
                 Measured(setting, label or label_of(padding), error, is_bounded, (seconds,))
@@ -388,25 +399,27 @@ class _Comparing:
     def _error(self, answer: Answer) -> float:
         """Return the relative L1 error of an answer against the reference."""
         if self.reference is not None:
-            return relative_l1(pressure_of(answer), pressure_of(self.climb.solved[self.reference]))
+            return relative_l1(
+                pressure_of(answer), pressure_of(self.nested.answers[self.reference])
+            )
         hertz, shape = self.subject.exact, pressure_of(answer).shape
         assert hertz is not None
         grid = self.subject.grid((shape[0], shape[1]))
         return relative_l1(pressure_of(answer), hertz_means(hertz, grid))
 
-    def _in_turns(self, measured: Comparison) -> Comparison:
+    def _timed_in_rounds(self, comparison: Comparison) -> Comparison:
         """Return the comparison with the times of its best settings, taken in turns."""
-        meeting = measured.meeting(self.error)
-        quickest = measured.quickest(self.error).values()
-        front = [*measured.front(measured.own_label), *measured.front(LINE)]
+        meeting = comparison.settings_meeting(self.error)
+        quickest = comparison.quickest_by_padding(self.error).values()
+        front = [*comparison.front(comparison.boundary_label), *comparison.front(LINE)]
         close = [item for item in meeting if item.time <= MAX_TIME_FACTOR * meeting[0].time]
         longest = MAX_FRONT_FACTOR * meeting[0].time if meeting else inf
         best = list({id(item): item for item in (*quickest, *close)}.values())[:MAX_SETTINGS]
         chosen = list({id(item): item for item in (*best, *front) if item.time <= longest}.values())
         if not chosen:
-            return measured
+            return comparison
         round_time = sum(setting.time for setting in chosen)
-        rounds = in_rounds(
+        rounds = times_in_rounds(
             [partial(self.subject.solve, setting.setting) for setting in chosen],
             ROUNDS,
             lambda: self.budget.allows(round_time),
@@ -417,7 +430,7 @@ class _Comparing:
             )
         times = {id(setting): tuple(turn[k] for turn in rounds) for k, setting in enumerate(chosen)}
         settings = tuple(
-            replace(setting, rounds=times.get(id(setting), ())) for setting in measured.settings
+            replace(setting, rounds=times.get(id(setting), ())) for setting in comparison.settings
         )
         self.log(f"{len(rounds)} rounds of {len(chosen)} settings: {self.budget.spent:.0f} s")
-        return replace(measured, settings=settings)
+        return replace(comparison, settings=settings)

@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
-from studies.advice.subject import Answer, pressure_of
+from studies.advice.compared_scene import Answer, pressure_of
 from studies.model.axis import Value
-from studies.model.case import Computation, SceneCase, number
+from studies.model.case import Computation, SceneCase, dimensionless
 from studies.model.study import Point, Study
 from studies.reference.line_contact import relative_l1
 
@@ -50,15 +50,15 @@ def pressure_error(case: ReferencedCase, answer: Answer) -> Mapping[str, xr.Vari
     shift = true.shape[1] // 2 if case.periods % 2 == 0 else 0
     true = np.roll(np.tile(true, (1, case.periods)), shift, axis=1)
     error = relative_l1(pressure_of(answer), true)
-    return {"pressure_error_l1": number(error, "relative L1 error of the pressure")}
+    return {"pressure_error_l1": dimensionless(error, "relative L1 error of the pressure")}
 
 
 def against(study: Study, axis: str, value: Value) -> Study:
     """Return the study of a scene with errors against the value of an axis, at which it has none."""
-    index = next(entry.values for entry in study.points if entry.name == axis).index(value)
+    index = next(entry.values for entry in study.axes if entry.name == axis).index(value)
     return replace(
         study,
-        scene_at=_WithReference(study.scene_at, axis, value),
+        case_at=_WithReference(study.case_at, axis, value),
         attributes={**study.attributes, "reference": f"{axis}={index}"},
     )
 
@@ -67,12 +67,12 @@ def against(study: Study, axis: str, value: Value) -> Study:
 class _WithReference:
     """Function of a point that returns its case, with that at a value of an axis as its reference."""
 
-    scene_at: Callable[[Point], Computation]
+    case_at: Callable[[Point], Computation]
     axis: str
     value: Value
 
     def __call__(self, point: Point) -> Computation:
-        case, reference = self.scene_at(point), self.scene_at({**point, self.axis: self.value})
+        case, reference = self.case_at(point), self.case_at({**point, self.axis: self.value})
         assert isinstance(case, ReferencedCase)
         assert isinstance(reference, ReferencedCase)
         return case if case == reference else replace(case, reference=reference)

@@ -14,15 +14,15 @@ ROUNDS = 15
 T = TypeVar("T")
 
 
-def seconds_of(run: Callable[[], T]) -> tuple[float, T]:
+def timed_call(run: Callable[[], T]) -> tuple[float, T]:
     """Return the processor time [s] of a call, and its result."""
     start = process_time()
     result = run()
     return process_time() - start, result
 
 
-def in_rounds(
-    runs: Sequence[Callable[[], object]], count: int, goes_on: Callable[[], bool]
+def times_in_rounds(
+    runs: Sequence[Callable[[], object]], count: int, has_time: Callable[[], bool]
 ) -> list[list[float]]:
     """Return the processor times [s] of several calls, a list for each complete round.
 
@@ -34,25 +34,24 @@ def in_rounds(
         The calls.
     count
         Largest number of rounds.
-    goes_on
+    has_time
         Whether there is time for another round.
     """
     order, shuffle = list(range(len(runs))), Random(1).shuffle
     rounds: list[list[float]] = []
-    while len(rounds) < count and goes_on():
+    while len(rounds) < count and has_time():
         shuffle(order)
         times = [0.0] * len(runs)
         for index in order:
-            times[index] = seconds_of(runs[index])[0]
+            times[index] = timed_call(runs[index])[0]
         rounds.append(times)
     return rounds
 
 
-def ratio(first: Iterable[float], second: Iterable[float]) -> tuple[float, float]:
-    """Return the median ratio of paired times, and the probability of such a majority of pairs by chance.
+def median_ratio_and_p(first: Iterable[float], second: Iterable[float]) -> tuple[float, float]:
+    """Return the median ratio of paired times, and the p-value of the two-sided sign test.
 
-    Pairs with nan are left out; without any, the ratio is nan and the probability 1. The probability is that of the
-    two-sided sign test.
+    Pairs with nan are left out; without any, the ratio is nan and the p-value 1.
     """
     pairs = [
         (a, b) for a, b in zip(first, second, strict=True) if np.isfinite(a) and np.isfinite(b)

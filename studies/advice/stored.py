@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from studies.advice.comparison import Comparison, Measured, PaddingError, mode_of
-from studies.advice.subject import Setting
+from studies.advice.compared_scene import Setting
+from studies.advice.comparison import Comparison, Measured, PaddingError, name_and_images
 from studies.reference.line_contact import padding_at
 from studies.store.netcdf import read, write
 from studies.store.provenance import provenance
@@ -30,7 +30,8 @@ SETTING = (
 )  # fmt: skip
 # Fields of a comparison that are kept as JSON.
 AS_JSON = (
-    "name", "text", "extent", "error", "floor", "reference", "paddings_on", "bounds", "notes", "spent"
+    "name", "text", "extent", "error", "reference_bound", "reference", "paddings_on", "bounds", "notes",
+    "seconds",
 )  # fmt: skip
 
 
@@ -39,9 +40,9 @@ def path_in(out: Path) -> Path:
     return out / f"{NAME}.nc"
 
 
-def store(measured: Comparison, key: str, out: Path) -> xr.Dataset:
+def store(comparison: Comparison, key: str, out: Path) -> xr.Dataset:
     """Write the comparison of a scene with a key into a folder, and return its Dataset."""
-    dataset = to_dataset(measured).assign_attrs({**provenance(), "key": key})
+    dataset = to_dataset(comparison).assign_attrs({**provenance(), "key": key})
     write(dataset, path_in(out))
     return dataset
 
@@ -57,9 +58,9 @@ def stored(key: str, out: Path) -> Comparison | None:
     return from_dataset(dataset)
 
 
-def to_dataset(measured: Comparison) -> xr.Dataset:
+def to_dataset(comparison: Comparison) -> xr.Dataset:
     """Return a comparison as a Dataset: settings, what each padding and tolerance does alone, the rest as JSON."""
-    settings, paddings = measured.settings, measured.paddings
+    settings, paddings = comparison.settings, comparison.paddings
     quantities = sorted({name for item in paddings for name in item.changes})
     changes = [[item.changes.get(name, np.nan) for name in quantities] for item in paddings]
     data = {
@@ -78,15 +79,15 @@ def to_dataset(measured: Comparison) -> xr.Dataset:
             ("alone", "quantity"),
             np.array(changes).reshape(len(paddings), len(quantities)),
         ),
-        "tolerance_error_l1": ("tolerance", list(measured.tolerances.values()), ERROR),
+        "tolerance_error_l1": ("tolerance", list(comparison.tolerances.values()), ERROR),
     }
     coords = {
         "quantity": np.array(quantities, dtype=object),
-        "tolerance": list(measured.tolerances),
+        "tolerance": list(comparison.tolerances),
     }
-    texts = {name: getattr(measured, name) for name in AS_JSON}
+    texts = {name: getattr(comparison, name) for name in AS_JSON}
     attributes = {
-        "title": f"Settings of {measured.name}", "scene": measured.text, "own": as_text(measured.boundary),
+        "title": f"Settings of {comparison.name}", "scene": comparison.text, "own": as_text(comparison.boundary),
         "comparison": json.dumps(texts),
     }  # fmt: skip
     return xr.Dataset(data, coords, attributes)
@@ -134,7 +135,7 @@ def as_text(padding: cs.Padding | cs.Paddings) -> str:
     """Return a padding as text, such as "circular 6", or "zero, zero" for two axes."""
     if isinstance(padding, tuple):
         return ", ".join(as_text(axis) for axis in padding)
-    name, images = mode_of(padding)
+    name, images = name_and_images(padding)
     return f"{name} {images}"
 
 

@@ -56,7 +56,7 @@ def cli() -> None:
 @click.option(
     "--scene",
     type=click.Path(path_type=Path),
-    help="Report on the settings of the contact in this TOML file: which padding, n, grid and tolerance.",
+    help="Compare paddings, numbers of images n, grids and tolerances for the scene in this TOML file.",
 )
 @ERROR
 @BUDGET
@@ -83,8 +83,8 @@ def report(
     if scene is not None:
         if chapter:
             raise InvalidInput(
-                f"Chapter {chapter[0]!r} is given beside --scene: give one of them, since chapters are about the "
-                "paper's cylinder."
+                f"Chapter {chapter[0]!r} is given beside --scene: give one of them, because chapters are about a "
+                "steel cylinder of R = 10 mm under 100 N/mm."
             )
         measured, folder = measured_scene(scene, error, seconds, out, click.echo)
         from studies.report.page import write_scene
@@ -99,11 +99,11 @@ def report(
     chosen = chapters(chapter)
     options = RunOptions(workers=workers, repeats=repeats)
     for page_chapter in chosen:
-        path = reporting.make(
+        path = reporting.run_and_write(
             page_chapter, out, options=options, log=click.echo, formats=with_png(formats)
         )
         click.echo(f"report: wrote {path}")
-    for path in reporting.write_stored(out, chosen):
+    for path in reporting.write_outdated(out, chosen):
         click.echo(f"report: wrote {path}")
 
 
@@ -240,7 +240,7 @@ def run(
     from studies.report import page as reporting
 
     with _drawing(chosen.name, REMEDY_IN_TIMES if no_times else REMEDY_IN_CODE):
-        reporting.draw(chosen, drawing(), out, with_png(formats))
+        reporting.draw_figures(chosen, drawing(), out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 
@@ -259,13 +259,13 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
     for name in study:
         chosen = load(name)
         with _drawing(chosen.name):
-            reporting.draw(chosen, load_drawing(name), out, with_png(formats))
+            reporting.draw_figures(chosen, load_drawing(name), out, with_png(formats))
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
         with _drawing("report"):
             pages = [
-                reporting.write(MAIN, out, with_png(formats)),
-                *reporting.write_stored(out, [MAIN]),
+                reporting.draw_and_write(MAIN, out, with_png(formats)),
+                *reporting.write_outdated(out, [MAIN]),
             ]
         for path in pages:
             click.echo(f"report: wrote {path}")
@@ -280,7 +280,7 @@ def studies() -> None:
     """List the built-in studies with the lengths of their axes."""
     for name in (*BUILT_IN, *OPTIONAL):
         study = load(name)
-        axes = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in study.points)
+        axes = ", ".join(f"{axis.name} ({len(axis.values)})" for axis in study.axes)
         click.echo(f"{name:<12} {study.title} Axes: {axes}.")
 
 
@@ -313,10 +313,10 @@ def _named(name: str, scene: Path | None) -> Study:
     """Return the built-in study of a name, or for a scene the study of its settings."""
     if scene is None:
         return load(name)
-    from studies.advice.subject import described_in
+    from studies.advice.compared_scene import scene_in
     from studies.definitions.settings import preset
 
-    return preset(name, described_in(scene).subject())
+    return preset(name, scene_in(scene).subject())
 
 
 def _axes(arguments: list[str]) -> Mapping[str, str]:
@@ -325,11 +325,11 @@ def _axes(arguments: list[str]) -> Mapping[str, str]:
     words = iter(arguments)
     for word in words:
         if not word.startswith("--"):
-            raise InvalidInput(f"Argument {word!r} is not expected: write --axis values.")
+            raise InvalidInput(f"Argument {word!r} is not expected: write --AXIS VALUES.")
         name, equals, value = word[2:].partition("=")
         text = value if equals else next(words, None)
         if text is None:
-            raise InvalidInput(f"Axis {name!r} has no values: write --{name} values.")
+            raise InvalidInput(f"Axis {name!r} has no values: write --{name} VALUES.")
         if name in axes:
             raise InvalidInput(f"Axis {name!r} is given twice: write all its values in one list.")
         axes[name] = text
@@ -347,7 +347,7 @@ def main() -> None:
         error.show()
         sys.exit(error.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("contactstudy: stopped; what a study had stored is kept.", err=True)
+        click.echo("contactstudy: stopped; stored results of a study are kept.", err=True)
         sys.exit(130)
     except BrokenPipeError:  # the output pipe is closed
         sys.stdout = None

@@ -18,12 +18,12 @@ from studies.cli.options import out_option
 if TYPE_CHECKING:
     import xarray as xr
 
-# Values of a variable that a page holds; a finer contact is shown by the means of blocks of cells.
+# Values of a variable that a page holds; a finer contact is page_data by the means of blocks of cells.
 MAX_VALUES = 200_000
-# Variables with which a page of a study and another begins, the first of them that is there.
+# Variables shown first by the page of a study and of another file: the first of them that the file has.
 NUMBERS = ("central_film", "peak_pressure", "largest_pressure")
 FIELDS = ("pressure", "film")
-# Values of a study span more than this on an axis that begins as logarithmic.
+# Ratio of the largest to the least value of an axis of a study above which it starts as logarithmic.
 LOGARITHMIC_FROM = 30.0
 
 
@@ -51,10 +51,10 @@ def page_of(dataset: "xr.Dataset", name: str) -> str:
 
     Raises :class:`~contactstudy.InvalidInput` for a dataset without numbers over an axis.
     """
-    shown = contents(dataset, name)
+    page_data = contents(dataset, name)
     template = (files("studies.cli") / "explore.html").read_text(encoding="utf-8")
-    before, after = template.replace("TITLE", html.escape(shown["title"]), 1).split(">DATA<")
-    return f"{before}>{_json(shown)}<{after}"
+    before, after = template.replace("TITLE", html.escape(page_data["title"]), 1).split(">DATA<")
+    return f"{before}>{_json(page_data)}<{after}"
 
 
 def _instant_of_largest(field: "xr.DataArray") -> int | None:
@@ -71,7 +71,7 @@ def _json(value: object) -> str:
 
 
 def contents(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
-    """Return what a page shows: axes with their values, variables over them, and single numbers, in usual units.
+    """Return the data of a page: axes with their values, variables over them, and single numbers, in usual units.
 
     Raises :class:`~contactstudy.InvalidInput` for a dataset without numbers over an axis.
     """
@@ -97,12 +97,12 @@ def contents(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
     title = str(dataset.attrs.get("title", "contact"))
     dims = {str(dim): field for field in fields.values() for dim in field.dims}
     first = (*NUMBERS, *FIELDS) if is_study else (*FIELDS, *NUMBERS)
-    begin = next((key for key in first if key in fields), next(iter(fields)))
-    shown: dict[str, Any] = {
+    first_variable = next((key for key in first if key in fields), next(iter(fields)))
+    page_data: dict[str, Any] = {
         "title": title if title.startswith(name) else f"{name}: {title}",
         "study": is_study,
-        "first": begin,
-        "instant": _instant_of_largest(fields[begin]),
+        "first": first_variable,
+        "instant": _instant_of_largest(fields[first_variable]),
         "axes": {dim: _axis(field, dim, in_study=is_study) for dim, field in dims.items()},
         "variables": {key: _variable(field) for key, field in fields.items()},
         "numbers": [
@@ -114,10 +114,10 @@ def contents(dataset: "xr.Dataset", name: str) -> dict[str, Any]:
     if is_study and dataset["case_status"].ndim:
         status = dataset["case_status"]
         numbers = np.atleast_1d(status.attrs["flag_values"]).tolist()
-        words = str(status.attrs["flag_meanings"]).split()
-        shown["words"] = dict(zip(map(str, numbers), words, strict=True))
-        shown["variables"]["case_status"] = _variable(status) | {"hidden": True}
-    return shown
+        meanings = str(status.attrs["flag_meanings"]).split()
+        page_data["words"] = dict(zip(map(str, numbers), meanings, strict=True))
+        page_data["variables"]["case_status"] = _variable(status) | {"hidden": True}
+    return page_data
 
 
 def _coarse(variable: "xr.DataArray") -> "xr.DataArray":
@@ -148,11 +148,11 @@ def _axis(field: "xr.DataArray", dim: str, *, in_study: bool) -> dict[str, Any]:
         "unit": unit,
         "values": [float(f"{value / factor:.9g}") for value in values.tolist()],
         "canLog": can_log,
-        "log": can_log and in_study and _in_ratios(values.astype(float)),
+        "log": can_log and in_study and _is_geometric(values.astype(float)),
     }
 
 
-def _in_ratios(values: np.ndarray) -> bool:
+def _is_geometric(values: np.ndarray) -> bool:
     """Return whether positive values rise in equal ratios, or span more than a factor of 30."""
     if len(values) < 2 or values.max() > LOGARITHMIC_FROM * values.min():
         return len(values) > 1

@@ -37,7 +37,7 @@ BUDGET = click.option(
 @click.option(
     "--scene",
     type=click.Path(path_type=Path),
-    help="TOML file of the contact.  [default: the paper's cylinder]",
+    help="TOML file of the contact.  [default: a steel cylinder of R = 10 mm under 100 N/mm]",
 )
 @ERROR
 @BUDGET
@@ -50,30 +50,29 @@ def recommendation(
     as_json: bool,  # noqa: FBT001 (click's own way)
     out: Path,
 ) -> None:
-    """Recommend the quickest padding, grid and tolerance.
+    """Recommend the fastest measured padding, grid and tolerance that meet an error.
 
-    They are the quickest measured ones that meet an error. The rounds stored by an earlier report or recommendation are
-    read; without them they are measured.
+    Measurements that an earlier report or recommendation stored are used; otherwise they are taken now.
     """
-    from studies.report.wording import rivals_text, verdict_text
+    from studies.report.wording import alternatives_text, verdict_text
 
-    measured, folder = measured_scene(
+    comparison, folder = measured_scene(
         scene, error, seconds, out, lambda text: click.echo(text, err=True), kept=0.6
     )
-    verdict = measured.verdict(error)
+    verdict = comparison.verdict(error)
     if verdict is None:
         raise cs.InvalidInput(
-            f"{measured.name} has no setting to recommend: {' '.join(measured.notes)}"
+            f"{comparison.name} has no setting to recommend: {' '.join(comparison.notes)}"
         )
     if as_json:
-        click.echo(json.dumps(_fields(measured, verdict)))
+        click.echo(json.dumps(_fields(comparison, verdict)))
         return
-    click.echo(f"{measured.name}: {verdict_text(measured, verdict)}")
-    for sentence in filter(None, (rivals_text(measured, verdict), *measured.notes)):
+    click.echo(f"{comparison.name}: {verdict_text(comparison, verdict)}")
+    for sentence in filter(None, (alternatives_text(comparison, verdict), *comparison.notes)):
         click.echo(f"  {sentence}")
     click.echo(f"  from {folder / 'settings.nc'}")
     click.echo("  in the scene file, instead of its tables grid, padding and solve:")
-    for line in toml(measured, verdict.best):
+    for line in toml(comparison, verdict.best):
         click.echo(f"    {line}".rstrip())
 
 
@@ -91,52 +90,56 @@ def measured_scene(
     take longer on a busy machine too.
     """
     start = perf_counter()
-    from studies.advice.climb import Budget
-    from studies.advice.subject import described_in, paper_described
+    from studies.advice.compared_scene import paper_scene, scene_in
+    from studies.advice.nested_answers import Budget
     from studies.report.scene_sections import comparison_of
 
     positive("seconds", seconds, "must be a time above 0 s, such as 60")
     reserved = kept * (perf_counter() - start)
     budget = Budget(max(seconds - reserved, seconds / 4), start)
-    described = paper_described() if scene is None else described_in(scene)
+    described = paper_scene() if scene is None else scene_in(scene)
     folder = out if scene is None else out / scene.stem
     return comparison_of(described, error, budget, folder, log), folder
 
 
-def toml(measured: Comparison, chosen: Measured) -> list[str]:
+def toml(comparison: Comparison, chosen: Measured) -> list[str]:
     """Return the tables of a scene file that choose a setting."""
     from contactstudy.io.scene_writer import settings_text
 
-    grid = cs.Grid(chosen.setting.cells, measured.extent)
+    grid = cs.Grid(chosen.setting.cells, comparison.extent)
     options = cs.SolveOptions(tolerance=chosen.setting.tolerance)
     return settings_text(grid, chosen.setting.padding, options).strip().splitlines()
 
 
-def _fields(measured: Comparison, verdict: Verdict) -> dict[str, Any]:
+def _fields(comparison: Comparison, verdict: Verdict) -> dict[str, Any]:
     """Return a recommendation as values for JSON."""
     return {
-        "scene": measured.name,
-        "asked": verdict.error,
-        "meets": verdict.meets,
-        "reference_bound": measured.floor,
-        "best": _setting(measured, verdict.best),
-        "others": [
-            _setting(measured, rival.measured)
-            | {"time_ratio": rival.ratio, "p": rival.p, "tie": rival.is_tie}
-            for rival in verdict.rivals
+        "scene": comparison.name,
+        "requested_error": verdict.error,
+        "meets_request": verdict.meets,
+        "reference_bound": comparison.reference_bound,
+        "best": _setting(comparison, verdict.best),
+        "alternatives": [
+            _setting(comparison, alternative.measured)
+            | {
+                "time_ratio": alternative.ratio,
+                "p_value": alternative.p,
+                "is_as_fast": alternative.is_as_fast,
+            }
+            for alternative in verdict.alternatives
         ],
-        "notes": list(measured.notes),
+        "notes": list(comparison.notes),
     }
 
 
-def _setting(measured: Comparison, chosen: Measured) -> dict[str, Any]:
+def _setting(comparison: Comparison, chosen: Measured) -> dict[str, Any]:
     """Return a setting as values for JSON."""
     return {
         "padding": repr(chosen.setting.padding),
         "cells": list(chosen.setting.cells),
-        "extent": list(measured.extent),
+        "extent": list(comparison.extent),
         "tolerance": chosen.setting.tolerance,
         "error": chosen.error,
         "seconds": chosen.time,
-        "toml": toml(measured, chosen),
+        "toml": toml(comparison, chosen),
     }

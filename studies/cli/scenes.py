@@ -19,7 +19,7 @@ from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
 from studies.model.plain_text import thread_count
 
 if TYPE_CHECKING:
-    from studies.cli.solving import Answered
+    from contactstudy.answers.answer import Answer
 
 THREADS = click.option(
     "--threads",
@@ -78,8 +78,8 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
         if isinstance(shape, cs.Roughness) and shape.extent is None and shape.rms:
             width, length = planned.grid.extent
             click.echo(
-                f"  note: shapes[{number}] takes its extent from the grid, so that a grid of another width or "
-                f"period is another surface: give it extent = [{width:.6g}, {length:.6g}] to keep this one"
+                f"  note: shapes[{number}] has no extent, so its heights change with the grid: "
+                f"give extent = [{width:.6g}, {length:.6g}] to keep this surface"
             )
 
 
@@ -108,16 +108,16 @@ def solve(
 
     SCENE is a TOML file. The exit code is 0 if the solution converged, else 1; the result is written in both cases.
     """
-    from studies.cli.solving import solved
+    from studies.cli.solving import solve_with_progress
     from studies.store.netcdf import check_kind, open_folder
 
     on = _device(device, threads)
     described = cs.read_scene(scene)
     check_kind(out / f"{scene.stem}.nc", "solution")
-    if isinstance(on, cs.Cpu):  # whether a scene can be solved on another device, the solve says
+    if isinstance(on, cs.Cpu):  # the solve reports whether another device can solve the scene
         _announce(scene, described, on)
     begin = perf_counter()
-    answer = solved(described, scene, out, start, on)
+    answer = solve_with_progress(described, scene, out, start, on)
     files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", with_png(formats))
     seconds = perf_counter() - begin
     _print(scene, answer, seconds, _notes(described), files, as_json=as_json)
@@ -150,8 +150,8 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
             continue
         if length < grid.length * (1 - 1e-9):
             notes.append(
-                f"shapes[{number}] is {readable(length)} long on a grid {readable(grid.length)} long, and stays at "
-                f"its end drop beyond its ends: add the shape FiniteLength(length={length:g}) if the roller ends there"
+                f"shapes[{number}] is {readable(length)} long on a grid {readable(grid.length)} long, and is not "
+                f"cut off at its ends: add the shape FiniteLength(length={length:g}) if the roller ends there"
             )
         elif length <= grid.length * (1 + 1e-9):
             notes.append(
@@ -170,12 +170,12 @@ def _notes(described: cs.SceneFile) -> list[str]:
     ]
     if described.time_steps != cs.TimeSteps() and not scene.takes_times:
         notes.append(
-            "evolve is not used, since no load, speed or body changes in time: leave it out"
+            "[evolve] has no effect, because no load, speed or body changes in time: leave it out"
         )
     return notes
 
 
-def _stored(answer: Answered, path: Path, formats: tuple[str, ...]) -> list[Path]:
+def _stored(answer: Answer, path: Path, formats: tuple[str, ...]) -> list[Path]:
     """Write the dataset, and its picture in each format; return the files."""
     from contactstudy.domain.files import replacing
     from studies.store.netcdf import write
@@ -196,7 +196,7 @@ def _stored(answer: Answered, path: Path, formats: tuple[str, ...]) -> list[Path
 
 def _print(
     scene: Path,
-    answer: Answered,
+    answer: Answer,
     seconds: float,
     notes: list[str],
     files: list[Path],

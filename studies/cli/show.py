@@ -108,35 +108,37 @@ def _csv(dataset: "xr.Dataset") -> str:
         axes = [str(name) for name in dataset["case_status"].dims]
     else:
         axes = [name for name in ("time", "pass") if name in dataset.dims]
-    # beside axes, numbers without one are left out: they would repeat in every row
+    # beside axes, leave out scalars: they would repeat in every row
     names = [
         str(name)
         for name, variable in dataset.data_vars.items()
         if set(variable.dims) <= set(axes) and bool(variable.dims) == bool(axes)
     ]
-    names.sort(key=_rank)
-    timed = "contended" in dataset and bool((_in_words(dataset["contended"]) != "not_timed").any())
+    names.sort(key=_column_order)
+    timed = "contended" in dataset and bool(
+        (_with_flag_meanings(dataset["contended"]) != "not_timed").any()
+    )
     names = [name for name in names if timed or not _is_time(name)]
-    flat = dataset[names].assign({name: _in_words(dataset[name]) for name in names})
+    flat = dataset[names].assign({name: _with_flag_meanings(dataset[name]) for name in names})
     flat = flat.drop_vars([name for name in flat.coords if name not in axes])
     if axes:
         table = flat.to_dataframe(dim_order=axes).reset_index()
     else:
         table = flat.expand_dims("row").to_dataframe().reset_index(drop=True)
     for name in [str(column) for column in table.columns]:
-        head, size = _header(dataset, name)
-        if size != 1:
-            table[name] = table[name] / size
+        head, factor = _header(dataset, name)
+        if factor != 1:
+            table[name] = table[name] / factor
         table = table.rename(columns={name: head})
     return str(table.to_csv(index=False, float_format="%.14g"))
 
 
-# Columns of a table come in this order, and others before these: the solver's work, the case, the times.
+# Columns at the end of a table, in this order: the solver's work, the case, the times.
 SORTED_LAST = ("status", "iterations", "convolutions", "residual", "case_", "contended", "_time")
 
 
-def _rank(name: str) -> int:
-    """Return the place of a column among :data:`SORTED_LAST`, 0 for one that is not there."""
+def _column_order(name: str) -> int:
+    """Return the position of a column among :data:`SORTED_LAST`, 0 for any other."""
     return max(
         (place for place, word in enumerate(SORTED_LAST, start=1) if word in name), default=0
     )
@@ -148,7 +150,7 @@ def _is_time(name: str) -> bool:
 
 
 def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:
-    """Return the head of a column with the unit in which it is read best, and the size of this unit in SI units."""
+    """Return the head of a column with the unit in which it is read best, and the factor of this unit in SI units."""
     if name not in dataset.variables:
         return name, 1.0
     units = str(dataset[name].attrs.get("units", "1"))
@@ -157,11 +159,11 @@ def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:
     values = dataset[bounded if bounded in dataset.variables else name].values
     if units == "1" or values.dtype.kind not in "iuf":
         return name if units == "1" else f"{name} [{units}]", 1.0
-    size, unit = display_unit_of(values, units)
-    return f"{name} [{unit}]", size
+    factor, unit = display_unit_of(values, units)
+    return f"{name} [{unit}]", factor
 
 
-def _in_words(variable: "xr.DataArray") -> "xr.DataArray":
+def _with_flag_meanings(variable: "xr.DataArray") -> "xr.DataArray":
     """Return a flag variable with the meaning of each value, empty for nan, and any other variable unchanged."""
     meanings = str(variable.attrs.get("flag_meanings", "")).split()
     if not meanings:

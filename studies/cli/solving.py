@@ -11,19 +11,19 @@ import numpy as np
 from tqdm import tqdm
 
 import contactstudy as cs
+from contactstudy.answers.answer import Answer
 from contactstudy.domain.fields import Array
 
 BAR = "{desc} {percentage:3.0f} %|{bar}| {postfix} [{elapsed}]"
-Answered = cs.Contact | cs.LubricatedContact | cs.Evolution
 
 
-def solved(
+def solve_with_progress(
     described: cs.SceneFile, scene: Path, folder: Path, start: Path | None, on: cs.Cpu | cs.Gpu
-) -> Answered:
+) -> Answer:
     """Solve a scene file and show the progress.
 
-    What a scene in time has done, or the pressure of a contact at rest, is left in `folder` when the command is stopped,
-    so that it can go on from there.
+    When the command is stopped, the frames of a scene in time, or the pressure of a contact at rest, stay in `folder`,
+    so that the solve can continue from there.
     """
     frames_folder = folder / f"{scene.stem}.evolution"
     last: list[cs.Progress] = []

@@ -35,7 +35,7 @@ class StudyCommand(click.Command):
             return
         study = load(name)
         with formatter.section(f"Axes of {study.name}"):
-            formatter.write_dl([_row(axis) for axis in study.points])
+            formatter.write_dl([_row(axis) for axis in study.axes])
 
 
 def _row(axis: Axis) -> tuple[str, str]:

@@ -96,7 +96,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
         )
     axis = variation(read_scene(name), field, value, Path(name).parent).axis
     values = next(
-        (study_axis.values for study_axis in study.points if study_axis.name == axis.name), ()
+        (study_axis.values for study_axis in study.axes if study_axis.name == axis.name), ()
     )
     if len(axis.values) != 1 or axis.values[0] not in values:
         raise InvalidInput(

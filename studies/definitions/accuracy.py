@@ -15,14 +15,14 @@ import contactstudy as cs
 from contactstudy.domain.checks import whole_number
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, number
+from studies.model.case import Case, dimensionless
 from studies.model.study import Point
 from studies.reference.accuracy.case import AccuracyCase, Errors, errors
 from studies.reference.accuracy.matrix import matrix
 from studies.reference.accuracy.random_scenes import NAMES, RANDOM, random_case
 
-points = (
-    Axis("case", (*matrix(), *NAMES), "contact with a known truth"),
+axes = (
+    Axis("case", (*matrix(), *NAMES), "contact with a known solution"),
     Axis("seed", (1,), "choice of the random contacts"),
 )
 
@@ -70,7 +70,7 @@ class AccuracyRun:
         return Case(case.scene, case.grid, case.padding).record(result)
 
 
-def scene_at(point: Point) -> AccuracyRun:
+def case_at(point: Point) -> AccuracyRun:
     """Return a case by its name and seed."""
     name = one_of("case", point["case"], (*matrix(), *NAMES))
     return AccuracyRun(
@@ -93,10 +93,12 @@ def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variabl
         error, bound = getattr(true, metric), getattr(estimate, metric).total
         label = metric.replace("_", " ")
         stored_error = UNKNOWN if isnan(error) else error
-        variables[f"{metric}_error"] = number(stored_error, f"relative error of the {label}")
-        variables[f"{metric}_bound"] = number(bound, f"bound of the relative error of the {label}")
+        variables[f"{metric}_error"] = dimensionless(stored_error, f"relative error of the {label}")
+        variables[f"{metric}_bound"] = dimensionless(
+            bound, f"bound of the relative error of the {label}"
+        )
     missing = inf in {getattr(estimate, metric).total for metric in METRICS}
-    variables["silent"] = number(
+    variables["missing_without_reason"] = dimensionless(
         int(missing and not estimate.warnings), "1 where a bound is missing without a reason"
     )
     return variables

@@ -17,7 +17,7 @@ from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattic
 from contactstudy.scene.bodies import response
 from contactstudy.scene.coated import CoatedHalfSpace
 from studies.model.axis import Axis
-from studies.model.case import Case, numbers
+from studies.model.case import Case, dimensionless_variables
 from studies.model.study import Point
 from studies.reference.line_contact import STEEL
 
@@ -26,10 +26,10 @@ LOAD, RADIUS = 1e5, 0.01
 # On the substrate alone.
 HERTZ = cs.analytic.HertzLine(LOAD, RADIUS, 1 / STEEL.compliance)
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
-# Beyond the wider of the contacts on either material.
-ROOM = 1.3
+# Width of the grid over the wider of the contacts on either material.
+WIDTH_FACTOR = 1.3
 
-points = (
+axes = (
     Axis(
         "ratio", (0.25, 0.5, 2.0, 4.0), "Young's modulus of the coating over that of the substrate"
     ),
@@ -57,14 +57,14 @@ def coated(ratio: float, thickness: float) -> CoatedHalfSpace:
     return CoatedHalfSpace(coating, thickness, STEEL)
 
 
-def scene_at(point: Point) -> Case:
+def case_at(point: Point) -> Case:
     """Return a rigid cylinder on coated steel, in plane strain."""
     ratio = positive("ratio", point["ratio"], "give a ratio of moduli above 0")
     thickness = positive("thickness", point["thickness"], "give a thickness above 0 half-widths")
     cells = whole_number("grid", point["grid"], 32, "give at least 32 cells across the width")
     solids = coated(ratio, thickness * A), RIGID
     scene = cs.Scene(cs.LineLoad(LOAD), solids, (cs.Cylinder(RADIUS),))
-    width = 2 * ROOM * A * max(1.0, 1 / sqrt(ratio))
+    width = 2 * WIDTH_FACTOR * A * max(1.0, 1 / sqrt(ratio))
     return Case(scene, cs.Grid((cells, 1), (width, width)), cs.ExactPeriodicity())
 
 
@@ -96,7 +96,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     if reference_error is not None:
         what = "largest relative error of the peak pressure of contacts that are known"
         measured["reference_error"] = reference_error, what
-    return numbers(measured)
+    return dimensionless_variables(measured)
 
 
 @dataclass(frozen=True)

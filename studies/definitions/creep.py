@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.domain.checks import whole_number
 from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis
-from studies.model.case import EvolutionCase, number
+from studies.model.case import EvolutionCase, dimensionless
 from studies.model.study import Point
 
 # In units of the half-width of a sudden load, of E* of a sudden load and of the time of creep, a tenth each.
@@ -19,11 +19,11 @@ LOAD = pi * HALF_WIDTH**2 / (4 * RADIUS)
 # Creep 1 + 1.5 (1 - exp(-t)).
 BODY = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.6, 0.4),))
 SCENE = cs.Scene(cs.LineLoad(LOAD), (BODY, cs.HalfSpace(inf, 0.3)), (cs.Cylinder(RADIUS),))
-CLOSED = cs.analytic.LeeRadok(LOAD, RADIUS, 0.4, ((0.6, 0.4),), BODY.creep)
+LEE_RADOK = cs.analytic.LeeRadok(LOAD, RADIUS, 0.4, ((0.6, 0.4),), BODY.creep)
 WIDTH = 0.36
-RECORDS = 10
+INSTANTS = 10  # recorded, the same for every number of steps
 
-points = (
+axes = (
     Axis("steps", (10, 20, 40, 80, 160), "steps over two times of creep"),
     Axis("grid", (64, 256), "cells across the width"),
 )
@@ -32,7 +32,7 @@ points = (
 times = "none"
 
 
-def scene_at(point: Point) -> EvolutionCase:
+def case_at(point: Point) -> EvolutionCase:
     """Return an evolution under the constant load, with equal steps."""
     steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole_number("grid", point["grid"], 4, "give at least 4 cells across the width")
@@ -44,11 +44,10 @@ def scene_at(point: Point) -> EvolutionCase:
 def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
     """Return half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
-    # records at the same times for every number of steps, without the first step, which follows a jump
-    indices = np.unique(np.linspace(0, len(result.frames) - 1, RECORDS + 1).round().astype(int))
+    indices = np.unique(np.linspace(0, len(result.frames) - 1, INSTANTS + 1).round().astype(int))
     frames = [result.frames[index] for index in indices]
-    time = np.linspace(0, END, RECORDS + 1)
-    padded = (0, RECORDS + 1 - len(frames))
+    time = np.linspace(0, END, INSTANTS + 1)
+    padded = (0, INSTANTS + 1 - len(frames))
 
     def series(values: list[float], long_name: str) -> xr.Variable:
         filled = np.pad(np.array(values, dtype=float), padded, constant_values=np.nan)
@@ -57,9 +56,10 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     def largest(error: str) -> float:
         return max(float(getattr(frame, error)) for frame in frames[1:])
 
+    # the first instant is left out, because it follows the jump of the load
     errors = []
     for frame in frames[1:]:
-        exact = CLOSED.pressure(x, frame.time)
+        exact = LEE_RADOK.pressure(x, frame.time)
         errors.append(float(np.abs(frame.pressure[:, 0] - exact).sum() / exact.sum()))
     cell = case.grid.cell_size[0]
     return {
@@ -72,8 +72,10 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
             [frame.peak_pressure / (HALF_WIDTH / 2) for frame in frames],
             "peak pressure over that of a sudden load",
         ),
-        "pressure_error_l1": number(max(errors), "largest relative L1 error of the pressure"),
-        "last_error_l1": number(errors[-1], "relative L1 error of the pressure at the end"),
-        "step_error": number(largest("step_error"), "estimated L1 error by the steps"),
-        "grid_error": number(largest("grid_error"), "estimated L1 error by the cells"),
+        "pressure_error_l1": dimensionless(
+            max(errors), "largest relative L1 error of the pressure"
+        ),
+        "last_error_l1": dimensionless(errors[-1], "relative L1 error of the pressure at the end"),
+        "step_error": dimensionless(largest("step_error"), "estimated L1 error by the steps"),
+        "grid_error": dimensionless(largest("grid_error"), "estimated L1 error by the cells"),
     }

@@ -1,4 +1,4 @@
-"""Friction: stress under a sliding contact, the sticking zone, and the error of a superposition."""
+"""Friction: stress under a sliding contact, the stick zone, and the error of a superposition."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from contactstudy.scene.friction import PartialSlip
 from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
 from contactstudy.solvers.friction.laws import CiavarellaJaeger
 from studies.model.axis import Axis
-from studies.model.case import Case, number
+from studies.model.case import Case, dimensionless
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE, STEEL
 
@@ -23,7 +23,7 @@ DEPTHS = (1e-6, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9)
 FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9)
 MU = 0.3
 
-points = (
+axes = (
     Axis("poisson_ratio", (0.0, 0.15, 0.3, 0.45), "Poisson's ratio of both bodies"),
     Axis("grid", (401,), "cells across the line contact"),
     Axis("rough_grid", (48,), "cells along each axis of the rough contact and the sphere"),
@@ -37,7 +37,7 @@ class Rough(Case):
     cells_rough: int = 48
 
 
-def scene_at(point: Point) -> Case:
+def case_at(point: Point) -> Case:
     """Return the sweeps' line contact between bodies of this Poisson's ratio and one contact modulus."""
     ratio = finite("poisson_ratio", point["poisson_ratio"], "give a ratio from 0 to 0.5")
     cells = whole_number("grid", point["grid"], 32, "give at least 32 cells across the width")
@@ -51,17 +51,17 @@ def scene_at(point: Point) -> Case:
 
 
 def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Return von Mises' stress over the coefficient, sticking zones over the tangential force, and one error."""
+    """Return von Mises' stress over the coefficient, stick zone over the tangential force, and one error."""
     highest, depth = _stress(case, solution.pressure)
     hertz = case.scene.hertz
     assert hertz is not None
-    stick, mindlin = [], []
+    stick, stick_sphere = [], []
     for fraction in FRACTIONS:
         slip = PartialSlip(MU, fraction * MU * case.scene.load.largest)
         slipping = replace(case, scene=replace(case.scene, friction=slip))
         stick_width = cs.solve(slipping.prepare()).stick.sum() * case.grid.cell_size[0] / 2
         stick.append(float(stick_width) / hertz.half_width)
-        mindlin.append(_sphere(case, fraction))
+        stick_sphere.append(_sphere(case, fraction))
     error, across = _superposition(case)
     return {
         "coefficient": _along("coefficient", COEFFICIENTS, "coefficient of friction"),
@@ -75,13 +75,13 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         "stick": _along("fraction", stick, "half-width of the stick zone over that of the contact"),
         "stick_sphere": _along(
             "fraction",
-            mindlin,
+            stick_sphere,
             "radius of the stick zone under a sphere over that of the contact",
         ),
-        "superposition_error": number(
+        "superposition_error": dimensionless(
             error, "relative L1 error of Ciavarella-Jaeger's shear on a rough contact"
         ),
-        "shear_aside": number(
+        "shear_aside": dimensionless(
             across, "largest shear perpendicular to the force over the largest shear"
         ),
     }
@@ -116,7 +116,7 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
 
 
 def _sphere(case: Rough, fraction: float) -> float:
-    """Return the radius of the sticking zone under a sphere over that of the contact, from their areas."""
+    """Return the radius of the stick zone under a sphere over that of the contact, from their areas."""
     width = 2.5 * A
     n = case.cells_rough
     modulus = case.scene.contact_modulus

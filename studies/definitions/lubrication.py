@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.domain.checks import non_negative, positive, whole_number
 from studies.model.axis import Axis
-from studies.model.case import SceneCase, Solved, number
+from studies.model.case import SceneCase, TimedAnswer, dimensionless
 from studies.model.study import Point
 
 # Steel; the dimensionless film does not depend on the material.
@@ -28,7 +28,7 @@ CAVITATION: Mapping[object, cs.ElrodAdams | cs.ReynoldsCavitation] = {
     "reynolds": cs.ReynoldsCavitation(),
 }
 
-points = (
+axes = (
     Axis("load", (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0), "Moes' load M"),
     Axis("viscosity", (0.0, 1.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0), "Moes' viscosity L"),
     Axis("rms", (0.0,), "rms height over the film of Moes' formula"),
@@ -40,7 +40,7 @@ points = (
 times = "none"
 
 
-def scene_at(point: Point) -> SceneCase:
+def case_at(point: Point) -> SceneCase:
     """Return steel cylinders with a Barus lubricant of constant density, solved from a cold start."""
     load = positive("load", point["load"], "give a load parameter M above 0")
     viscosity = non_negative("viscosity", point["viscosity"], "must be at least 0")
@@ -79,7 +79,7 @@ def scene_at(point: Point) -> SceneCase:
     return SceneCase(scene, cs.Grid((cells, along), (width, a)), cs.ExactPeriodicity())
 
 
-def measures(case: SceneCase, solved: Solved) -> Mapping[str, xr.Variable]:
+def measures(case: SceneCase, solved: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return films in Moes' units, how evenly lubricant flows, friction, fractions of a thin film and the time taken."""
     contact = solved.answer
     assert isinstance(contact, cs.LubricatedContact)
@@ -92,27 +92,35 @@ def measures(case: SceneCase, solved: Solved) -> Mapping[str, xr.Variable]:
     converged = contact.status is not cs.Status.FILM_NOT_CONVERGED
     resolved = contact.status is cs.Status.CONVERGED
     return {
-        "central_film": number(
+        "central_film": dimensionless(
             contact.central_film * units, "central film, (h/R) (eta0 u_s/(E' R))^-1/2"
         ),
-        "minimum_film": number(contact.minimum_film * units, "smallest film in the same unit"),
-        "flat_film": number(flat * units, "film where the pressure is flat, in the same unit"),
-        "film_over_moes": number(flat * units / moes, "film where the pressure is flat over Moes'"),
-        "friction": number(contact.friction, "friction force over load at 10 % sliding"),
-        "flux_spread": number(contact.flux_spread, "range of the flow over x over its mean"),
-        "thin_area": number(
+        "minimum_film": dimensionless(
+            contact.minimum_film * units, "smallest film in the same unit"
+        ),
+        "flat_film": dimensionless(
+            flat * units, "film where the pressure is flat, in the same unit"
+        ),
+        "film_over_moes": dimensionless(
+            flat * units / moes, "film where the pressure is flat over Moes'"
+        ),
+        "friction": dimensionless(contact.friction, "friction force over load at 10 % sliding"),
+        "flux_spread": dimensionless(contact.flux_spread, "range of the flow over x over its mean"),
+        "thin_area": dimensionless(
             thin_area, "fraction of Hertz's area with less than half of Moes' film"
         ),
-        "thin_load": number(thin_load, "fraction of the load on less than half of Moes' film"),
-        "peak_pressure": number(
+        "thin_load": dimensionless(
+            thin_load, "fraction of the load on less than half of Moes' film"
+        ),
+        "peak_pressure": dimensionless(
             contact.peak_pressure / HERTZ.peak_pressure, "peak pressure over Hertz's"
         ),
-        "converged": number(float(converged), "1 where the iteration converged"),
-        "resolved": number(float(resolved), "1 where the cells resolve the film too"),
+        "converged": dimensionless(float(converged), "1 where the iteration converged"),
+        "resolved": dimensionless(float(resolved), "1 where the cells resolve the film too"),
         "wall_time": xr.Variable(
             (), solved.seconds, {"units": "s", "long_name": "wall time of the solve"}
         ),
-        "film_range": number(
+        "film_range": dimensionless(
             float(np.ptp(contact.film[contact.grid.cells[0] // 2])) * units,
             "range of the film along the axis",
         ),

@@ -18,7 +18,7 @@ import contactstudy as cs
 from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis, one_of
-from studies.model.case import number
+from studies.model.case import dimensionless
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
@@ -79,7 +79,7 @@ class ProgramRun:
         """Return the load carried over the load given: they should agree."""
         load = SCENE.load.largest * self.grid.length
         carried = float(result.sum()) * self.grid.cell_area
-        return {"load_carried": number(carried / load, "load carried over load given")}
+        return {"load_carried": dimensionless(carried / load, "load carried over load given")}
 
 
 @cache
@@ -194,7 +194,7 @@ PROGRAMS: dict[str, Callable[[ProgramRun], Callable[[], Array]]] = {
     "aspher": _aspher,
 }
 
-points = (
+axes = (
     Axis("program", tuple(PROGRAMS), "program"),
     Axis("boundary", tuple(PADDINGS), "which axes are periodic"),
     Axis("threads", (1,), "threads of each program"),
@@ -202,7 +202,7 @@ points = (
 )
 
 
-def scene_at(point: Point) -> ProgramRun:
+def case_at(point: Point) -> ProgramRun:
     """Return a program on a problem, with a grid and a number of threads."""
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     threads = whole_number(
@@ -216,4 +216,4 @@ def measures(case: ProgramRun, result: Array) -> Mapping[str, xr.Variable]:
     """Return the largest error against the discrete solution with cells of constant pressure and exact images."""
     converged = cs.solve(case.problem(), tolerance=1e-12).pressure
     error = float(np.abs(result - converged).max() / converged.max())
-    return {"difference": number(error, "largest pressure difference over peak pressure")}
+    return {"difference": dimensionless(error, "largest pressure difference over peak pressure")}

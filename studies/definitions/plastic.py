@@ -13,7 +13,7 @@ from contactstudy.domain.checks import non_negative, positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis
-from studies.model.case import EvolutionCase, numbers
+from studies.model.case import EvolutionCase, dimensionless_variables
 from studies.model.study import Point
 
 # Hertz's half-width and the yield stress are 1.
@@ -21,10 +21,10 @@ MODULUS, POISSON = 1000.0, 0.3
 STRAIN = 1 / MODULUS
 PLANE = MODULUS / (1 - POISSON**2)
 RIGID = cs.HalfSpace(inf, 0.3)
-# Half-widths; the dent is measured against the surface at FAR.
-WIDTH, FAR = 6.4, 3.0
+# Half-widths; the dent is measured against the surface at DATUM.
+WIDTH, DATUM = 6.4, 3.0
 # Mean pressure over the yield stress of an indentation in a fully plastic body. Source: Tabor (1951), ch. 4.
-CAP = 2.8
+HARDNESS_OVER_YIELD = 2.8
 
 # p_H = 3 Y, hardening modulus 0.1 E, nu = 0.3, in many steps and on fine cells; finite elements agree to 0.3 %.
 PRESSURE, HARDENING = 3.0, 0.1
@@ -36,7 +36,7 @@ REFERENCE = {
     "plastic_strain": 1.012,
 }
 
-points = (
+axes = (
     Axis("pressure", (2.0, 3.0, 4.0), "Hertz's peak pressure over the yield stress"),
     Axis("hardening", (HARDENING,), "isotropic hardening modulus over Young's modulus"),
     Axis("steps", (2, 8), "steps up to the largest load"),
@@ -47,7 +47,7 @@ points = (
 times = "none"
 
 
-def scene_at(point: Point) -> EvolutionCase:
+def case_at(point: Point) -> EvolutionCase:
     """Return an evolution that loads in equal steps and unloads in one step."""
     peak = positive("pressure", point["pressure"], "give a peak pressure above 0 yield stresses")
     hardening = non_negative("hardening", point["hardening"], "must be at least 0")
@@ -75,10 +75,10 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     answers = {
         "peak_pressure": (loaded.peak_pressure / peak, "peak pressure over Hertz's"),
         "half_width": (_half_width(loaded.pressure, x), "half-width over Hertz's"),
-        "dent": (_dent(surface, x) / STRAIN, f"dent below the surface at {FAR:g} a over a Y / E"),
+        "dent": (_dent(surface, x) / STRAIN, f"dent below the surface at {DATUM:g} a over a Y / E"),
         "plastic_depth": (
             float(last.coupled_state["edges0"][yielded[-1] + 1]) if yielded.size else 0.0,
-            "depth down to which it has yielded over Hertz's half-width",
+            "depth of the plastic zone over Hertz's half-width",
         ),
         "plastic_strain": (
             float(equivalent_strain.max()) / STRAIN,
@@ -93,39 +93,39 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
         for name, (value, _) in answers.items()
         if has_reference
     }
-    capped = _capped(case)
-    difference = np.abs(capped.pressure - loaded.pressure).sum() / loaded.pressure.sum()
+    limited = _hardness_limited(case)
+    difference = np.abs(limited.pressure - loaded.pressure).sum() / loaded.pressure.sum()
     cap = {
-        "cap_pressure": (
-            capped.pressure.max() / peak,
-            "peak pressure over Hertz's, by a hardness",
+        "hardness_limited_pressure": (
+            limited.pressure.max() / peak,
+            "hardness-limited elastic contact: peak pressure over Hertz's",
         ),
-        "cap_half_width": (
-            _half_width(capped.pressure, x),
-            "half-width over Hertz's, by a hardness",
+        "hardness_limited_half_width": (
+            _half_width(limited.pressure, x),
+            "hardness-limited elastic contact: half-width over Hertz's",
         ),
-        "cap_dent": (
-            max(-float(capped.gap.min()), 0.0) / STRAIN,
-            "depth of yielding over a Y / E, by a hardness",
+        "hardness_limited_dent": (
+            max(-float(limited.gap.min()), 0.0) / STRAIN,
+            "hardness-limited elastic contact: largest negative gap over a Y / E",
         ),
-        "cap_difference": (
+        "hardness_limited_difference": (
             difference,
-            "relative L1 difference of the pressures by a hardness and by plastic strain",
+            "relative L1 difference of the hardness-limited and the elastoplastic pressure",
         ),
     }
     layers = {
         "layers": (len(last.coupled_state["edges0"]) - 1, "layers of the volume that may yield")
     }
-    return numbers(answers | errors | cap | layers)
+    return dimensionless_variables(answers | errors | cap | layers)
 
 
-def _capped(case: EvolutionCase) -> cs.Solution:
+def _hardness_limited(case: EvolutionCase) -> cs.Solution:
     """Solve an elastic contact of the same largest load, with a hardness."""
     scene = replace(
         case.scene,
         load=cs.LineLoad(case.scene.load.largest),
         solids=(cs.HalfSpace(MODULUS, POISSON), RIGID),
-        hardness=CAP,
+        hardness=HARDNESS_OVER_YIELD,
     )
     return cs.solve(scene.problem(case.grid, case.padding))
 
@@ -136,6 +136,6 @@ def _half_width(pressure: Array, x: Array) -> float:
 
 
 def _dent(surface: Array, x: Array) -> float:
-    """Return the depth of the surface on the axis below that at the distance FAR."""
-    middle, far = np.interp((0.0, FAR), x, surface)
+    """Return the depth of the surface on the axis below that at the distance DATUM."""
+    middle, far = np.interp((0.0, DATUM), x, surface)
     return float(middle - far)

@@ -13,7 +13,14 @@ from contactstudy.domain.fields import Array
 from studies.model.axis import Axis
 from studies.model.case import Case
 from studies.model.study import Point
-from studies.reference.line_contact import FLATTENING, HERTZ, PADDINGS, SCENE, l1_error, padding_at
+from studies.reference.line_contact import (
+    HERTZ,
+    HERTZ_HEIGHT,
+    PADDINGS,
+    SCENE,
+    l1_error,
+    padding_at,
+)
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 # The surface repeats after 3.2 a across and 2.4 a along, on every grid and period. That holds four of
@@ -21,7 +28,7 @@ A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 WIDTH, LENGTH = 3.2, 2.4
 ROLL_OFF, CUT_OFF = 0.3, 0.1
 
-points = (
+axes = (
     Axis("rms", (0.0, 0.03, 0.1, 0.3), "rms height over a²/(2R)"),
     Axis("hurst", (0.3, 0.8), "Hurst exponent"),
     Axis("peklenik", (0.5, 1.0, 2.0), "correlation length across the contact over that along it"),
@@ -31,7 +38,7 @@ points = (
     Axis("grid", (160,), "cells across the width"),
 )
 
-ANSWERS = {
+QUANTITIES = {
     "contact_area": "contact area over Hertz's",
     "half_width": "effective half-width over Hertz's",
     "contact_extent": "farthest contact from the axis over Hertz half-width",
@@ -55,14 +62,14 @@ class PaddingComparison(Case):
     images: int = 0
 
 
-def scene_at(point: Point) -> PaddingComparison:
+def case_at(point: Point) -> PaddingComparison:
     """Return the sweeps' cylinder with a rough surface; with zero rms all surfaces are one case."""
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
     whole_quotient("the rough surface's length", LENGTH * A, period * A)
     shape = cs.Roughness(
-        rms=rms * FLATTENING,
+        rms=rms * HERTZ_HEIGHT,
         hurst=float(point["hurst"]),
         roll_off=ROLL_OFF * A,
         cut_off=CUT_OFF * A,
@@ -80,16 +87,18 @@ def scene_at(point: Point) -> PaddingComparison:
 
 def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     """Return the solution with every padding, and its error against exact periodicity on this surface and grid."""
-    flat = replace(case, scene=SCENE, grid=replace(case.grid, cells=(case.grid.cells[0], 1)))
-    smooth = flat.run(flat.prepare()).pressure
-    rows, ends = [], []
+    smooth_case = replace(case, scene=SCENE, grid=replace(case.grid, cells=(case.grid.cells[0], 1)))
+    smooth = smooth_case.run(smooth_case.prepare()).pressure
+    rows, converged = [], []
     for name in PADDINGS:
         padding = padding_at(name, case.images)
         padded = replace(case, padding=padding)
         answer = solution if name == "exact" else padded.run(padded.prepare())
-        curved = solution if name == "exact" else _more_curved(case, solution.problem, padding)
+        curved = (
+            solution if name == "exact" else _with_window_curvature(case, solution.problem, padding)
+        )
         rows.append(
-            _answers(answer.pressure, smooth, case.grid)
+            _quantities(answer.pressure, smooth, case.grid)
             | _errors(answer.pressure, solution.pressure, case.grid)
             | {
                 "curved_difference": l1_error(
@@ -97,10 +106,10 @@ def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.
                 )
             }
         )
-        # zero padding cuts off the length, so that contact at its ends is no failure
+        # zero padding cuts off the length, so that contact at its converged is no failure
         whole_width = not answer.pressure[list(answer.problem.open_edges)].any()
         solved = answer.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
-        ends.append(solved and whole_width)
+        converged.append(solved and whole_width)
     label = {"long_name": "representation of the periodic direction"}
     flag = {
         "units": "1",
@@ -108,16 +117,16 @@ def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.
     }
     return {
         "padding": xr.Variable(("padding",), list(PADDINGS), label),
-        "converged": xr.Variable(("padding",), np.array(ends, dtype=np.int8), flag),
+        "converged": xr.Variable(("padding",), np.array(converged, dtype=np.int8), flag),
     } | {
         name: xr.Variable(
             ("padding",), [row[name] for row in rows], {"units": "1", "long_name": long_name}
         )
-        for name, long_name in (ANSWERS | ERRORS).items()
+        for name, long_name in (QUANTITIES | ERRORS).items()
     }
 
 
-def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.Solution:
+def _with_window_curvature(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.Solution:
     """Solve with exact periodicity on a cylinder with the additional curvature that a window of images causes.
 
     Beyond the window's reach D the logarithm lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
@@ -128,8 +137,8 @@ def _more_curved(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.So
     return exact.run(replace(problem, undeformed_gap=problem.undeformed_gap + opened))
 
 
-def _answers(pressure: Array, smooth: Array, grid: cs.Grid) -> dict[str, float]:
-    """Return the quantities of ``ANSWERS`` of a pressure (x, y)."""
+def _quantities(pressure: Array, smooth: Array, grid: cs.Grid) -> dict[str, float]:
+    """Return the quantities of ``QUANTITIES`` of a pressure (x, y)."""
     load = pressure.sum(axis=0)
     touched = np.abs(grid.x)[(pressure > 0).any(axis=1)]
     return {

@@ -12,11 +12,17 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.grid import on_cells
-from studies.advice.ladder import MULTIPLES, cells_at, is_reference
+from studies.advice.compared_scene import (
+    REPORTED,
+    ComparedScene,
+    numbers_of,
+    paper_scene,
+    pressure_of,
+)
+from studies.advice.nested_grids import MULTIPLES, cells_at, is_reference
 from studies.advice.reference_error import ReferencedCase, answer_of, pressure_error
-from studies.advice.subject import REPORTED, Subject, numbers_of, paper_described, pressure_of
 from studies.model.axis import Axis, Value, one_of
-from studies.model.case import SceneCase, Solved, number
+from studies.model.case import SceneCase, TimedAnswer, dimensionless
 from studies.model.study import Point, Study
 from studies.reference import line_contact
 from studies.reference.line_contact import PADDINGS, WIDTH, padding_at
@@ -24,9 +30,9 @@ from studies.reference.line_contact import PADDINGS, WIDTH, padding_at
 FREE = "free"
 HALF_WIDTHS = "position across the contact over Hertz half-width"
 # Tolerance of the reference.
-TIGHT = 1e-8
-# Cells of the finest grid that a study has unless told otherwise, and the most of them across.
-MOST, MOST_ACROSS = 2**15, 724
+REFERENCE_TOLERANCE = 1e-8
+# Largest number of cells of the default grids, and of those across.
+MAX_CELLS, MAX_CELLS_ACROSS = 2**15, 724
 PAPER_CELLS = 128
 TITLES = {
     "padding": "Paddings side by side",
@@ -47,11 +53,11 @@ PERIODS = {
     "images": (0.6, 2.4, 9.6),
     "pareto": (0.6, 2.4),
 }
-OWN_PERIODS = {"period": (1, 2, 3)}
-MEASURED = "Period {} of the scene's own: a measured surface has one period, give 1."
+SCENE_PERIODS = {"period": (1, 2, 3)}
+MEASURED_MESSAGE = "Period {} of the scene's own: a measured surface has one period, give 1."
 
 
-def preset(name: str, subject: Subject) -> Study:
+def preset(name: str, subject: ComparedScene) -> Study:
     """Return the study of a scene's settings with the axes of a preset.
 
     Parameters
@@ -71,15 +77,15 @@ def preset(name: str, subject: Subject) -> Study:
         (multiple, cells)
         for multiple in MULTIPLES
         for cells in [cells_at(subject.unit, multiple)]
-        if prod(cells) <= MOST and cells[0] <= MOST_ACROSS
+        if prod(cells) <= MAX_CELLS and cells[0] <= MAX_CELLS_ACROSS
     ]
     across = [cells[0] for _, cells in grids]
     chosen = {"grid": tuple(across), "pareto": tuple(across[2:])}
     if subject.exact is not None:
         chosen["paper"] = (PAPER_CELLS,)
     hertz = subject.exact
-    of_period = "over the scene's own" if hertz is None else "over Hertz half-width"
-    own_periods: tuple[Value, ...] = (1,) if hertz is None else (WIDTH,)
+    reference_text = "over the scene's own" if hertz is None else "over Hertz half-width"
+    default_period: tuple[Value, ...] = (1,) if hertz is None else (WIDTH,)
     axes = [
         Axis(
             "padding",
@@ -89,8 +95,8 @@ def preset(name: str, subject: Subject) -> Study:
         Axis("images", IMAGES.get(name, (6,)), "periods superposed on each side"),
         Axis(
             "period",
-            (OWN_PERIODS if hertz is None else PERIODS).get(name, own_periods),
-            f"period length {of_period}",
+            (SCENE_PERIODS if hertz is None else PERIODS).get(name, default_period),
+            f"period length {reference_text}",
         ),
         Axis(
             "grid",
@@ -100,15 +106,17 @@ def preset(name: str, subject: Subject) -> Study:
     ]
     if name == "pareto":
         axes.append(Axis("solver_tolerance", (1e-2, 1e-4), "residual to which the solver goes"))
-    finest = next(m for m in MULTIPLES if is_reference(m) and m >= 3 * grids[-1][0])
+    reference_multiple = next(m for m in MULTIPLES if is_reference(m) and m >= 3 * grids[-1][0])
     reference, against = None, "Hertz's contact"
     if hertz is None:
-        cells = cells_at(subject.unit, finest)
-        tight = replace(subject.options, tolerance=TIGHT)
+        cells = cells_at(subject.unit, reference_multiple)
+        reference_options = replace(subject.options, tolerance=REFERENCE_TOLERANCE)
         reference = SceneCase(
-            subject.scene, subject.grid(cells), subject.boundary, tight, subject.times
+            subject.scene, subject.grid(cells), subject.boundary, reference_options, subject.times
         )
-        against = f"a solution on {cells[0]} x {cells[1]} cells at the scene's own boundary"
+        against = (
+            f"a solution on {cells[0]} x {cells[1]} cells under the scene's own boundary conditions"
+        )
     return Study(
         name,
         f"{TITLES[name]}, for {subject.name}.",
@@ -123,15 +131,15 @@ def preset(name: str, subject: Subject) -> Study:
 class _SettingAt:
     """Function of a point that returns its case."""
 
-    subject: Subject
+    subject: ComparedScene
     reference: SceneCase | None
 
     def __call__(self, point: Point) -> ReferencedCase:
         subject = self.subject
-        mode = str(point["padding"])
+        name = str(point["padding"])
         padding = (
-            subject.boundary if mode == FREE and subject.is_free
-            else padding_at(mode, int(point["images"]))
+            subject.boundary if name == FREE and subject.is_free
+            else padding_at(name, int(point["images"]))
         )  # fmt: skip
         across = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
         grid, periods = self._grid(across, point["period"])
@@ -139,7 +147,9 @@ class _SettingAt:
             scene=subject.scene,
             grid=grid,
             padding=padding,
-            options=replace(subject.options, tolerance=float(point.get("solver_tolerance", TIGHT))),
+            options=replace(
+                subject.options, tolerance=float(point.get("solver_tolerance", REFERENCE_TOLERANCE))
+            ),
             time_steps=subject.times,
             reference=self.reference,
             periods=periods,
@@ -160,7 +170,7 @@ class _SettingAt:
         if periods > 1 and any(
             isinstance(shape, cs.MeasuredSurface) for shape in subject.scene.shapes
         ):
-            raise cs.InvalidInput(MEASURED.format(periods))
+            raise cs.InvalidInput(MEASURED_MESSAGE.format(periods))
         if periods > 1 and subject.is_free:
             raise cs.InvalidInput(
                 f"period is {periods}, and {subject.name} ends along its length: give 1."
@@ -170,7 +180,7 @@ class _SettingAt:
         return cs.Grid((across, along * periods), (width, length * periods)), periods
 
 
-def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
+def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return the relative errors of the pressure in L1 and of the main numbers, against the reference."""
     answer = result.answer
     if case.reference is None:
@@ -181,11 +191,11 @@ def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
     for name, value in numbers_of(answer_of(case.reference)).items():
         if value and name in numbers:
             what = f"relative error of the {REPORTED[name]}"
-            measured[f"{name}_error"] = number(numbers[name] / value - 1, what)
+            measured[f"{name}_error"] = dimensionless(numbers[name] / value - 1, what)
     return measured
 
 
-def profile_measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
+def profile_measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return the errors, and the pressure across the contact in the middle of the length, with its range along it.
 
     The pressure is over the largest of the reference.
@@ -211,5 +221,5 @@ def profile_measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Va
     return {**measures(case, result), "x": x, **profiles}
 
 
-_PAPER = paper_described().subject()
+_PAPER = paper_scene().subject()
 padding, period, images, grid, pareto, paper = (preset(name, _PAPER) for name in TITLES)

@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole_number
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, contact_fraction, number
+from studies.model.case import Case, contact_fraction, dimensionless
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
@@ -27,14 +27,14 @@ SURFACES: dict[str, tuple[cs.Shape, ...]] = {
 }
 WIDTH, PERIOD = 4.8, 2.4  # half-widths
 
-points = (
+axes = (
     Axis("solver", tuple(SOLVERS), "solver"),
     Axis("surface", tuple(SURFACES), "what lies on the cylinder"),
     Axis("grid", (128, 256, 512), "cells across the width and along one period"),
 )
 
 
-def scene_at(point: Point) -> Case:
+def case_at(point: Point) -> Case:
     """Return a line contact, exactly periodic, to the default tolerance."""
     solver = one_of("solver", point["solver"], SOLVERS)
     surface = one_of("surface", point["surface"], SURFACES)
@@ -54,7 +54,7 @@ def measures(case: Case, result: cs.Contact) -> Mapping[str, xr.Variable]:
     peak = peak_bytes(lambda: short_case.run(problem))
     return {
         "contact_fraction": contact_fraction(result.pressure),
-        "memory": number(
+        "memory": dimensionless(
             peak / (8 * prod(case.grid.cells)), "peak memory of a solve over that of one field"
         ),
     }

@@ -1,4 +1,4 @@
-"""What grows with the grid: time, iterations and memory, by device, and on surfaces as fine as the cells."""
+"""Time, iterations and memory against the grid, by device, and on surfaces as fine as the cells."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -17,11 +17,12 @@ from contactstudy.elasticity.transforms import transforms
 from studies.definitions import solvers
 from studies.definitions.solvers import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, contact_fraction, number
+from studies.model.case import Case, contact_fraction, dimensionless
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
-LINE, SMOOTH, ROUGH, SELF_AFFINE = SURFACES = "line", "smooth", "rough", "self-affine"
+LINE, SMOOTH, ROUGH, SELF_AFFINE = "line", "smooth", "rough", "self-affine"
+SURFACES = (LINE, SMOOTH, ROUGH, SELF_AFFINE)
 DEVICES: dict[str, Callable[[int], Device]] = {"cpu": cs.Cpu, "gpu": lambda threads: cs.Gpu()}
 # Single precision does not reach the residual of double.
 TOLERANCES = {cs.Precision.DOUBLE: 1e-8, cs.Precision.SINGLE: 1e-5}
@@ -30,7 +31,7 @@ SECONDS = 0.05
 # Of the self-affine surface: its longest wave over its side, and its rms slope.
 ROLL_OFF, SLOPE = 0.25, 0.1
 
-points = (
+axes = (
     Axis(
         "surface",
         SURFACES,
@@ -81,7 +82,7 @@ def clock_of(on: Device) -> Callable[[], float]:
     return process_time if isinstance(on, cs.Cpu) else perf_counter
 
 
-def scene_at(point: Point) -> CaseOnDevice:
+def case_at(point: Point) -> CaseOnDevice:
     """Return a contact on a device: a line contact, or a flat self-affine surface periodic along both axes."""
     surface = one_of("surface", point["surface"], SURFACES)
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
@@ -91,8 +92,8 @@ def scene_at(point: Point) -> CaseOnDevice:
     precision = cs.Precision.named(str(point["precision"]))
     if surface != SELF_AFFINE:
         shape = SMOOTH if surface == LINE else surface
-        described = solvers.scene_at({**point, "solver": "preconditioned_cg", "surface": shape})
-        scene, grid, padding = described.scene, described.grid, described.padding
+        line_case = solvers.case_at({**point, "solver": "preconditioned_cg", "surface": shape})
+        scene, grid, padding = line_case.scene, line_case.grid, line_case.padding
         if surface == LINE:
             grid = replace(grid, cells=(cells, 1))
     else:
@@ -135,11 +136,11 @@ def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable
     pair = transform_seconds(problem.operator, case.case.options.precision, case.on)
     return {
         "contact_fraction": contact_fraction(result.pressure),
-        "memory": number(
+        "memory": dimensionless(
             peak / (8 * prod(problem.grid.cells)),
             "peak memory of a solve over that of one field in double precision",
         ),
-        "transform_ratio": number(
+        "transform_ratio": dimensionless(
             seconds / (result.convolutions * pair),
             "time of a solve over that of its bare transforms",
         ),
@@ -163,10 +164,10 @@ def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device
         scaled, pair = operator.scaled(1.0, precision), transforms()
         field = on.to_device(np.zeros(scaled.cells, dtype=precision.real))
 
-        def there_and_back() -> float:
+        def transform_pair() -> float:
             work = scaled.work_array(scaled.padded, precision.real)
             waves = pair.forward(field, scaled.padded, work)
             # read, so that another device is done
             return float(pair.backward(waves, scaled.cells, scaled.padded)[0, 0])
 
-        return least_seconds(clock_of(on), there_and_back)
+        return least_seconds(clock_of(on), transform_pair)

@@ -10,12 +10,12 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, number
+from studies.model.case import Case, dimensionless
 from studies.model.study import Point
 from studies.reference.hard_case import PADDINGS, SOLVERS
 from studies.reference.hard_cases import CASES
 
-points = (
+axes = (
     Axis("case", tuple(CASES), "what is hard"),
     Axis(
         "padding",
@@ -49,8 +49,8 @@ class HardCaseRun:
 
     def prepare(self) -> cs.Problem:
         """Return the problem."""
-        hard = CASES[self.case]
-        return hard.scene.problem(hard.grid, PADDINGS[self.padding])
+        hard_case = CASES[self.case]
+        return hard_case.scene.problem(hard_case.grid, PADDINGS[self.padding])
 
     def run(self, prepared: cs.Problem) -> cs.Contact:
         """Solve with the settings of the case."""
@@ -58,11 +58,11 @@ class HardCaseRun:
 
     def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
-        hard = CASES[self.case]
-        return Case(hard.scene, hard.grid, PADDINGS[self.padding]).record(result)
+        hard_case = CASES[self.case]
+        return Case(hard_case.scene, hard_case.grid, PADDINGS[self.padding]).record(result)
 
 
-def scene_at(point: Point) -> HardCaseRun:
+def case_at(point: Point) -> HardCaseRun:
     """Return a case by its name."""
     return HardCaseRun(
         one_of("case", point["case"], CASES),
@@ -73,20 +73,23 @@ def scene_at(point: Point) -> HardCaseRun:
 
 def measures(case: HardCaseRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return the largest error of the pressure and the error stated for it, over the peak pressure."""
-    hard = CASES[case.case]
+    hard_case = CASES[case.case]
     error, stated, verdict = 0.0, inf, "not_applicable"
-    expected = solution.status in hard.may_end(case.padding)
+    expected = solution.status in hard_case.allowed_statuses(case.padding)
     claims = (
-        solution.residual <= hard.options.tolerance or solution.status is cs.Status.PRECISION_LIMIT
+        solution.residual <= hard_case.options.tolerance
+        or solution.status is cs.Status.PRECISION_LIMIT
     )
     if case.applies and claims:
-        error, stated = hard.judge(solution, PADDINGS[case.padding], SOLVERS[case.solver])
+        error, stated = hard_case.error_and_bound(
+            solution, PADDINGS[case.padding], SOLVERS[case.solver]
+        )
         verdict = "within_stated_error" if error <= stated and expected else "wrong"
     elif case.applies:
         verdict = "explained_by_status" if expected else "wrong"
     index = np.asarray(VERDICTS.index(verdict))
     return {
-        "pressure_error": number(error, "largest pressure error over peak pressure"),
-        "stated_error": number(stated, "stated error, infinite where none is stated"),
-        "verdict": flags((), index, VERDICTS, "what became of the case"),
+        "pressure_error": dimensionless(error, "largest pressure error over peak pressure"),
+        "stated_error": dimensionless(stated, "stated error, infinite where none is stated"),
+        "verdict": flags((), index, VERDICTS, "verdict on the case"),
     }

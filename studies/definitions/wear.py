@@ -12,14 +12,14 @@ from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis, one_of
-from studies.model.case import EvolutionCase, number
+from studies.model.case import EvolutionCase, dimensionless
 from studies.model.study import Point
 
 RADIUS, HALF_WIDTH = 1.0, 0.1
 LOAD = pi * HALF_WIDTH**2 / (4 * RADIUS)
 # Of the worn flat of a rigid cylinder, a^3 = 3/2 R k P s, at the end.
-WORN = 2.0
-DISTANCE = (WORN * HALF_WIDTH) ** 3 / (1.5 * RADIUS * LOAD)
+WORN_HALF_WIDTH = 2.0
+DISTANCE = (WORN_HALF_WIDTH * HALF_WIDTH) ** 3 / (1.5 * RADIUS * LOAD)
 SCENE = cs.Scene(
     cs.LineLoad(LOAD),
     (cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)),
@@ -28,10 +28,10 @@ SCENE = cs.Scene(
 )
 WIDTH = 0.5
 SCHEMES = {"implicit": "IMPLICIT", "two-stage": "TWO_STAGE", "explicit": "EXPLICIT"}
-RECORDS = 8
+INSTANTS = 8
 FINE = 512
 
-points = (
+axes = (
     Axis("scheme", tuple(SCHEMES), "scheme"),
     Axis("steps", (8, 16, 32, 64, 128), "steps over the distance"),
     Axis("grid", (64,), "cells across the width"),
@@ -41,7 +41,7 @@ points = (
 times = "none"
 
 
-def scene_at(point: Point) -> EvolutionCase:
+def case_at(point: Point) -> EvolutionCase:
     """Return an evolution in equal steps from the unworn cylinder."""
     scheme = one_of("scheme", point["scheme"], SCHEMES)
     steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
@@ -68,13 +68,13 @@ def _fine(cells: int) -> Array:
 def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
     """Return the half-width over distance, the volume, and the error against an evolution with many short steps."""
     frames = result.frames
-    indices = np.linspace(0, len(frames) - 1, RECORDS + 1).round().astype(int)
+    indices = np.linspace(0, len(frames) - 1, INSTANTS + 1).round().astype(int)
     cell = case.grid.cell_size[0]
     widths = [np.count_nonzero(frames[n].pressure) * cell / 2 / HALF_WIDTH for n in indices]
     fine = _fine(case.grid.cells[0])
     last = frames[-1]
     volume = float(last.fields["worn_depth"].values.sum()) * cell
-    fraction = np.linspace(0, 1, RECORDS + 1)
+    fraction = np.linspace(0, 1, INSTANTS + 1)
     error = np.abs(last.pressure - fine).sum() / fine.sum()
     return {
         "distance": xr.Variable(
@@ -83,14 +83,16 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
         "half_width": xr.Variable(
             "distance", np.array(widths), {"units": "1", "long_name": "half-width over Hertz's"}
         ),
-        "pressure_error_l1": number(float(error), "relative L1 error of the pressure at the end"),
-        "volume_error": number(
+        "pressure_error_l1": dimensionless(
+            float(error), "relative L1 error of the pressure at the end"
+        ),
+        "volume_error": dimensionless(
             abs(volume / (LOAD * DISTANCE) - 1), "relative error of the worn volume"
         ),
-        "peak_pressure": number(
+        "peak_pressure": dimensionless(
             last.peak_pressure / (HALF_WIDTH / 2), "peak pressure over Hertz's at the end"
         ),
-        "longest_explicit": number(
+        "longest_explicit": dimensionless(
             1.484 * cell * (len(frames) - 1) / DISTANCE, "longest explicit step over this one"
         ),
     }

@@ -21,7 +21,7 @@ from contactstudy import InvalidInput
 from studies.engine.workers.compute import failed
 from studies.engine.workers.process import Worker, packed
 from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, Failure, Finished, Outcome, Work
+from studies.model.outcome import CaseStatus, Failure, OnFinished, Outcome, RunSettings
 from studies.store.stop import Stop
 
 if TYPE_CHECKING:
@@ -139,8 +139,8 @@ class DaskRun:
     """
 
     cases: Mapping[str, Computation]
-    work: Work
-    finished: Finished
+    work: RunSettings
+    finished: OnFinished
     stop: Stop
     workers: int = 2
     address: str | None = None
@@ -210,7 +210,7 @@ class DaskRun:
                 self.size = min(2 * len(result), MAX_BATCH)
                 self._send_again(names[len(result) :])
             else:
-                self._send_again(names, alone=True)  # which cannot be unpickled together
+                self._send_alone(names)  # they cannot be unpickled together
         elif future.status == "error":
             self._handle_failure(future, names)
         elif future.status == "pending":
@@ -224,11 +224,14 @@ class DaskRun:
         self._running[future] = names
         self._completed.add(future)
 
-    def _send_again(self, names: Sequence[str], *, alone: bool = False) -> None:
-        """Put unfinished cases at the front of those that wait, each to be sent alone or with others."""
-        unfinished = [name for name in names if name in self._open]
-        self._waiting.extendleft(reversed(unfinished))
-        self._alone.update(unfinished if alone else ())
+    def _send_again(self, names: Sequence[str]) -> None:
+        """Put the unfinished ones of these cases at the front of those that wait."""
+        self._waiting.extendleft(name for name in reversed(names) if name in self._open)
+
+    def _send_alone(self, names: Sequence[str]) -> None:
+        """Put the unfinished ones of these cases at the front of those that wait, each to be sent in its own batch."""
+        self._alone.update(names)
+        self._send_again(names)
 
     def _collect_last(self) -> None:
         """Report what workers have finished by the time the run stops, unless the disk takes no more."""
@@ -287,7 +290,7 @@ class DaskRun:
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
             if len(names) == 1:
                 self._report(names[0], failed(error, "setup"))
-            self._send_again(names, alone=True)
+            self._send_alone(names)
             return
         # impure: a case that is requested again is recomputed
         future = self._client.submit(compute_batch, *self._about, batch, names, pure=False)
@@ -306,7 +309,7 @@ class DaskRun:
                 "version of contactstudy there."
             )
         if len(names) > 1:  # one case killed the workers: sent singly, it is found
-            self._send_again(names, alone=True)
+            self._send_alone(names)
             return
         sentence = f"Killed: workers died while they held it, the last {error.last_worker.address}"
         failure = Failure("Killed", sentence, "unknown")

@@ -9,15 +9,15 @@ from threadpoolctl import threadpool_limits
 from studies.engine.workers.compute import compute, warm_up
 from studies.engine.workers.interpreter_state import restored_state
 from studies.model.case import Computation
-from studies.model.outcome import Finished, Work
+from studies.model.outcome import OnFinished, RunSettings
 from studies.store.loaded import LOADED
 from studies.store.stop import Stop
 
 
 def compute_here(
     cases: Mapping[str, Computation],
-    work: Work,
-    finished: Finished,
+    work: RunSettings,
+    finished: OnFinished,
     stop: Stop,
     begins: Callable[[str], object] = lambda name: None,
 ) -> None:

@@ -71,21 +71,21 @@ class Results:
     def of(
         cls, study: Study, request: Request, folder: Path, options: RunOptions, log: Log
     ) -> "Results":
-        """Return what a folder holds of a study; stored values of axes replace those that differ by rounding only."""
+        """Return the results of a study in a folder; stored values of axes replace those equal up to rounding."""
         journal = Journal(folder / f"{study.name}{SUFFIX}", request.context, machine())
-        axes = tuple(axis.with_stored(journal.axes.get(axis.name, ())) for axis in study.points)
+        axes = tuple(axis.with_stored(journal.axes.get(axis.name, ())) for axis in study.axes)
         for axis in axes:
             if axis.merged:
                 log(
-                    f"{axis.merged} values of {axis.name} differ from others by rounding alone, which stand for them"
+                    f"{axis.merged} values of {axis.name} differ from others by rounding alone, and are replaced by them"
                 )
-        if axes != study.points:
-            study = replace(study, points=axes)
+        if axes != study.axes:
+            study = replace(study, axes=axes)
             request = Request.of(study)
         return cls(study, request, journal, options, log)
 
     def __post_init__(self) -> None:
-        self.table = PointTable(self.study.points, self.request.keys)
+        self.table = PointTable(self.study.axes, self.request.keys)
 
     @property
     def path(self) -> Path:

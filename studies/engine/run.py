@@ -16,7 +16,7 @@ from studies.engine.progress import progress_of
 from studies.engine.results import Log, Results, save_fields
 from studies.engine.timing import take_times
 from studies.model.case import Computation
-from studies.model.outcome import CaseStatus, Finished, Outcome, Work, summary_messages
+from studies.model.outcome import CaseStatus, OnFinished, Outcome, RunSettings, summary_messages
 from studies.model.study import Study
 from studies.store.loaded import shown
 from studies.store.netcdf import check_kind, open_folder, read
@@ -87,13 +87,13 @@ def estimate_cost(
     study.check_size(options.most_points)
     every, log = study.size, _with_name(study, log)
     while study.size > MANY_POINTS:
-        longest = max(study.points, key=lambda axis: len(axis.values))
+        longest = max(study.axes, key=lambda axis: len(axis.values))
         thinned = replace(longest, values=longest.values[::2])
-        points = tuple(thinned if axis is longest else axis for axis in study.points)
-        study = replace(study, points=points)
+        points = tuple(thinned if axis is longest else axis for axis in study.axes)
+        study = replace(study, axes=points)
     scale = every / study.size
     if scale > 1:
-        log(f"{every} points, judged by {study.size} of them in proportion")
+        log(f"{every} points, estimated from {study.size} of them in proportion")
     results = Results.of(study, _request(study, log), out, options, log)
     cases, missing = results.request.cases, results.missing()
     runs = sum(results.times_missing().values()) + results.repeats * len(missing)
@@ -105,7 +105,7 @@ def estimate_cost(
     )
     seconds = planned_seconds([cases[name] for name in missing])
     if seconds is None:
-        log("how long is not known: its cases are no scenes on a grid, and have no plan")
+        log("the time is not known: its cases are not scenes on a grid, and have no plan")
         return None
     if missing:
         timing = f", {scale * seconds * runs / len(missing):.2g} s to time" if runs else ""
@@ -133,7 +133,7 @@ def _with_name(study: Study, log: Log) -> Log:
 def _request(study: Study, log: Log) -> Request:
     """Return the cases of a study."""
     if study.size > MANY_POINTS:
-        log(f"{study.size} points, whose cases are now made")
+        log(f"making the cases of {study.size} points")
     return Request.of(study)
 
 
@@ -144,12 +144,12 @@ class _Run:
         self.results, self.stop = results, stop
         self.study, self.request, self.journal = results.study, results.request, results.journal
         self.options, self.log = results.options, results.log
-        self._said = False
-        self.work = Work(
+        self._has_warned = False
+        self.work = RunSettings(
             self.study.measures,
             self.options.fields == "kept",
             self.options.time_limit,
-            frozenset(axis.name for axis in self.study.points),
+            frozenset(axis.name for axis in self.study.axes),
         )
 
     def execute(self) -> xr.Dataset:
@@ -165,7 +165,7 @@ class _Run:
             take_times(self.results, self.work, self.stop)
         except _FirstFailureError:
             self.results.skipped = {name for name in missing if self.results.record(name) is None}
-            self.log("stopped at the first failure; what was not reached is marked as skipped")
+            self.log("stopped at the first failure; the remaining cases are marked as skipped")
         except StopRun:
             self._write_once_more()
             stored = sum(self.results.record(name) is not None for name in self.request.cases)
@@ -192,7 +192,7 @@ class _Run:
             self.log(f"{len(cases) - len(missing)} cases are stored, {len(missing)} to compute")
         check_kind(self.results.path, "study", self.log)
         self.results.provenance = provenance()
-        axes = {axis.name: axis.values for axis in self.study.points}
+        axes = {axis.name: axis.values for axis in self.study.axes}
         self.journal.start(self.results.provenance["history"], axes)
         missing = self.results.adopt(missing)
         self.results.extend_table()
@@ -234,7 +234,7 @@ class _Run:
             self.journal.sync()
             progress.update(unsynced)
 
-    def _compute(self, missing: Sequence[str], finished: Finished) -> None:
+    def _compute(self, missing: Sequence[str], finished: OnFinished) -> None:
         """Compute the missing cases as the options ask for."""
         workers, scheduler = min(self.options.workers, len(missing)), self.options.scheduler
         if not workers and not scheduler and self.journal.begun in missing:
@@ -262,11 +262,11 @@ class _Run:
                 f"{shown(changes)} {'differs' if len(changes) == 1 else 'differ'} on worker {outcome.worker}, whose "
                 "results are not stored: install the same there, and run the same command again."
             )
-        if changes and not self._said:
+        if changes and not self._has_warned:
             self.log(
                 f"{shown(changes)} changed since this program loaded it: the next run recomputes what depends on it"
             )
-            self._said = True
+            self._has_warned = True
 
     def _write_once_more(self) -> None:
         """Write journal and file before the run ends."""

@@ -5,7 +5,7 @@ import cloudpickle
 from studies.engine.progress import progress_of
 from studies.engine.results import Results
 from studies.engine.workers.compute import limit_of_timed_run
-from studies.model.outcome import Work
+from studies.model.outcome import RunSettings
 from studies.store.stop import Stop
 
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
@@ -13,7 +13,7 @@ from studies.store.stop import Stop
 MAX_WARM_UP = 0.3
 
 
-def take_times(results: Results, work: Work, stop: Stop) -> None:
+def take_times(results: Results, work: RunSettings, stop: Stop) -> None:
     """Take the missing timed runs in a separate process, since a case may die there although it did not before."""
     journal, cases = results.journal, results.request.cases
     counts = results.times_missing()
@@ -50,7 +50,7 @@ def take_times(results: Results, work: Work, stop: Stop) -> None:
                 except Exception as error:  # noqa: BLE001 (a study's class may do anything)
                     outcome = failed(error, "setup")
                 else:
-                    (outcome,) = worker.run(pickled, (name,), limit, is_timed=True)
+                    (outcome,) = worker.run(pickled, (name,), limit, "time")
             if outcome.sample is None:
                 without_times.add(name)
                 journal.cannot_time(name, outcome.error)

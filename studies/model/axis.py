@@ -24,8 +24,8 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(rf"({NUMBER})\s*:\s*({NUMBER})(?:\s*:\s*(\d+)(?:\s*:\s*(log))?)?")
 
 FORMS = {
-    int: "give whole numbers such as 0,1,6, all of a range such as 0:10, or so many such as 32:1024:6:log",
-    float: "give numbers such as 0.6,2.4, or so many of a range such as 0.6:2.4:4 or 1:100:3:log",
+    int: "give whole numbers such as 0,1,6, a range such as 0:10, or n values of a range such as 32:1024:6:log",
+    float: "give numbers such as 0.6,2.4, or n values of a range such as 0.6:2.4:4 or 1:100:3:log",
     str: "give names separated by commas",
 }
 
@@ -192,7 +192,7 @@ def check_count(name: str, count: int, what: str, most: int | None) -> None:
     """Raise InvalidInput for more than `most` values, or more than this machine's memory can hold."""
     if most is not None and count > most:
         raise InvalidInput(
-            f"{name} has {count} {what}, more than {most}: give fewer, or --yes if you mean it."
+            f"{name} has {count} {what}, more than {most}: give fewer, or confirm with --yes on the command line."
         )
     if count * POINT_BYTES > available_bytes():
         raise InvalidInput(

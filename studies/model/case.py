@@ -73,8 +73,8 @@ class Case:
 
 
 @dataclass(frozen=True, eq=False)
-class Solved:
-    """An answer, and the wall time [s] of its set-up and solve."""
+class TimedAnswer:
+    """An answer with the wall time [s] of its set-up and solve."""
 
     answer: cs.Contact | cs.LubricatedContact | cs.Evolution
     seconds: float
@@ -89,7 +89,7 @@ class SceneCase(Case):
     time_steps
         Instants and steps of a scene that changes in time; None for others.
     error
-        Relative error that is asked for, of which steps in time take their part; None without a request.
+        Requested relative error, of which steps in time take a part; None without a request.
     """
 
     time_steps: cs.TimeSteps | None = None
@@ -98,20 +98,20 @@ class SceneCase(Case):
     def prepare(self) -> None:  # type: ignore[override]
         """Do nothing: a scene sets up its problems while it is solved."""
 
-    def run(self, prepared: None = None) -> Solved:  # type: ignore[override]
+    def run(self, prepared: None = None) -> TimedAnswer:  # type: ignore[override]
         """Return the answer with its wall time, beside other cases with which it shares coefficients."""
         start = perf_counter()
         answer = cs.solve(
             self.scene, self.grid, self.padding,
             times=self.time_steps, error=self.error if self.time_steps else None, options=self.options,
         )  # fmt: skip
-        return Solved(replace(answer, requested=self.error), perf_counter() - start)
+        return TimedAnswer(replace(answer, requested=self.error), perf_counter() - start)
 
-    def record(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+    def record(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:  # type: ignore[override]
         """Return the numbers of the solver, and its status as CF flags."""
         return recorded(result.answer)
 
-    def fields(self, result: Solved) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+    def fields(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:  # type: ignore[override]
         """Return all fields of the answer, without the displacement, which follows from the gap."""
         dataset = result.answer.to_dataset()
         names = [name for name, variable in dataset.variables.items() if variable.ndim]
@@ -173,10 +173,10 @@ class EvolutionCase:
         """Return the numbers of the solver over all steps, and the worst status as CF flags."""
         return {
             "solver_status": solver_status(result.status, "how the worst step ended"),
-            "iterations": number(result.iterations, "solver iterations of all steps"),
-            "convolutions": number(result.convolutions, "transform pairs of the full grid"),
-            "residual": number(result.residual, "largest residual"),
-            "solves": number(result.steps, "solves"),
+            "iterations": dimensionless(result.iterations, "solver iterations of all steps"),
+            "convolutions": dimensionless(result.convolutions, "transform pairs of the full grid"),
+            "residual": dimensionless(result.residual, "largest residual"),
+            "solves": dimensionless(result.steps, "solves"),
         }
 
 
@@ -210,12 +210,14 @@ class OperatorCase:
 
     def record(self, result: cs.Convolution) -> Mapping[str, xr.Variable]:
         """Return the number of cells that are transformed."""
-        return {"padded_cells": number(int(np.prod(result.padded)), "cells of the padded grid")}
+        return {
+            "padded_cells": dimensionless(int(np.prod(result.padded)), "cells of the padded grid")
+        }
 
 
 def recorded(answer: cs.Contact | cs.LubricatedContact | cs.Evolution) -> dict[str, xr.Variable]:
     """Return the numbers of the solver of any answer, and its status as CF flags."""
-    counts = {name: number(value, label) for name, (value, label) in answer.counts.items()}
+    counts = {name: dimensionless(value, label) for name, (value, label) in answer.counts.items()}
     return {"solver_status": solver_status(answer.status, "how the solver ended"), **counts}
 
 
@@ -226,19 +228,22 @@ def solver_status(status: cs.Status, long_name: str) -> xr.Variable:
     return flags((), np.asarray(statuses.index(status)), meanings, long_name)
 
 
-def number(value: float, long_name: str) -> xr.Variable:
+def dimensionless(value: float, long_name: str) -> xr.Variable:
     """Return a dimensionless number as a variable with the long name `long_name`."""
     return xr.Variable((), value, {"units": "1", "long_name": long_name})
 
 
-def numbers(measured: Mapping[str, tuple[float, str]]) -> dict[str, xr.Variable]:
+def dimensionless_variables(measured: Mapping[str, tuple[float, str]]) -> dict[str, xr.Variable]:
     """Return dimensionless numbers as variables by name, from values with their long names."""
-    return {name: number(float(value), long_name) for name, (value, long_name) in measured.items()}
+    return {
+        name: dimensionless(float(value), long_name)
+        for name, (value, long_name) in measured.items()
+    }
 
 
 def contact_fraction(pressure: np.ndarray) -> xr.Variable:
     """Return the fraction of the cells under pressure (x, y)."""
-    return number(float((pressure > 0).mean()), "fraction of cells in contact")
+    return dimensionless(float((pressure > 0).mean()), "fraction of cells in contact")
 
 
 def error_estimates(estimate: cs.ErrorEstimate) -> dict[str, xr.Variable]:
@@ -252,7 +257,7 @@ def error_estimates(estimate: cs.ErrorEstimate) -> dict[str, xr.Variable]:
         name = "pressure_l1" if quantity == "l1" else quantity
         what = "pressure in L1" if quantity == "l1" else quantity.replace("_", " ")
         description = f"estimated relative error of the {what}"
-        measured[f"{name}_estimate"] = number(parts.total, description)
+        measured[f"{name}_estimate"] = dimensionless(parts.total, description)
         for cause, part in parts.by_cause.items():
-            measured[f"{name}_estimate_{cause}"] = number(part, f"{description}, by {cause}")
+            measured[f"{name}_estimate_{cause}"] = dimensionless(part, f"{description}, by {cause}")
     return measured

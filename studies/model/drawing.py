@@ -70,8 +70,8 @@ class CaptionedFigure:
             )
 
 
-def nothing(dataset: xr.Dataset) -> tuple[()]:
-    """Return an empty tuple, for a drawing without findings or tables."""
+def no_items(dataset: xr.Dataset) -> tuple[()]:
+    """Return no items, for a drawing without findings or tables."""
     return ()
 
 
@@ -88,40 +88,41 @@ class Drawing:
     """
 
     figure: Callable[[xr.Dataset], Sequence[CaptionedFigure]]
-    findings: Callable[[xr.Dataset], Sequence[Finding]] = nothing
-    tables: Callable[[xr.Dataset], Sequence[Table]] = nothing
+    findings: Callable[[xr.Dataset], Sequence[Finding]] = no_items
+    tables: Callable[[xr.Dataset], Sequence[Table]] = no_items
     axes: tuple[str, ...] = ()
 
     def reduced(self) -> Drawing:
         """Return this drawing for datasets with further axes, with the chosen values in captions and findings."""
 
-        def parts(
-            draw: Callable[[xr.Dataset], Sequence[Any]], text: str, form: str
+        def with_note(
+            draw: Callable[[xr.Dataset], Sequence[Any]], attribute: str, template: str
         ) -> Callable[[xr.Dataset], Sequence[Any]]:
-            """Return `draw` for the known axes, with a note of the other values in the attribute `text` of each item."""
+            """Return `draw` for the known axes, with a note of the other values in an attribute of each item."""
 
-            def drawn(dataset: xr.Dataset) -> Sequence[Any]:
-                part, values = at_known_axes(dataset, self.axes)
+            def noted(dataset: xr.Dataset) -> Sequence[Any]:
+                part, values = first_of_unknown_axes(dataset, self.axes)
                 items = draw(part)
                 if not values:
                     return items
-                note = form.format(values)
+                note = template.format(values)
                 return tuple(
-                    replace(item, **{text: f"{getattr(item, text)} {note}"}) for item in items
+                    replace(item, **{attribute: f"{getattr(item, attribute)} {note}"})
+                    for item in items
                 )
 
-            return drawn
+            return noted
 
         if not self.axes:
             return self
         return Drawing(
-            parts(self.figure, "caption", "Shown at {}."),
-            parts(self.findings, "measured", "(At {}.)"),
-            parts(self.tables, "caption", "Shown at {}."),
+            with_note(self.figure, "caption", "Shown at {}."),
+            with_note(self.findings, "measured", "(At {}.)"),
+            with_note(self.tables, "caption", "Shown at {}."),
         )
 
 
-def at_known_axes(dataset: xr.Dataset, axes_known: Sequence[str]) -> tuple[xr.Dataset, str]:
+def first_of_unknown_axes(dataset: xr.Dataset, axes_known: Sequence[str]) -> tuple[xr.Dataset, str]:
     """Return the dataset at the first value of every axis that is not in `axes_known`, and a text with these values."""
     axes = dataset["case_status"].dims if "case_status" in dataset else ()
     unknown = [str(name) for name in axes if name not in axes_known]

@@ -21,13 +21,13 @@ RESERVED = frozenset(
 TIME_UNITS = frozenset(
     {"days", "hours", "minutes", "seconds", "milliseconds", "microseconds", "nanoseconds"}
 )
-LARGEST_RESULT = (
+MAX_CASE_BYTES = (
     2**25
 )  # bytes of all variables of a case: a table of a thousand such cases takes 34 GB
-LARGEST_WHOLE = 2**53  # beyond it a whole number is changed where another case has no value
+MAX_WHOLE_NUMBER = 2**53  # beyond it a whole number is changed where another case has no value
 
 
-class NotANumberError(ArithmeticError):
+class MeasuredNaNError(ArithmeticError):
     """Raised for a measured value that is nan."""
 
 
@@ -49,7 +49,7 @@ def measured_variables(
     ------
     InvalidInput
         For a value that netCDF cannot store.
-    NotANumberError
+    MeasuredNaNError
         For a value that is nan.
     """
     if not isinstance(measured, Mapping):
@@ -78,9 +78,9 @@ def measured_variables(
 def check_size(variables: Mapping[str, xr.Variable]) -> None:
     """Raise InvalidInput, with the size, for more bytes of one case than a table of many cases can hold."""
     size = sum(variable.nbytes for variable in variables.values())
-    if size > LARGEST_RESULT:
+    if size > MAX_CASE_BYTES:
         raise InvalidInput(
-            f"measures gives {size / 1e6:.3g} MB, more than the {LARGEST_RESULT / 1e6:.3g} MB of a case: give fewer "
+            f"measures gives {size / 1e6:.3g} MB, more than the {MAX_CASE_BYTES / 1e6:.3g} MB of a case: give fewer "
             "numbers, or give them as 'fields' of the case, which have a file of their own."
         )
 
@@ -93,16 +93,16 @@ def _variable(name: object, value: object, source: str, reserved: frozenset[str]
     if name in reserved:
         raise InvalidInput(f"{source} gives {name!r}: this name is taken, choose another.")
 
-    def refuse(refused: object, remedy: str) -> InvalidInput:
+    def invalid(refused: object, remedy: str) -> InvalidInput:
         return InvalidInput(f"{source} gives {name!r} as {_short(refused)}: {remedy}.")
 
     if isinstance(value, xr.DataArray):
         value = value.variable
     if not isinstance(value, xr.Variable):
         if isinstance(value, str | bytes) or np.isscalar(value):
-            _check_scalar(value, refuse)
+            _check_scalar(value, invalid)
         elif np.ndim(value) != 0 or isinstance(value, Mapping | set | frozenset):  # type: ignore[arg-type]
-            raise refuse(value, "give xarray.Variable(dims, values) for more than one number")
+            raise invalid(value, "give xarray.Variable(dims, values) for more than one number")
         value = xr.Variable((), value, {"long_name": one_line(name.replace("_", " "))})
     for dim in value.dims:
         if problem := name_problem(dim):
@@ -112,51 +112,55 @@ def _variable(name: object, value: object, source: str, reserved: frozenset[str]
                 f"{source} gives {name!r} along {dim!r}: this name is taken, choose another."
             )
     if len(set(value.dims)) < len(value.dims):
-        raise refuse(value.dims, "each dimension has a name of its own")
-    values = _values(name, np.asarray(value.values), refuse)
+        raise invalid(value.dims, "give each dimension another name")
+    values = _values(name, np.asarray(value.values), invalid)
     attributes = {key: _attribute(name, key, entry, source) for key, entry in value.attrs.items()}
     return xr.Variable(value.dims, values, attributes)
 
 
-Refuse = Callable[[object, str], InvalidInput]
+MakeError = Callable[[object, str], InvalidInput]
 
 
-def _check_scalar(value: Any, refuse: Refuse) -> None:
-    """Raise the error of `refuse` for text or a whole number that netCDF cannot store."""
+def _check_scalar(value: Any, invalid: MakeError) -> None:
+    """Raise the error of `invalid` for text or a whole number that netCDF cannot store."""
     if isinstance(value, str) and not is_storable(value):
-        raise refuse(value, "give text without control characters and lone surrogates")
-    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
-        raise refuse(value, "give a whole number up to 2^53, or text")
+        raise invalid(value, "give text without control characters and lone surrogates")
+    if isinstance(value, int) and abs(value) > MAX_WHOLE_NUMBER:
+        raise invalid(value, "give a whole number up to 2^53, or text")
 
 
-def _values(name: str, values: np.ndarray, refuse: Refuse) -> np.ndarray:
+def _values(name: str, values: np.ndarray, invalid: MakeError) -> np.ndarray:
     """Return the values of a variable in a type that netCDF stores unchanged."""
     kind = values.dtype.kind
     if kind == "O":
         other_types = [entry for entry in values.flat if not isinstance(entry, str)]
         if other_types:
-            raise refuse(other_types[0], "give numbers or text")
+            raise invalid(other_types[0], "give numbers or text")
         for entry in values.flat:
-            _check_scalar(entry, refuse)
+            _check_scalar(entry, invalid)
         values = np.asarray(values.tolist(), dtype=str) if values.size else values.astype(str)
         kind = "U"
     if kind == "U":
         for entry in values.flat:
-            _check_scalar(str(entry), refuse)
+            _check_scalar(str(entry), invalid)
         # numpy drops the NUL at the end of a text, but keeps the length of a lone one
         if values.ndim == 0 and values.dtype.itemsize != 4 * max(len(str(values)), 1):
-            raise refuse(str(values), "give text without NUL")
+            raise invalid(str(values), "give text without NUL")
         return values
     if kind == "c":
-        raise refuse(values.flat[0], "give its real and imaginary parts as two variables")
+        raise invalid(values.flat[0], "give its real and imaginary parts as two variables")
     if kind in "mM":
-        raise refuse(values.flat[0], "give a number, with its unit in attrs['units']")
+        raise invalid(values.flat[0], "give a number, with its unit in attrs['units']")
     if kind not in "biuf" or values.dtype.itemsize > 8:
-        raise refuse(values.dtype, "give numbers of at most 64 bits, or text")
+        raise invalid(values.dtype, "give numbers of at most 64 bits, or text")
     if kind == "f" and np.isnan(values).any():
-        raise NotANumberError(f"{name} is nan")
-    if kind in "iu" and values.size and max(-int(values.min()), int(values.max())) > LARGEST_WHOLE:
-        raise refuse(values.max(), "give whole numbers up to 2^53, or text")
+        raise MeasuredNaNError(f"{name} is nan")
+    if (
+        kind in "iu"
+        and values.size
+        and max(-int(values.min()), int(values.max())) > MAX_WHOLE_NUMBER
+    ):
+        raise invalid(values.max(), "give whole numbers up to 2^53, or text")
     if values.dtype == np.float16:
         return values.astype(np.float32)
     return values.astype(values.dtype.newbyteorder("="), copy=False)

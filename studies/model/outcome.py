@@ -78,7 +78,7 @@ class Outcome:
     cpu: float = 0.0
     loaded: Mapping[str, str] = field(default_factory=dict)
     worker: str = ""
-    sample: "Sample | None" = None
+    sample: "TimedRun | None" = None
 
     @property
     def error(self) -> str:
@@ -104,7 +104,7 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     if "accuracy_met" in dataset and dataset["accuracy_met"].shape == statuses.shape:
         met = dataset["accuracy_met"].values.ravel()[places]
         if missed := np.count_nonzero(met == 0):
-            yield f"{missed} of {places.size} cases miss the accuracy asked for; see 'accuracy_met' and their bounds"
+            yield f"{missed} of {places.size} cases miss the requested accuracy; see 'accuracy_met' and their bounds"
     unbounded = {}
     for name, bound in dataset.data_vars.items():
         value = dataset.get(str(name).removesuffix("_bound"))
@@ -113,7 +113,7 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
         has_value, has_bound = (
             np.isfinite(variable.values.ravel()[places]) for variable in (value, bound)
         )
-        # why no case has a bound of a quantity, an answer says
+        # where no case has a bound, the answer gives the reason
         if 0 < (count := np.count_nonzero(has_value & ~has_bound)) < np.count_nonzero(has_value):
             unbounded[str(value.name)] = count
     if unbounded:
@@ -131,7 +131,7 @@ class HasFields(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Work:
+class RunSettings:
     """Instructions for every case of a run.
 
     Attributes
@@ -152,7 +152,7 @@ class Work:
     axes: frozenset[str] = frozenset()
 
 
-Finished = Callable[[str, Outcome], None]
+OnFinished = Callable[[str, Outcome], None]
 
 
 # A neighbour on the core takes CPU time away; one on the memory bus, or a slower clock, makes repeats
@@ -162,7 +162,7 @@ MAX_SPREAD = 1.1
 
 
 @dataclass(frozen=True)
-class Sample:
+class TimedRun:
     """Times of one timed run of a case.
 
     Attributes
@@ -173,7 +173,7 @@ class Sample:
         CPU time of set-up and solve [s].
     threads
         Threads of the case.
-    pace
+    calibration_time
         Wall time [s] of a fixed piece of work beside the run, the longer of before and after.
     """
 
@@ -182,20 +182,20 @@ class Sample:
     setup_cpu: float
     solve_cpu: float
     threads: int
-    pace: float = 0.0
+    calibration_time: float = 0.0
 
 
-def is_contended(samples: Sequence[Sample], pace: float = np.inf) -> bool:
+def is_contended(samples: Sequence[TimedRun], calibration_time: float = np.inf) -> bool:
     """Return whether the least time may be more than 10 % too long.
 
-    It may if its CPU time is shorter than its wall time, no other run confirms it, or the processor was slower than at
-    its best.
+    It may be if its CPU time is below 95 % of its wall time, no other run confirms it, or the processor was slower than
+    at its best.
 
     Parameters
     ----------
     samples
         Timed runs of one case.
-    pace
+    calibration_time
         Least time [s] of the fixed piece of work on this machine.
     """
     wall = np.array([sample.setup + sample.solve for sample in samples])
@@ -203,7 +203,9 @@ def is_contended(samples: Sequence[Sample], pace: float = np.inf) -> bool:
     least = int(wall.argmin())
     lacks = cpu[least] < MIN_CPU_FRACTION * wall[least]
     confirmed = len(wall) > 1 and np.sort(wall)[1] <= MAX_SPREAD * wall[least]
-    return bool(lacks or not confirmed or samples[least].pace > MAX_SPREAD * pace)
+    return bool(
+        lacks or not confirmed or samples[least].calibration_time > MAX_SPREAD * calibration_time
+    )
 
 
 CONTENDED = ("no", "yes", "not_timed")
@@ -214,7 +216,7 @@ PARTS = {
 
 
 def timing_variables(
-    names: tuple[str, ...], index: np.ndarray, samples: Sequence[Sequence[Sample]]
+    names: tuple[str, ...], index: np.ndarray, samples: Sequence[Sequence[TimedRun]]
 ) -> Mapping[str, xr.Variable]:
     """Return least, median and CPU time of each case, every sample along ``repeat``, and whether it can be trusted.
 
@@ -250,10 +252,13 @@ def timing_variables(
         )
         if repeats:
             data[f"{name}_all"] = variable(wall.data, f"wall time {what}, every repeat", "repeat")
-    pace = min((sample.pace for runs in samples for sample in runs), default=np.inf)
-    marks = [
-        int(is_contended(runs, pace)) if runs else CONTENDED.index("not_timed") for runs in samples
+    calibration_time = min(
+        (sample.calibration_time for runs in samples for sample in runs), default=np.inf
+    )
+    flag_values = [
+        int(is_contended(runs, calibration_time)) if runs else CONTENDED.index("not_timed")
+        for runs in samples
     ]
-    what = "whether something else may have slowed the timing down by a tenth"
-    data["contended"] = flags(names, np.array(marks, dtype=np.int8)[index], CONTENDED, what)
+    what = "whether another process may have lengthened the time by more than 10 %"
+    data["contended"] = flags(names, np.array(flag_values, dtype=np.int8)[index], CONTENDED, what)
     return data

@@ -33,9 +33,9 @@ def is_storable(text: str) -> bool:
 def name_problem(name: object) -> str:
     """Return why netCDF cannot hold a variable, dimension or attribute with the name `name`; empty if it can."""
     if not isinstance(name, str):
-        return "a name is text"
+        return "give text"
     if not name:
-        return "a name has one letter or more"
+        return "give at least one letter"
     if "/" in name:
         return "netCDF takes '/' for a group"
     if not (name[0].isalnum() or name[0] == "_" or ord(name[0]) > 127) or name != name.strip():

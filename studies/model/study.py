@@ -26,16 +26,16 @@ Measures = Callable[[Any, Any], "Mapping[str, xr.Variable]"]
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A study: the points to visit, the computation at each, and what is measured there.
+    """A study: its axes, the computation at each point, and what is measured there.
 
     Parameters
     ----------
     name, title
         Name of its files, and a line for people.
-    points
+    axes
         Axes whose product is visited.
-    scene_at
-        ``scene_at(point)`` returns the computation at a point, usually a :class:`~studies.model.case.Case`; bad
+    case_at
+        ``case_at(point)`` returns the computation at a point, usually a :class:`~studies.model.case.Case`; bad
         values raise :class:`~contactstudy.InvalidInput`.
     measures
         ``measures(case, result)`` returns named variables, scalar or with dimensions of their own; a variable
@@ -43,7 +43,7 @@ class Study:
     times
         "taken" if the cases are timed, else "none".
     notes
-        What there is to say about all points, such as on which grid; kept with the results.
+        Sentences on all points, such as the grid that they share; kept with the results.
     attributes
         Attributes of the stored Dataset.
     depends
@@ -54,8 +54,8 @@ class Study:
 
     name: str
     title: str
-    points: tuple[Axis, ...]
-    scene_at: Callable[[Point], Computation]
+    axes: tuple[Axis, ...]
+    case_at: Callable[[Point], Computation]
     measures: Measures
     times: str = "taken"
     notes: tuple[str, ...] = ()
@@ -67,7 +67,7 @@ class Study:
         one_of("times", self.times, ("taken", "none"))
         if problem := name_problem(self.name):
             raise InvalidInput(f"A study is called {one_line(repr(self.name), 60)}: {problem}.")
-        names = [axis.name for axis in self.points]
+        names = [axis.name for axis in self.axes]
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
             raise InvalidInput(
@@ -77,7 +77,7 @@ class Study:
     @property
     def size(self) -> int:
         """Number of points."""
-        return prod(len(axis.values) for axis in self.points)
+        return prod(len(axis.values) for axis in self.axes)
 
     def check_size(self, most: int | None) -> None:
         """Raise InvalidInput for more than `most` points, or more than memory holds."""
@@ -100,30 +100,30 @@ class Study:
         InvalidInput
             For an axis or a value that the study does not have.
         """
-        present = {axis.name: axis for axis in self.points}
+        present = {axis.name: axis for axis in self.axes}
         for name in axes:
             if name not in present:
                 raise InvalidInput(
-                    f"Parameter {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(present))}."
+                    f"Axis {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(present))}."
                 )
         changed = tuple(
             axis.override(axes[axis.name], most=most) if axis.name in axes else axis
-            for axis in self.points
+            for axis in self.axes
         )
-        return replace(self, points=changed)
+        return replace(self, axes=changed)
 
     def visits(self) -> Iterator[tuple[Point, Computation]]:
         """Yield every point with its case, in the order of the axes (last one fastest)."""
-        names = [axis.name for axis in self.points]
-        for values in product(*(axis.values for axis in self.points)):
+        names = [axis.name for axis in self.axes]
+        for values in product(*(axis.values for axis in self.axes)):
             point = dict(zip(names, values, strict=True))
             try:
-                case = self.scene_at(point)
+                case = self.case_at(point)
             except InvalidInput:
                 raise
             except Exception as error:  # noqa: BLE001 (a study file may do anything)
                 raise InvalidInput(
-                    f"scene_at of study {self.name!r} raises {type(error).__name__}{place_of(error, __file__)} at "
+                    f"case_at of study {self.name!r} raises {type(error).__name__}{place_of(error, __file__)} at "
                     f"{one_line(point, 200)}: {one_line(error, 300)}."
                 ) from None
             yield point, case

@@ -1,4 +1,4 @@
-"""Reference solution of the discrete problem by a dense matrix, with contact sets found by pivoting."""
+"""Reference solution of the discrete problem by a dense matrix, with active sets found by pivoting."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class DenseAnswer:
 def answer(
     scene: cs.Scene, grid: cs.Grid, paddings: cs.Paddings, solution: cs.Solution
 ) -> DenseAnswer:
-    """Return the pressure that meets all conditions of contact to rounding, by pivoting from the sets of `solution`.
+    """Return the pressure that meets all conditions of contact to rounding, by pivoting from `solution`.
 
     Source: Hintermüller, Ito & Kunisch (2003), Algorithm 2.1, for two limits.
 
@@ -65,32 +65,34 @@ def answer(
     diagonal = matrix[0, 0] - matrix.mean()  # a rigid shift may make the first negative
     yielding = before >= limit
     free = (before > 0) & ~yielding
-    started = free.copy()
+    initially_free = free.copy()
     for _ in range(PIVOTS):
         pressure = np.where(yielding, limit, 0.0)
         displacement = matrix @ pressure if yielding.any() else np.zeros_like(gap)
         free_load = total - pressure.sum()
-        pressure[free], approach = _solve_on(matrix, free, -(gap + displacement)[free], free_load)
+        pressure[free], approach = _solve_active_set(
+            matrix, free, -(gap + displacement)[free], free_load
+        )
         deformed_gap = gap + matrix @ pressure
         if not free.any():
             approach = float(deformed_gap[yielding].max())
         deformed_gap -= approach
         deformed_gap[free] = 0.0
         predicted = pressure - deformed_gap / diagonal
-        sets = predicted >= limit, (predicted > 0) & (predicted < limit)
-        if (sets[0] == yielding).all() and (sets[1] == free).all():
+        new_sets = predicted >= limit, (predicted > 0) & (predicted < limit)
+        if (new_sets[0] == yielding).all() and (new_sets[1] == free).all():
             sizes = gap[pressure > 0].max(), (np.abs(matrix) @ pressure).max()
             return DenseAnswer(
                 pressure.reshape(solution.pressure.shape),
                 approach,
-                _smallest_eigenvalue(matrix, free | started),
+                _smallest_eigenvalue(matrix, free | initially_free),
                 ROUNDING * sum(sizes),
             )
-        yielding, free = sets
+        yielding, free = new_sets
     raise ArithmeticError(f"pivoting did not end after {PIVOTS} active sets")
 
 
-def _solve_on(
+def _solve_active_set(
     matrix: Array, free: np.ndarray, displacement: Array, load: float
 ) -> tuple[Array, float]:
     """Return pressure and approach for the displacement of the free cells under a load."""

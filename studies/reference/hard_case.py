@@ -13,8 +13,8 @@ from studies.reference.dense_solver import answer, stated_error
 from studies.reference.line_contact import HERTZ, SCENE, STEEL
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
-# heights that the contact itself flattens
-FLATTENED = SCENE.scales(cs.Grid(cells=(2, 1), extent=(A, A))).gap
+# unit of heights: those that the smooth contact flattens
+GAP_SCALE = SCENE.scales(cs.Grid(cells=(2, 1), extent=(A, A))).gap
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
 PADDINGS: dict[str, cs.Padding | cs.Paddings] = {
@@ -38,16 +38,16 @@ EXACT_TO_ROUNDING = frozenset({cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT})
 
 
 @dataclass(frozen=True)
-class Twin:
+class EquivalentForm:
     """An equivalent form of the same contact.
 
     Attributes
     ----------
     scene, grid
         The contact.
-    back
+    to_original
         Function that converts its pressure to the original form.
-    within
+    tolerance
         Largest difference of the converted pressure over the peak pressure. With `other_heights` it is added to the
         difference of the heights over the compliance of the stiffest mode.
     other_heights
@@ -56,8 +56,8 @@ class Twin:
 
     scene: cs.Scene
     grid: cs.Grid
-    back: Callable[[Array], Array]
-    within: float
+    to_original: Callable[[Array], Array]
+    tolerance: float
     other_heights: bool = False
 
 
@@ -65,7 +65,7 @@ class Twin:
 class HardCase:
     """A scene on a grid that is difficult to solve, with its reference solution.
 
-    Its pressure is compared with that of :mod:`studies.reference.dense_solver`, or with that of its `twin`.
+    Its pressure is compared with that of :mod:`studies.reference.dense_solver`, or with that of its `equivalent`.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class HardCase:
         The contact.
     ends
         Statuses in which a solve may end.
-    twin
+    equivalent
         Equivalent form of the contact.
     options
         Options of a solve.
@@ -92,7 +92,7 @@ class HardCase:
     scene: cs.Scene
     grid: cs.Grid
     ends: frozenset[cs.Status] = ENDED
-    twin: Twin | None = None
+    equivalent: EquivalentForm | None = None
     options: cs.SolveOptions = field(default_factory=lambda: cs.SolveOptions(1e-10))
     start: Start | None = None
     paddings: tuple[str, ...] = tuple(PADDINGS)
@@ -102,33 +102,37 @@ class HardCase:
         start = self.start(problem, solver) if self.start else None
         return cs.solve(problem, start=start, options=replace(self.options, solver=solver))
 
-    def may_end(self, padding: str) -> frozenset[cs.Status]:
+    def allowed_statuses(self, padding: str) -> frozenset[cs.Status]:
         """Return the statuses in which a solve with a padding may end; a free length cuts off what varies along it."""
         cut_off = padding == "zero" and cs.Status.CONVERGED in self.ends
         return self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
 
-    def judge(
+    def error_and_bound(
         self, solution: cs.Contact, padding: cs.Padding | cs.Paddings, solver: cs.Solver
     ) -> tuple[float, float]:
         """Return the error of the pressure and the error stated for it, over the peak pressure."""
         highest = float(solution.pressure.max())
         unit = solution.problem.scales.pressure
-        twin_solution, allowed = None, 0.0
-        if self.twin is not None:
-            twin_solution = self.solve(self.twin.scene.problem(self.twin.grid, padding), solver)
-            allowed = self.twin.within
-        if self.twin is None or self.twin.other_heights:
+        equivalent_solution, bound = None, 0.0
+        if self.equivalent is not None:
+            equivalent_solution = self.solve(
+                self.equivalent.scene.problem(self.equivalent.grid, padding), solver
+            )
+            bound = self.equivalent.tolerance
+        if self.equivalent is None or self.equivalent.other_heights:
             dense = answer(self.scene, self.grid, across_and_along(padding), solution)
-            allowed += stated_error(solution, dense) * unit / highest
-            right = dense.pressure * unit
-        if twin_solution is not None:
-            assert self.twin is not None
-            right = self.twin.back(twin_solution.pressure)
-            if self.twin.other_heights:
-                gap_change = twin_solution.problem.undeformed_gap - solution.problem.undeformed_gap
-                nudge = float(np.linalg.norm(gap_change)) / solution.problem.scales.gap
-                allowed += nudge / dense.smallest_eigenvalue * unit / highest
-        return float(np.abs(right - solution.pressure).max()) / highest, allowed
+            bound += stated_error(solution, dense) * unit / highest
+            reference = dense.pressure * unit
+        if equivalent_solution is not None:
+            assert self.equivalent is not None
+            reference = self.equivalent.to_original(equivalent_solution.pressure)
+            if self.equivalent.other_heights:
+                gap_change = (
+                    equivalent_solution.problem.undeformed_gap - solution.problem.undeformed_gap
+                )
+                height_change = float(np.linalg.norm(gap_change)) / solution.problem.scales.gap
+                bound += height_change / dense.smallest_eigenvalue * unit / highest
+        return float(np.abs(reference - solution.pressure).max()) / highest, bound
 
 
 def grid(
@@ -138,9 +142,9 @@ def grid(
     return cs.Grid(cells=cells, extent=(width * A * metre, period * A * metre))
 
 
-def bumpy(heights: Array, scene: cs.Scene = SCENE) -> cs.Scene:
+def with_heights(heights: Array, scene: cs.Scene = SCENE) -> cs.Scene:
     """Return a scene with heights (x, y) towards the other body, over the height that the contact flattens."""
-    return replace(scene, shapes=(*scene.shapes, cs.MeasuredSurface(heights * FLATTENED)))
+    return replace(scene, shapes=(*scene.shapes, cs.MeasuredSurface(heights * GAP_SCALE)))
 
 
 def noise(cells: tuple[int, int] = (24, 12), seed: int = 1) -> Array:
@@ -171,8 +175,8 @@ def units() -> dict[str, HardCase]:
         pascal = newton / metre**2
         solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * pascal)
         load = cs.LineLoad(SCENE.load.largest * newton / metre)
-        plain = bumpy(ROUGH)
-        heights = cs.MeasuredSurface(ROUGH * FLATTENED * metre)
+        plain = with_heights(ROUGH)
+        heights = cs.MeasuredSurface(ROUGH * GAP_SCALE * metre)
         converted = cs.Scene(load, (solid, solid), (cs.Cylinder(0.01 * metre), heights))
         cases[f"a scene {name}"] = HardCase(
             "units",
@@ -180,7 +184,7 @@ def units() -> dict[str, HardCase]:
             plain,
             grid(),
             AT_EDGE,
-            Twin(converted, grid(metre=metre), partial(_divided, pascal), 1e-10),
+            EquivalentForm(converted, grid(metre=metre), partial(_divided, pascal), 1e-10),
             options=cs.SolveOptions(tolerance=1e-12),
         )
     return cases
@@ -188,19 +192,21 @@ def units() -> dict[str, HardCase]:
 
 def perturbation() -> dict[str, HardCase]:
     """Return the rough contact with changed heights, shifted, mirrored, over two periods, or with two curved bodies."""
-    scene = bumpy(ROUGH)
+    scene = with_heights(ROUGH)
     double = np.tile(ROUGH, 2)
     half = replace(SCENE, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
     on = grid()
 
-    def case(hard: str, twin: Twin, paddings: tuple[str, ...] = tuple(PADDINGS)) -> HardCase:
+    def case(
+        hard: str, equivalent: EquivalentForm, paddings: tuple[str, ...] = tuple(PADDINGS)
+    ) -> HardCase:
         return HardCase(
             "perturbation",
             hard,
             scene,
             on,
             ENDED,
-            twin,
+            equivalent,
             cs.SolveOptions(tolerance=1e-12),
             paddings=paddings,
         )
@@ -216,27 +222,38 @@ def perturbation() -> dict[str, HardCase]:
     return {
         "heights nudged by 1e-10": case(
             "heights move by 1e-10 of their rms",
-            Twin(bumpy(nudged), on, np.asarray, 1e-11, other_heights=True),
+            EquivalentForm(with_heights(nudged), on, np.asarray, 1e-11, other_heights=True),
         ),
         "moved by whole cells": case(
             "the surface moves by five cells along",
-            Twin(bumpy(np.roll(ROUGH, 5, 1)), on, lambda pressure: np.roll(pressure, -5, 1), 1e-9),
+            EquivalentForm(
+                with_heights(np.roll(ROUGH, 5, 1)),
+                on,
+                lambda pressure: np.roll(pressure, -5, 1),
+                1e-9,
+            ),
             wrapping,
         ),
         "mirrored along": case(
-            "the surface is mirrored along", Twin(bumpy(ROUGH[:, ::-1]), on, np.fliplr, 1e-9)
+            "the surface is mirrored along",
+            EquivalentForm(with_heights(ROUGH[:, ::-1]), on, np.fliplr, 1e-9),
         ),
         "mirrored across": case(
-            "the surface is mirrored across", Twin(bumpy(ROUGH[::-1]), on, np.flipud, 1e-9)
+            "the surface is mirrored across",
+            EquivalentForm(with_heights(ROUGH[::-1]), on, np.flipud, 1e-9),
         ),
         "twice the period": case(
-            "two periods are one",
-            Twin(
-                bumpy(double), grid((24, 24), period=2.4), lambda pressure: pressure[:, :12], 1e-9
+            "two periods of the surface as one domain",
+            EquivalentForm(
+                with_heights(double),
+                grid((24, 24), period=2.4),
+                lambda pressure: pressure[:, :12],
+                1e-9,
             ),
             endless,
         ),
         "curved on both sides": case(
-            "half of the cylinder on either body", Twin(bumpy(ROUGH, half), on, np.asarray, 1e-9)
+            "half of the cylinder on either body",
+            EquivalentForm(with_heights(ROUGH, half), on, np.asarray, 1e-9),
         ),
     }

@@ -13,16 +13,16 @@ from studies.reference.hard_case import (
     ENDED,
     EXACT_TO_ROUNDING,
     FLAT,
-    FLATTENED,
+    GAP_SCALE,
     P_H,
     ROUGH,
     A,
     HardCase,
-    bumpy,
     grid,
     noise,
     perturbation,
     units,
+    with_heights,
 )
 from studies.reference.line_contact import SCENE, STEEL
 
@@ -59,14 +59,14 @@ def _load() -> dict[str, HardCase]:
 
     faint = replace(SCENE, load=cs.LineLoad(1e-30))
     heavy = replace(SCENE, load=cs.LineLoad(1e30))
-    wavy = replace(FLAT, shapes=(cs.Waviness(1e-3 * FLATTENED, along=1.2 * A),))
+    wavy = replace(FLAT, shapes=(cs.Waviness(1e-3 * GAP_SCALE, along=1.2 * A),))
     return {
         "one row of cells touches": case(
             "a contact a twentieth of a cell wide", SCENE, grid((25, 4), 1000.0), ENDED
         ),
         "one cell touches": case(
             "a spike alone bears the load",
-            bumpy(np.eye(1, 288, 150).reshape(CELLS) * 30),
+            with_heights(np.eye(1, 288, 150).reshape(CELLS) * 30),
             grid(),
             ENDED,
         ),
@@ -76,12 +76,15 @@ def _load() -> dict[str, HardCase]:
         "full contact": case("no cell is free of pressure", wavy, grid(), AT_EDGE),
         "faint load": case("1e-30 N/m, a contact of 1e-17 cells", faint, grid(), ENDED),
         "far from its datum": case(
-            "heights counted from 1e6 times what is flattened", bumpy(ROUGH + 1e6), grid(), ENDED
+            "heights counted from 1e6 times what is flattened",
+            with_heights(ROUGH + 1e6),
+            grid(),
+            ENDED,
         ),
         "coarse cells": HardCase(
             "load",
             "rough cells 40 times as wide as the contact",
-            bumpy(noise()),
+            with_heights(noise()),
             grid(CELLS, 1e3, 1e3),
             ENDED,
         ),
@@ -112,7 +115,7 @@ def _material() -> dict[str, HardCase]:
         extent = (2.4 * hertz.half_width, 1.2 * hertz.half_width)
         cases[name] = HardCase("material", hard, scene, cs.Grid(CELLS, extent))
     for fraction in (1.01, 0.99, 0.7, 0.4, 0.33, 0.328):
-        scene = replace(bumpy(ROUGH), hardness=fraction * P_H)
+        scene = replace(with_heights(ROUGH), hardness=fraction * P_H)
         cases[f"hardness {fraction:g} p_H"] = HardCase(
             "material",
             f"a hardness of {fraction:g} p_H; 0.327 carries the load",
@@ -121,7 +124,7 @@ def _material() -> dict[str, HardCase]:
             AT_EDGE,
         )
     # where trial steps are shortened to zero: all but a few cells yield, or the cells are long and thin
-    thin = bumpy(8.087711031384107e-4 * noise((15, 2), 23030886))
+    thin = with_heights(8.087711031384107e-4 * noise((15, 2), 23030886))
     cases["hardness on long cells"] = HardCase(
         "material",
         "cells 30 times as wide as long, some at a hardness",
@@ -130,7 +133,7 @@ def _material() -> dict[str, HardCase]:
         AT_EDGE,
         options=cs.SolveOptions(tolerance=1e-9),
     )
-    full = bumpy(0.08086197949648571 * noise((7, 7), 632285552), FLAT)
+    full = with_heights(0.08086197949648571 * noise((7, 7), 632285552), FLAT)
     cases["hardness beside the mean"] = HardCase(
         "material",
         "all but two cells yield",
@@ -153,7 +156,7 @@ def _surface() -> dict[str, HardCase]:
     """Return contacts with steps, spikes and rough surfaces."""
 
     def case(hard: str, heights: Array, width: float = 2.4) -> HardCase:
-        return HardCase("surface", hard, bumpy(heights), grid(heights.shape, width), AT_EDGE)
+        return HardCase("surface", hard, with_heights(heights), grid(heights.shape, width), AT_EDGE)
 
     rng = np.random.default_rng(3)
     needle = np.zeros((32, 32))
@@ -175,7 +178,7 @@ def _surface() -> dict[str, HardCase]:
             "white noise, 100 times what is flattened", 100 * noise()
         ),
         "a flat punch": HardCase(
-            "surface", "a plateau with sharp edges", bumpy(plateau, FLAT), grid(), AT_EDGE
+            "surface", "a plateau with sharp edges", with_heights(plateau, FLAT), grid(), AT_EDGE
         ),
     }
 
@@ -194,12 +197,12 @@ def _interrupted(problem: cs.Problem, solver: cs.Solver) -> Array:
 
 def _solver() -> dict[str, HardCase]:
     """Return contacts with extreme tolerances, limits and starts."""
-    rough = HardCase("solver", "", bumpy(3 * ROUGH), grid(), AT_EDGE)
+    rough = HardCase("solver", "", with_heights(3 * ROUGH), grid(), AT_EDGE)
     limited = frozenset({cs.Status.ITERATION_LIMIT})
     # heights of 0.1 flatten at four times their load
-    pressed = replace(bumpy(ROUGH), load=cs.LineLoad(16 * SCENE.load.largest))
-    capped = replace(bumpy(ROUGH, FLAT), hardness=1.0001 * SCENE.load.largest / (2.4 * A))
-    near_start = bumpy(0.2 * ROUGH, FLAT)
+    pressed = replace(with_heights(ROUGH), load=cs.LineLoad(16 * SCENE.load.largest))
+    capped = replace(with_heights(ROUGH, FLAT), hardness=1.0001 * SCENE.load.largest / (2.4 * A))
+    near_start = with_heights(0.2 * ROUGH, FLAT)
     return {
         "tolerance 1e-14": replace(
             rough,

@@ -11,14 +11,14 @@ from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from studies.model.axis import one_of
-from studies.model.case import Case, error_estimates, numbers
+from studies.model.case import Case, dimensionless_variables, error_estimates
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
 HERTZ = cs.analytic.HertzLine(SCENE.load.largest, 0.01, SCENE.contact_modulus)
-FLATTENING = HERTZ.half_width**2 / (
+HERTZ_HEIGHT = HERTZ.half_width**2 / (
     2 * HERTZ.radius
 )  # [m], height of the cylinder over the contact
 WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
@@ -35,7 +35,7 @@ PADDINGS: dict[str, Callable[[int], cs.Padding]] = {
 
 
 # paddings with a number n of images
-COUNTS_IMAGES = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
+HAS_IMAGES = frozenset(name for name, make in PADDINGS.items() if make(0) != make(1))
 
 
 def padding_at(padding: str, images: int) -> cs.Padding:
@@ -44,7 +44,7 @@ def padding_at(padding: str, images: int) -> cs.Padding:
     return make(whole_number("images", images, 0, "must be a whole number, at least 0"))
 
 
-def scene_at(point: Point) -> Case:
+def case_at(point: Point) -> Case:
     """Return a steel cylinder on a steel flat, with as many cells across as along, and the period in half-widths."""
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")
@@ -64,7 +64,7 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     true = hertz.pressure(grid.x)[:, None] / hertz.peak_pressure
     error = np.abs(pressure - true).max()
     axis = np.abs(grid.x) < 0.75 * grid.cell_size[0]
-    edge = half_widths(pressure, grid.x).mean() / hertz.half_width
+    half_width = half_widths(pressure, grid.x).mean() / hertz.half_width
     l1 = relative_l1(solution.pressure, hertz_means(hertz, grid))
     corrected = np.abs(corrected_pressure(pressure) - true).max()
     measured = {
@@ -79,13 +79,13 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
             "largest pressure error over Hertz peak pressure, corrected at the edge",
         ),
         "pressure_error_l1": (l1, "relative L1 error of the pressure"),
-        "half_width_error": (edge - 1, "relative error of the contact half-width"),
+        "half_width_error": (half_width - 1, "relative error of the contact half-width"),
         "length_variation": (
             np.ptp(pressure, axis=1).max(),
             "pressure variation along the length over peak pressure",
         ),
     }
-    return numbers(measured) | error_estimates(solution.error)
+    return dimensionless_variables(measured) | error_estimates(solution.error)
 
 
 def l1_error(pressure: Array, reference: Array, total: float) -> float:
@@ -119,7 +119,7 @@ def relative_l1(pressure: Array, reference: Array) -> float:
     return float(np.abs(pressure - means).sum() / np.abs(means).sum())
 
 
-def covers(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
+def has_cases(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
     """Return whether a sweep has these paddings and values of its axes, and all its cases have numbers.
 
     Findings are left out otherwise.
@@ -142,4 +142,4 @@ def total_time(dataset: xr.Dataset) -> xr.DataArray:
 
 def padding_label(padding: str, images: int) -> str:
     """Return the name of a padding, with its n where it has one."""
-    return f"{padding}, n = {images}" if padding in COUNTS_IMAGES else padding
+    return f"{padding}, n = {images}" if padding in HAS_IMAGES else padding

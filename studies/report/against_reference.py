@@ -105,7 +105,7 @@ def _over_axis(
 def _front(
     name: str, error: xr.DataArray, seconds: xr.DataArray, labels: Sequence[str], reference: str
 ) -> CaptionedFigure:
-    """Draw an error over the time of a case, with the points that no other beats joined."""
+    """Draw an error over the time of a case, with a line through the Pareto front."""
     fig, (ax,) = panels(1, width=WIDTH, height=4.2)
     best = pareto_front(seconds.values, error.values)
     ax.loglog(seconds.values[best], error.values[best], color=COLORS[0])
@@ -122,6 +122,6 @@ def _front(
     return captioned(
         "front",
         fig,
-        f"Relative error of the {name} against {reference}, over the time of a case; the line joins the values that no "
-        "other beats in both.",
+        f"Relative error of the {name} against {reference}, over the time of a case; the line joins the "
+        "Pareto front.",
     )

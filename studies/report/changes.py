@@ -45,7 +45,10 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         where = ", ".join(f"{axis} {value}" for axis, value in at.items())
         relative = abs(y - x) / scale if scale else np.inf
         changed.append(
-            (relative, f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest")
+            (
+                relative,
+                f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value",
+            )
         )
     for status in ("case_status", "solver_status"):
         if status in a and status in b:

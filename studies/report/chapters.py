@@ -9,7 +9,7 @@ from contactstudy.domain.checks import suggestion
 from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, load
 
-# Part that is the comparison of settings, which no study is.
+# Name of the part that shows the comparison of settings, which is not a study.
 SETTINGS = "settings"
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
@@ -45,7 +45,7 @@ class Chapter:
     name: str
     title: str
     parts: Sequence[Part]
-    lead: str = ""
+    introduction: str = ""
 
     @property
     def page(self) -> str:
@@ -116,7 +116,7 @@ def chapters(names: Sequence[str]) -> Sequence[Chapter]:
     return [_chapter(name) for name in dict.fromkeys(pages)]
 
 
-def single(name: str) -> Chapter:
+def chapter_of_study(name: str) -> Chapter:
     """Return a study as a chapter of its own."""
     return Chapter(name, load(name).title.rstrip("."), (Part(name, repeats=2),))
 
@@ -129,4 +129,4 @@ def _chapter(name: str) -> Chapter:
     if name not in studies:
         choices = ["all", *CHAPTERS, *studies]
         raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, choices)}.")
-    return single(name)
+    return chapter_of_study(name)

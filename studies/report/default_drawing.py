@@ -44,11 +44,11 @@ DOUBTFUL: Any = {
     "mfc": "white",
     "mec": "0.3",
     "ls": "none",
-    "label": "no bound of the error, or more than was asked for",
+    "label": "no bound of the error, or one above the requested error",
 }
 # Axes that number samples.
 SAMPLES = ("seed", "window")
-MOST_PANELS, MOST_LINES, MOST_FIGURES = 6, 8, 12
+MAX_PANELS, MAX_LINES, MAX_FIGURES = 6, 8, 12
 
 
 def curves(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFigure]:
@@ -87,7 +87,7 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
     stem = "maps" if is_map else "curves"
     figures = []
     points = product(*(dataset[axis].values for axis in further))
-    for number, point in enumerate(islice(points, MOST_FIGURES), 1):
+    for number, point in enumerate(islice(points, MAX_FIGURES), 1):
         at = dict(zip(further, point, strict=True))
         selection_text = ", ".join(
             f"{_name(dataset[axis])} {_short(value)}" for axis, value in at.items()
@@ -174,9 +174,9 @@ def _measures(dataset: xr.Dataset) -> list[str]:
     measures = [name for name in present if name not in times]
     measures = [name for name in measures if _changes(dataset[name])] or measures
     preferred = [name for name in DRAWN if name in measures]
-    if not preferred or len(measures) <= MOST_PANELS:
+    if not preferred or len(measures) <= MAX_PANELS:
         preferred = measures
-    return (preferred or times)[:MOST_PANELS]
+    return (preferred or times)[:MAX_PANELS]
 
 
 def _changes(values: xr.DataArray) -> bool:
@@ -228,7 +228,7 @@ def _curve(
         return np.asarray(field.transpose(*families, first).values.reshape(-1, numbers.size))
 
     is_mean = any(map(_is_sample, families))
-    if bars is not None and not is_mean and values.size <= MOST_LINES * numbers.size:
+    if bars is not None and not is_mean and values.size <= MAX_LINES * numbers.size:
         for line, bar in zip(lines(y), lines(bars), strict=True):
             ax.errorbar(x, line, yerr=bar, fmt="none", ecolor="0.6", capsize=2, zorder=1)
     if is_mean:  # as good as the least of its samples
@@ -237,10 +237,10 @@ def _curve(
     for line in lines(doubtful / _scale(values)[0]):
         if np.isfinite(line).any():
             ax.plot(x, line, **DOUBTFUL)
-    if joins and (_spans(numbers) or _is_geometric(numbers)):
+    if joins and (_spans_decade(numbers) or _is_geometric(numbers)):
         ax.set_xscale("log")
         write_powers(ax.xaxis, "{:g}".format)
-    if _spans(values):
+    if _spans_decade(values):
         ax.set_yscale("log")
         write_powers(ax.yaxis, "{:g}".format)
     ax.set(xlabel=x_label, ylabel=label)
@@ -250,12 +250,12 @@ def _curve(
 
 
 def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> None:
-    """Draw a line for each value of an axis: samples as their mean and spread, many numbers with a colour bar."""
+    """Draw a line for each value of an axis: samples as their mean and std, many numbers with a colour bar."""
     values, name = lines[axis], _name(lines[axis])
     size, unit = _scale(values) if _is_numeric(values) else (1.0, "")
     if _is_sample(axis) and values.size > 1:
-        mean, spread = lines.mean(axis), lines.std(axis, ddof=1)
-        ax.fill_between(x, mean - spread, mean + spread, color=COLORS[0], alpha=0.2, lw=0)
+        mean, std = lines.mean(axis), lines.std(axis, ddof=1)
+        ax.fill_between(x, mean - std, mean + std, color=COLORS[0], alpha=0.2, lw=0)
         ax.plot(
             x,
             mean,
@@ -265,7 +265,7 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> No
             label=f"mean of {values.size}, ± standard deviation",
         )
         return
-    if values.size > MOST_LINES and _is_numeric(values):
+    if values.size > MAX_LINES and _is_numeric(values):
         is_log = _is_geometric(values)
         scale = (LogNorm if is_log else Normalize)(
             float(values.min()) / size, float(values.max()) / size
@@ -281,15 +281,15 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> No
             )
         ax.figure.colorbar(colors, ax=ax, label=f"{name} {f'[{unit}]' * bool(unit)}".rstrip())
         return
-    if values.size > MOST_LINES:
+    if values.size > MAX_LINES:
         ax.plot(x, lines.values.T, color="0.6", linewidth=0.7, ls=joined)
         ax.plot([], [], color="0.6", linewidth=0.7, label=f"each {name}")
         ax.plot(x, lines.mean(axis), color=COLORS[0], marker="o", ls=joined, label="mean")
         return
-    tones = colormaps["viridis"](np.linspace(0, 0.85, values.size))
-    for value, line, tone in zip(values.values, lines.values, tones, strict=True):
+    line_colors = colormaps["viridis"](np.linspace(0, 0.85, values.size))
+    for value, line, color in zip(values.values, lines.values, line_colors, strict=True):
         text = _short(value / size) if _is_numeric(values) else str(value)[:30]
-        ax.plot(x, line, marker="o", ls=joined, color=tone, label=f"{name} {text} {unit}".rstrip())
+        ax.plot(x, line, marker="o", ls=joined, color=color, label=f"{name} {text} {unit}".rstrip())
 
 
 def _map(
@@ -310,7 +310,7 @@ def _map(
     if across.size:
         ax.plot(x.values[across], y.values[along], **DOUBTFUL | {"mfc": "none", "mec": "white"})
     for axis, set_scale in zip(shown, (ax.set_xscale, ax.set_yscale), strict=True):
-        set_scale("log" if _spans(values[axis]) else "linear")
+        set_scale("log" if _spans_decade(values[axis]) else "linear")
     ax.set(xlabel=x_label, ylabel=y_label, title=title)
     ax.grid(visible=False)
     ax.figure.colorbar(mesh, ax=ax)
@@ -326,8 +326,8 @@ def _varies(values: xr.DataArray) -> bool:
     return _is_numeric(values) and values.size > 1
 
 
-def _spans(values: xr.DataArray) -> bool:
-    """Return whether the values are above zero and spread over more than a decade."""
+def _spans_decade(values: xr.DataArray) -> bool:
+    """Return whether the values are above zero and std over more than a decade."""
     finite = values.values[np.isfinite(values.values)].ravel()
     return bool(finite.size > 1 and finite.min() > 0 and finite.max() > 10 * finite.min())
 

@@ -10,10 +10,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import replacing
-from studies.advice.climb import Budget
+from studies.advice.compared_scene import paper_scene
 from studies.advice.comparison import Comparison
+from studies.advice.nested_answers import Budget
 from studies.advice.stored import from_dataset, path_in
-from studies.advice.subject import paper_described
 from studies.engine.options import RunOptions
 from studies.engine.progress import progress_of
 from studies.engine.results import Log
@@ -22,8 +22,8 @@ from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load_drawing
-from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, single
-from studies.report.scene_sections import comparison_of, lead, scene_sections
+from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapter_of_study
+from studies.report.scene_sections import comparison_of, introduction, scene_sections
 from studies.report.section import FORMATS, Section, embedded, is_claim, saved
 from studies.report.style import marked, plain
 from studies.store.netcdf import read
@@ -34,11 +34,11 @@ PAPER_ERROR, PAPER_SECONDS = 1e-2, 12.0
 
 NOTHING_TO_DRAW = Drawing(
     lambda dataset: (),
-    lambda dataset: (Finding("No case gave numbers.", "What failed is in the file's `error`."),),
+    lambda dataset: (Finding("No case gave numbers.", "See the variable `error` of the file."),),
 )
 
 
-def draw(
+def draw_figures(
     study: Study, drawing: Drawing, out: Path, formats: Sequence[str] = FORMATS
 ) -> Sequence[CaptionedFigure]:
     """Draw the figures of ``study`` into ``<out>/<study>/``, from its netCDF file alone."""
@@ -59,11 +59,11 @@ def stored(study: Study, out: Path) -> xr.Dataset:
     path = out / f"{study.name}.nc"
     dataset = read(path)
     dims = dataset["case_status"].dims if "case_status" in dataset else ()
-    axes = [axis.name for axis in study.points]
+    axes = [axis.name for axis in study.axes]
     if set(dims) != set(axes):
+        kind = f"has the axes {', '.join(map(str, dims))}" if dims else "is not a study file"
         raise InvalidInput(
-            f"Study file {str(path)!r} has the axes {', '.join(map(str, dims)) or 'of no study'}, and the study has "
-            f"{', '.join(axes)}: run the study again."
+            f"File {str(path)!r} {kind}, and the study has {', '.join(axes)}: run the study again."
         )
     return dataset
 
@@ -83,14 +83,14 @@ def section(
     return Section(
         name=part.name,
         title=part.title or study.title.rstrip("."),
-        swept=swept(study, dataset),
+        axes_text=axes_text(study, dataset),
         findings=drawing.findings(dataset),
         figures=[embedded(figure, part.name, out, formats) for figure in figures],
         tables=drawing.tables(dataset),
     )
 
 
-def make(
+def run_and_write(
     chapter: Chapter,
     out: Path,
     *,
@@ -100,9 +100,9 @@ def make(
 ) -> Path:
     """Run the studies of a chapter, write its page, and return its path."""
     for number, part in enumerate(chapter.parts, 1):
-        began, messages = monotonic(), list[str]()
+        start, messages = monotonic(), list[str]()
         if part.name == SETTINGS:
-            comparison_of(paper_described(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
+            comparison_of(paper_scene(), PAPER_ERROR, Budget(PAPER_SECONDS), out, log)
             continue
         study = part.study()
         timed = replace(options, repeats=min(options.repeats, part.repeats))
@@ -112,21 +112,21 @@ def make(
             log(message)
         log(
             f"{chapter.name}: {number} of {len(chapter.parts)}, {part.name}: {study.size} points in "
-            f"{monotonic() - began:.0f} s"
+            f"{monotonic() - start:.0f} s"
         )
-    return write(chapter, out, formats)
+    return draw_and_write(chapter, out, formats)
 
 
-def write_scene(measured: Comparison, out: Path, formats: Sequence[str] = FORMATS) -> Path:
+def write_scene(comparison: Comparison, out: Path, formats: Sequence[str] = FORMATS) -> Path:
     """Write the page about the settings of one scene, whose comparison is stored; return its path."""
     chapter = Chapter(
-        MAIN.name, f"{measured.name}: which padding and which grid", (), lead(measured)
+        MAIN.name, f"{comparison.name}: which padding and which grid", (), introduction(comparison)
     )
-    sections = scene_sections(measured, out, formats)
+    sections = scene_sections(comparison, out, formats)
     return write_page(chapter, sections, {SETTINGS: read(path_in(out))}, out)
 
 
-def write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:
+def draw_and_write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:
     """Draw a chapter from the netCDF files of its studies and write its page; return its path."""
     datasets, sections = {}, list[Section]()
     for part in chapter.parts:
@@ -170,10 +170,10 @@ def write_page(
     return path
 
 
-def write_stored(out: Path, written: Iterable[Chapter] = ()) -> Sequence[Path]:
+def write_outdated(out: Path, written: Iterable[Chapter] = ()) -> Sequence[Path]:
     """Write the pages of all other chapters whose data are stored, if a page is missing or older than its data."""
     pages = []
-    for chapter in [*CHAPTERS.values(), *map(single, BUILT_IN)]:
+    for chapter in [*CHAPTERS.values(), *map(chapter_of_study, BUILT_IN)]:
         files = [out / f"{part.name}.nc" for part in chapter.parts]
         page = out / chapter.page
         is_wanted = chapter.name in CHAPTERS or page.exists()
@@ -181,14 +181,14 @@ def write_stored(out: Path, written: Iterable[Chapter] = ()) -> Sequence[Path]:
             continue
         newest = max(file.stat().st_mtime for file in files)
         if not page.exists() or page.stat().st_mtime < newest:
-            pages.append(write(chapter, out))
+            pages.append(draw_and_write(chapter, out))
     return pages
 
 
-def swept(study: Study, dataset: xr.Dataset) -> str:
+def axes_text(study: Study, dataset: xr.Dataset) -> str:
     """Return the axes of a study with at most ten values each."""
     texts = []
-    for axis in study.points:
+    for axis in study.axes:
         values = dataset[axis.name].values.tolist()
         text = ", ".join(map(str, values))
         if len(values) > MAX_LISTED:
@@ -232,5 +232,7 @@ def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:
     shown = {part.name for entry in CHAPTERS.values() for part in entry.parts}
     built_in = [entry for entry in CHAPTERS.values() if entry != chapter]
     return [(entry, (out / entry.page).is_file()) for entry in built_in] + [
-        (single(name), (out / f"{name}.html").is_file()) for name in BUILT_IN if name not in shown
+        (chapter_of_study(name), (out / f"{name}.html").is_file())
+        for name in BUILT_IN
+        if name not in shown
     ]

@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from contactstudy.domain.checks import positive
-from studies.advice.climb import Budget
+from studies.advice.compared_scene import SceneText
 from studies.advice.comparison import Comparison
-from studies.advice.measuring import compared
+from studies.advice.measuring import compare_settings
+from studies.advice.nested_answers import Budget
 from studies.advice.stored import path_in, store, stored
-from studies.advice.subject import Described
 from studies.report.chapters import SETTINGS
 from studies.report.drawings.comparison import parts
 from studies.report.section import FORMATS, Section, embedded
@@ -18,7 +18,7 @@ Log = Callable[[str], object]
 
 
 def comparison_of(
-    described: Described, error: float, budget: Budget, out: Path, log: Log
+    described: SceneText, error: float, budget: Budget, out: Path, log: Log
 ) -> Comparison:
     """Return the comparison of a scene that a folder has, if it answers the request; else measure and store it.
 
@@ -43,38 +43,41 @@ def comparison_of(
             verdict is not None and verdict.meets and verdict.best.rounds
         ):
             log(f"read the rounds stored in {path_in(out)}")
-            return comparison.asking(error)
-    measured = compared(described.subject(error), error, budget, log)
-    store(measured, described.key, open_folder(out))
-    return measured
+            return comparison.with_request(error)
+    comparison = compare_settings(described.subject(error), error, budget, log)
+    store(comparison, described.key, open_folder(out))
+    return comparison
 
 
 def scene_sections(
-    measured: Comparison, out: Path, formats: Sequence[str] = FORMATS, max_parts: int | None = None
+    comparison: Comparison,
+    out: Path,
+    formats: Sequence[str] = FORMATS,
+    max_parts: int | None = None,
 ) -> Sequence[Section]:
     """Draw a comparison into a folder, and return it, or the first `max_parts` of it, as sections of a page."""
     return [
         Section(
             name=part.name,
             title=part.title,
-            swept="",
+            axes_text="",
             findings=part.findings,
             figures=[embedded(figure, SETTINGS, out, formats) for figure in part.figures],
             tables=part.tables,
             file=SETTINGS,
         )
-        for part in parts(measured)[:max_parts]
+        for part in parts(comparison)[:max_parts]
     ]
 
 
-def lead(measured: Comparison) -> str:
-    """Return what is compared, in some sentences."""
-    width, length = (1e3 * side for side in measured.extent)
+def introduction(comparison: Comparison) -> str:
+    """Return an introduction: the scene, the paddings and the measure of error."""
+    width, length = (1e3 * side for side in comparison.extent)
     return (
-        f"The scene {measured.name} on {width:.4g} mm x {length:.4g} mm, solved with every padding on finer and finer "
+        f"The scene {comparison.name} on {width:.4g} mm x {length:.4g} mm, solved with every padding on finer and finer "
         "grids. Neighbouring periods can be ignored (zero), copied once (duplicated), summed over n periods on each "
         "side in a window fixed to the domain (superposed) or moving with the point (circular), or summed to infinity "
-        f"in closed form (exact){'; free ends have none' * (measured.own_label == 'free')}. The L1 error is the "
+        f"in closed form (exact){'; free ends have none' * (comparison.boundary_label == 'free')}. The L1 error is the "
         f"mean absolute error of the pressure over the mean pressure. Measured in "
-        f"{measured.spent:.0f} s, times on one thread."
+        f"{comparison.seconds:.0f} s, times on one thread."
     )

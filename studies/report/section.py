@@ -19,7 +19,7 @@ class Section:
 
     name: str
     title: str
-    swept: str
+    axes_text: str
     findings: Sequence[Finding]
     figures: Sequence[Mapping[str, str]]
     tables: Sequence[Table]

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from math import inf, isfinite
 
-from studies.advice.comparison import LINE, Comparison, Measured, Rival, Verdict
-from studies.advice.subject import REPORTED, Setting
+from studies.advice.compared_scene import REPORTED, Setting
+from studies.advice.comparison import LINE, Alternative, Comparison, Measured, Verdict
 from studies.report.style import percent
 
 NAMES = {"exact": "exact periodicity", LINE: "exact periodicity", "free": "free ends"}
@@ -54,29 +54,31 @@ def error_text(error: float, floor: float) -> str:
     return f"{percent(error)} ± {percent(floor)}" if isfinite(floor) else f"{percent(error)} ± ?"
 
 
-def rival_name(rival: Rival) -> str:
-    """Return the padding of a rival."""
-    return padding_name(rival.measured.label)
+def alternative_name(alternative: Alternative) -> str:
+    """Return the padding of a alternative."""
+    return padding_name(alternative.measured.label)
 
 
-def ratio_text(rival: Rival) -> str:
-    """Return how long a rival takes beside the chosen setting, as a ratio and as a difference."""
-    extra_time = rival.measured.time * (1 - 1 / rival.ratio)
+def ratio_text(alternative: Alternative) -> str:
+    """Return how long a alternative takes beside the chosen setting, as a ratio and as a difference."""
+    extra_time = alternative.measured.time * (1 - 1 / alternative.ratio)
     difference = f"{seconds_text(abs(extra_time))} {'more' if extra_time > 0 else 'less'}"
-    return f"{padding_name(rival.measured.label)} ({rival.ratio:.2g} times, {difference})"
+    return (
+        f"{padding_name(alternative.measured.label)} ({alternative.ratio:.2g} times, {difference})"
+    )
 
 
-def verdict_text(measured: Comparison, verdict: Verdict) -> str:
+def verdict_text(comparison: Comparison, verdict: Verdict) -> str:
     """Return the verdict in a sentence."""
     best = verdict.best
     cost = f"in {seconds_text(best.time)} on one thread"
-    error = error_text(best.error, measured.floor)
+    error = error_text(best.error, comparison.reference_bound)
     if verdict.meets:
         return (
             f"Use {setting_text(best)}: the L1 error of the pressure is {error}, {cost}; "
             f"{percent(verdict.error)} was requested."
         )
-    if measured.floor == inf:
+    if comparison.reference_bound == inf:
         return (
             f"No setting can be shown to meet {percent(verdict.error)}: the finest solution has no bound on its own "
             f"error. The nearest is {setting_text(best)}, {percent(best.error)} from it, {cost}."
@@ -84,34 +86,42 @@ def verdict_text(measured: Comparison, verdict: Verdict) -> str:
     return f"No setting is shown to meet {percent(verdict.error)}. The nearest is {setting_text(best)}: {error}, {cost}."
 
 
-def rivals_text(measured: Comparison, verdict: Verdict) -> str:
+def alternatives_text(comparison: Comparison, verdict: Verdict) -> str:
     """Return sentences on the other paddings and on the next coarser grid."""
-    rounds, sentences = _rounds(measured), []
-    timed = [rival for rival in verdict.rivals if rival.measured.rounds]
-    shown = [rival for rival in timed if rival.is_shown]
-    for words, rivals, text in (
-        ("As fast within a tenth", [r for r in timed if r.is_tie], rival_name),
+    rounds, sentences = _rounds(comparison), []
+    timed = [alternative for alternative in verdict.alternatives if alternative.measured.rounds]
+    shown = [alternative for alternative in timed if alternative.is_significant]
+    for words, alternatives, text in (
+        ("As fast within 10 %", [r for r in timed if r.is_as_fast], alternative_name),
         (f"Slower in {rounds} rounds", [r for r in shown if r.ratio > 1], ratio_text),
         (f"Quicker in {rounds} rounds", [r for r in shown if r.ratio < 1], ratio_text),
         (
-            f"Not decided by {rounds} rounds",
-            [r for r in timed if not r.is_tie and not r.is_shown],
+            f"Not decided by {rounds} rounds of timing",
+            [r for r in timed if not r.is_as_fast and not r.is_significant],
             ratio_text,
         ),
         (
             "Meets the request too, but is not among the quickest",
-            [r for r in verdict.rivals if not r.measured.rounds],
+            [r for r in verdict.alternatives if not r.measured.rounds],
             ratio_text,
         ),
     ):
-        if rivals:
-            sentences.append(f"{words}: {', '.join(map(text, rivals))}.")
-    meeting = {verdict.best.label, *(rival.measured.label for rival in verdict.rivals)}
-    misses = [label for label in measured.labels if label not in meeting and measured.of(label)]
+        if alternatives:
+            sentences.append(f"{words}: {', '.join(map(text, alternatives))}.")
+    meeting = {
+        verdict.best.label,
+        *(alternative.measured.label for alternative in verdict.alternatives),
+    }
+    misses = [
+        label
+        for label in comparison.labels
+        if label not in meeting and comparison.settings_of(label)
+    ]
     if misses and verdict.meets:
-        misses.sort(key=lambda label: measured.of(label)[-1].error)
+        misses.sort(key=lambda label: comparison.settings_of(label)[-1].error)
         finest = [
-            f"{padding_name(label)} ({percent(measured.of(label)[-1].error)})" for label in misses
+            f"{padding_name(label)} ({percent(comparison.settings_of(label)[-1].error)})"
+            for label in misses
         ]
         if len(misses) > 3:
             finest = [f"{len(misses)} paddings, from {finest[0]} to {finest[-1]}"]
@@ -121,45 +131,45 @@ def rivals_text(measured: Comparison, verdict: Verdict) -> str:
         took = f"{saved:.2g} times the time" if saved < 1 else "no less time"
         sentences.append(
             f"The next coarser grid, {cells_text(coarser.setting.cells)}, has an error of "
-            f"{percent(coarser.error)} in {took}{_why(measured, verdict, coarser)}."
+            f"{percent(coarser.error)} in {took}{_why(comparison, verdict, coarser)}."
         )
     return " ".join(sentences)
 
 
-def _why(measured: Comparison, verdict: Verdict, coarser: Measured) -> str:
+def _why(comparison: Comparison, verdict: Verdict, coarser: Measured) -> str:
     """Return why the next coarser grid was not chosen."""
     if not verdict.meets:
         return ""
     if not coarser.is_bounded:
         return ", but its own error has no bound"
-    if coarser.error + measured.floor > verdict.error >= coarser.error:
-        return ", which meets the request only if the reference's own bound is not added"
+    if coarser.error + comparison.reference_bound > verdict.error >= coarser.error:
+        return ", which meets the request only without the bound of the reference"
     if coarser.error > verdict.error:
         return " and misses the request"
     return ", which saves no time"
 
 
-def _rounds(measured: Comparison) -> int:
-    return max((len(setting.rounds) for setting in measured.settings), default=0)
+def _rounds(comparison: Comparison) -> int:
+    return max((len(setting.rounds) for setting in comparison.settings), default=0)
 
 
-def title_text(measured: Comparison, verdict: Verdict) -> str:
+def title_text(comparison: Comparison, verdict: Verdict) -> str:
     """Return the verdict in two short lines, for a figure."""
     best: Setting = verdict.best.setting
-    first = f"{measured.name}: {verdict.best.label}, {cells_text(best.cells)}, tol. {tolerance_text(best.tolerance)}"
-    second = (
-        f"{error_text(verdict.best.error, measured.floor)} in {seconds_text(verdict.best.time)}"
-    )
+    first = f"{comparison.name}: {verdict.best.label}, {cells_text(best.cells)}, tol. {tolerance_text(best.tolerance)}"
+    second = f"{error_text(verdict.best.error, comparison.reference_bound)} in {seconds_text(verdict.best.time)}"
     if not verdict.meets:
         return f"{first}\n{second}: {percent(verdict.error)} is not met"
     ties = [
-        rival.measured.label for rival in verdict.rivals if rival.is_tie and rival.measured.rounds
+        alternative.measured.label
+        for alternative in verdict.alternatives
+        if alternative.is_as_fast and alternative.measured.rounds
     ]
     named = "; ".join(ties[:MAX_TIES]) + "; ..." * (len(ties) > MAX_TIES)
     return f"{first}\n{second}" + f"; as fast: {named}" * bool(ties)
 
 
-def reported_quantities(measured: Comparison) -> Sequence[tuple[str, str]]:
+def reported_quantities(comparison: Comparison) -> Sequence[tuple[str, str]]:
     """Return the numbers whose change by a padding is known, each with its name for people."""
-    names = {name for padding in measured.paddings for name in padding.changes}
+    names = {name for padding in comparison.paddings for name in padding.changes}
     return [(name, long_name) for name, long_name in REPORTED.items() if name in names]

@@ -135,7 +135,7 @@ def _at(document: Document, path: Path) -> SceneField:
                 )
                 raise InvalidInput(
                     f"Field {'.'.join(path)!r} has {part!r} for an entry of {before}: give one of "
-                    f"{listed or 'none, for there are none'}."
+                    f"{listed or 'none: there are no entries'}."
                 )
             kind = _entry(kind, int(part))
             value = value[int(part)]
@@ -151,7 +151,7 @@ def _at(document: Document, path: Path) -> SceneField:
             value = None if _is_of_file(value, part) else getattr(value, part)
         else:
             raise InvalidInput(
-                f"Field {'.'.join(path)!r} goes beyond {before}, which is {value!r}: give {before}."
+                f"Field {'.'.join(path)!r} has parts, but {before} is {value!r}, which has none: give {before}."
             )
     return SceneField(path, kind)
 

@@ -13,7 +13,7 @@ from contactstudy.domain.units import readable
 from contactstudy.io.contact_quantities import approach_datum
 from contactstudy.io.dataset import labelled
 from studies.advice.reference_error import ReferencedCase, pressure_error
-from studies.model.case import Solved, error_estimates, number
+from studies.model.case import TimedAnswer, dimensionless, error_estimates
 
 # The error of the stiffness is the square of the relative error of the iteration.
 RESIDUAL = 3e-2
@@ -88,7 +88,7 @@ def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
     return STIFFNESS_MARGIN * growth * borders * contact.quantities["contact_area"].relative_bound
 
 
-def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
+def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return the quantities of an answer with their bounds, its errors, and what only a contact has."""
     answer = result.answer
     measured: dict[str, xr.Variable] = {}
@@ -100,8 +100,8 @@ def measures(case: ReferencedCase, result: Solved) -> Mapping[str, xr.Variable]:
             (), quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
         )
     if answer.met is not None:
-        description = "1 if the bound keeps the accuracy asked for"
-        measured["accuracy_met"] = number(float(answer.met), description)
+        description = "1 if the bound meets the requested accuracy"
+        measured["accuracy_met"] = dimensionless(float(answer.met), description)
     if isinstance(answer, cs.Contact):
         measured |= _of_contact(case, answer)
     description = "wall time of set-up and solve, beside other cases"
@@ -122,7 +122,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     farther = _compliance_between(contact, scene_datum, datum)
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
-        "contact_fraction": number(float(touching.mean()), "fraction of the grid in contact"),
+        "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
         "contact_perimeter": labelled(
             (), perimeter, "m", "contact perimeter", description="edges of cells at which contact ends"
         ),
@@ -130,7 +130,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     }  # fmt: skip
     if (hertz := scene.hertz) is not None:
         ratio = area / (2 * hertz.half_width * grid.length)
-        measured["contact_area_over_hertz"] = number(ratio, "contact area over Hertz's")
+        measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)
     if contact.pressure.any():
         near = normal_stiffness(contact)

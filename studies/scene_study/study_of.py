@@ -96,7 +96,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     first = points[0]
     if first.grid is None and any(point.scene.lubrication is not None for point in points):
         notes = [
-            "each film has a grid of its own, since inlet length and cells depend on the film thickness"
+            "each film has its own grid, because inlet length and cell size depend on the film thickness"
         ]
         return [_grid_of_plan(point) for point in points], notes
     if first.grid is not None:
@@ -115,10 +115,10 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     if narrowest < width:
         notes.append(
             f"the contact may become {readable(width)} wide, but a measured surface is {readable(narrowest)} wide, "
-            "which the grid takes: a contact that reaches its edge has the status CONTACT_AT_EDGE"
+            "so the grid has that width; a contact that reaches its edge has the status CONTACT_AT_EDGE"
         )
         width = narrowest
-    # a grid shows the middle of a longer measured surface
+    # a grid covers the middle of a longer measured surface
     period = min(periods) if measured else max(periods)
     fits = (
         len(periods) == 1
@@ -126,7 +126,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         or not any(requirement.period_fault(period) for requirement in requirements)
     )
     if not fits:
-        separate = f"no period suits all of {_counted(points)}, so that each has a grid of its own"
+        separate = f"no common period for {_counted(points)}: each has its own grid"
         return planned, [separate, *notes]
     cells = (
         halvable(width / min(grid.cell_size[0] for grid in planned)),
@@ -140,8 +140,8 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     if grid != finest:
         needed = memory(finest, first.padding or requirements[0].padding())
         notes.append(
-            f"the finest contact in the widest grid would take {cells[0]} x {cells[1]} cells and {needed / 1e9:.3g} GB, "
-            f"and this machine has {available_bytes() / 1e9:.3g} GB: the common grid is the finest that it holds; give "
+            f"the common grid would need {cells[0]} x {cells[1]} cells and {needed / 1e9:.3g} GB, "
+            f"and this machine has {available_bytes() / 1e9:.3g} GB: it is the finest that fits; give "
             "fewer values, a larger plan.error, or a grid"
         )
     shared = f"grid {_size_text(grid)}, planned once for {_counted(points)}"
@@ -188,12 +188,12 @@ def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[
     width, period = max(grid.extent[0] for grid in grids), min(grid.length for grid in grids)
     if any(abs(grid.length / period - round(grid.length / period)) > 1e-9 for grid in grids):
         differ = (
-            "random surfaces differ from grid to grid, since the periods of the grids have no common divisor: give "
+            "random surfaces differ between grids, because their periods have no common divisor: give "
             "Roughness an extent whose length divides all periods for one surface"
         )
         return None, [differ]
     return (width, period), [
-        f"random surfaces are fixed at {readable(width)} x {readable(period)} for all points"
+        f"random surfaces have the extent {readable(width)} x {readable(period)} at all points"
     ]
 
 
@@ -239,7 +239,7 @@ def study_of(
     Raises
     ------
     InvalidInput
-        For a field that is not there and values that it cannot have.
+        For a field that the scene lacks and values that it cannot have.
     """
     described, place = _read(scene)
     folder = Path(folder) if folder is not None else place
@@ -339,7 +339,7 @@ def _rank(varied: Variation) -> int:
 def _computation(case: Case, file: SceneFile) -> ReferencedCase:
     """Return the computation of a scene, with the instants of its file where it changes in time.
 
-    Where the file gives its grid, and no error, none is asked for, and each step goes from one instant to the next.
+    Where the file gives its grid and no error, none is requested, and each step goes from one instant to the next.
     """
     steps = file.time_steps if case.scene.takes_times else None
     error = file.plan_settings.error or (DEFAULT_ERROR if file.grid is None else None)

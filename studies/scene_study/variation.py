@@ -236,7 +236,7 @@ def variation(
     Raises
     ------
     InvalidInput
-        For a field that is not there and values that it cannot have.
+        For a field that the scene lacks and values that it cannot have.
     """
     document = document_of(described)
     if name == SURFACES:

@@ -13,7 +13,7 @@ from typing import Any, Self
 from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, reason, replacing, set_aside
 from contactstudy.domain.identity import Tree, differences, text
-from studies.model.outcome import CaseStatus, Outcome, Sample
+from studies.model.outcome import CaseStatus, Outcome, TimedRun
 from studies.store.loaded import digest, shown
 from studies.store.records import (
     START,
@@ -28,7 +28,7 @@ from studies.store.records import (
     without_collection,
 )
 
-FORMAT = 6
+FORMAT = 7
 # errors that a line may raise which no version has written
 MALFORMED_LINE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
@@ -56,7 +56,7 @@ class Journal:
     Attributes
     ----------
     notes
-        What there is to say of damaged lines.
+        Sentences on damaged lines.
     records, other_records
         Records of the present program and of others, by key.
     programs
@@ -163,7 +163,7 @@ class Journal:
         self._write(line)
         return self._sync_now_and_then(outcome.seconds)
 
-    def time(self, key: str, sample: Sample) -> None:
+    def time(self, key: str, sample: TimedRun) -> None:
         """Write a timed run of the case `key`."""
         self._write_time(key, {"sample": asdict(sample)})
         self._sync_now_and_then()
@@ -181,7 +181,7 @@ class Journal:
         """Make all timed runs so far invalid."""
         self._write({"retime": True})
 
-    def samples_of(self, key: str) -> list[Sample]:
+    def samples_of(self, key: str) -> list[TimedRun]:
         """Return the timed runs of the present record of a case."""
         return self.samples.get(self._time_key(key), [])
 
@@ -268,7 +268,7 @@ class Journal:
         self.records: dict[str, Record] = {}
         self.other_records: dict[str, Record] = {}
         self.programs: dict[str, Program] = {}
-        self.samples: dict[tuple[str, str], list[Sample]] = {}
+        self.samples: dict[tuple[str, str], list[TimedRun]] = {}
         self.untimed: dict[tuple[str, str], str] = {}
         self.axes: dict[str, dict[Any, None]] = {}
         self.history: list[str] = []
@@ -337,7 +337,7 @@ class Journal:
             case {"time": _, "machine": machine} if machine != self._machine:
                 pass
             case {"time": key, "program": stamp, "sample": sample}:
-                timed_run = Sample(**sample)
+                timed_run = TimedRun(**sample)
                 self.samples.setdefault((key, stamp), []).append(timed_run)
                 self.times.update(raw)
             case {"time": key, "program": stamp, "reason": why}:

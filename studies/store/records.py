@@ -73,13 +73,13 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """Part of a study, and what a process would load now: what a stored case is compared with."""
+    """Program of the present run, with which that of a stored case is compared: study part and modules."""
 
     part: Mapping[str, str]
     present: Present = field(default_factory=Present)
 
     def changes(self, program: Program) -> list[str]:
-        """Return the names of all that another program computed a case with."""
+        """Return the names of the parts and modules in which another program differs."""
         names = sorted(program.part.keys() | self.part.keys())
         differing = [name for name in names if program.part.get(name) != self.part.get(name)]
         return differing + self.present.changes(program.loaded)

@@ -55,7 +55,7 @@ class Request:
         InvalidInput
             For an axis with a reserved name, a computation that lacks a method, and measures whose state cannot be seen.
         """
-        if reserved := RESERVED_NAMES & {axis.name for axis in study.points}:
+        if reserved := RESERVED_NAMES & {axis.name for axis in study.axes}:
             raise InvalidInput(
                 f"Study {study.name!r} has the axes {sorted(reserved)}: these names are taken, choose others."
             )
@@ -64,7 +64,7 @@ class Request:
         for point, case in study.visits():
             if not all(hasattr(case, part) for part in ("prepare", "run", "record")):
                 raise InvalidInput(
-                    f"scene_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
+                    f"case_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
                     "studies.model.case.Case, or a frozen dataclass with prepare, run and record."
                 )
             identity = states.identity(point, case)
@@ -106,9 +106,9 @@ def study_part(study: Study, states: States) -> dict[str, str]:
         For a file that cannot be read, and for measures whose state cannot be seen.
     """
     part = {"measures": digest(text(states.held(study.measures)).encode())}
-    scene_at = getattr(study.scene_at, "__module__", "")
+    case_at = getattr(study.case_at, "__module__", "")
     sent = cloudpickle.list_registry_pickle_by_value()
-    for name in states.modules | ({scene_at} - {"__main__"}):
+    for name in states.modules | ({case_at} - {"__main__"}):
         module = sys.modules.get(name)
         source = getattr(module, "__source__", None)
         if isinstance(source, bytes):
@@ -124,7 +124,7 @@ def study_part(study: Study, states: States) -> dict[str, str]:
             part[f"file {name}"] = digest((study.folder / name).read_bytes())
         except (OSError, ValueError) as error:
             raise InvalidInput(
-                f"Study {study.name!r} depends on the file {name!r}, which cannot be read ({error}): mend 'depends'."
+                f"Study {study.name!r} depends on the file {name!r}, which cannot be read ({error}): correct 'depends'."
             ) from None
     return part
 

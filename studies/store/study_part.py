@@ -1,4 +1,4 @@
-"""The part of a study file that its numbers come from: its syntax tree without what only axes and figures need."""
+"""The part of a study file that can change a number: its syntax tree without the statements for axes and figures."""
 
 import ast
 import re
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from studies.store.loaded import PYTHON, digest
 
-ALWAYS_USED = frozenset({"scene_at", "measures"})
+ALWAYS_USED = frozenset({"case_at", "measures"})
 # words by which a file may use a name that it does not contain
 REFLECTIVE = frozenset((
     "globals", "locals", "vars", "eval", "exec", "dir", "__dict__", "__globals__", "f_globals", "f_locals", "modules",

@@ -12,7 +12,7 @@ import xarray as xr
 
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, Value
-from studies.model.outcome import CaseStatus, Failure, Outcome, Sample, timing_variables
+from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun, timing_variables
 from studies.model.study import Study
 from studies.store.journal import Journal
 from studies.store.request import CaseStates, Request
@@ -39,7 +39,7 @@ class PointTable:
 def assemble(
     table: PointTable,
     outcome_of: Callable[[str], Outcome | None],
-    samples_of: Callable[[str], Sequence[Sample]],
+    samples_of: Callable[[str], Sequence[TimedRun]],
     attributes: Mapping[str, Any],
 ) -> xr.Dataset:
     """Return every point of a table with the outcome of its case; points of one case share its numbers.
@@ -168,7 +168,7 @@ def _about_cases(
     meanings = [status.name.lower() for status in CaseStatus]
     data = {
         "case_status": flags(
-            names, np.array(statuses, dtype=np.int8)[index], meanings, "what became of the case"
+            names, np.array(statuses, dtype=np.int8)[index], meanings, "status of the case"
         )
     }
     nothing = Failure("", "", "")
@@ -191,7 +191,7 @@ def _about_cases(
 
 def points_of(dataset: xr.Dataset, study: Study) -> xr.Dataset:
     """Return the points of `dataset` that `study` requests; for numbers, those nearest to its values."""
-    for axis in study.points:
+    for axis in study.axes:
         method = None if axis.kind is str else "nearest"  # which is found among sorted values
         dataset = dataset.sortby(axis.name).sel({axis.name: list(axis.values)}, method=method)
     return dataset
@@ -203,11 +203,11 @@ def stored_table(study: Study, request: Request, journal: Journal) -> PointTable
     A combination of values at which nothing is stored is NOT_RUN. Where this table would be too
     large, it has the requested points only.
     """
-    axes = tuple(_grown(axis, journal.axes.get(axis.name, ())) for axis in study.points)
+    axes = tuple(_grown(axis, journal.axes.get(axis.name, ())) for axis in study.axes)
     shape = tuple(len(axis.values) for axis in axes)
-    if axes == study.points or prod(shape) > MAX_POINTS:
-        return PointTable(study.points, request.keys)
-    points = product(*(axis.values for axis in study.points))
+    if axes == study.axes or prod(shape) > MAX_POINTS:
+        return PointTable(study.axes, request.keys)
+    points = product(*(axis.values for axis in study.axes))
     keys, states = dict(zip(points, request.keys, strict=True)), CaseStates()
     case_keys = [
         keys.get(values) or _stored_key(study, values, journal, states)
@@ -224,9 +224,9 @@ def stored_table(study: Study, request: Request, journal: Journal) -> PointTable
 
 def _stored_key(study: Study, values: Sequence[Value], journal: Journal, states: CaseStates) -> str:
     """Return the key of the case at these values; empty where it is not stored."""
-    point = dict(zip((axis.name for axis in study.points), values, strict=True))
+    point = dict(zip((axis.name for axis in study.axes), values, strict=True))
     try:
-        identity = states.identity(point, study.scene_at(point))
+        identity = states.identity(point, study.case_at(point))
     except Exception:  # noqa: BLE001 (a point that was not requested may be invalid)
         return ""
     record = journal.records.get(identity.key)

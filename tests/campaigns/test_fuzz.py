@@ -36,7 +36,7 @@ import xarray as xr
 from studies.model.axis import Axis
 from studies.model.drawing import CaptionedFigure
 
-points = (Axis("number", (0, 1, 2), "a number"),)
+axes = (Axis("number", (0, 1, 2), "a number"),)
 times = "none"
 
 
@@ -54,7 +54,7 @@ class Number:
         return {}
 
 
-def scene_at(point):
+def case_at(point):
     return Number(int(point["number"]))
 
 

@@ -89,11 +89,11 @@ def measures(case: Number, result: int) -> Mapping[str, xr.Variable | float]:
 
 
 def study(kill: Kill, numbers: object = range(CASES)) -> Study:
-    def scene_at(point: Point) -> Number:
+    def case_at(point: Point) -> Number:
         return Number(int(point["number"]), kill)
 
     axis = Axis("number", tuple(numbers), "what is squared")  # type: ignore[arg-type]
-    return Study("victim", "Plain numbers.", (axis,), scene_at, measures)
+    return Study("victim", "Plain numbers.", (axis,), case_at, measures)
 
 
 def main() -> None:

@@ -15,11 +15,11 @@ WITHOUT_FIGURE = """
 import contactstudy as cs
 from studies import Axis, Case
 
-points = Axis("radius", (0.01, 0.02), "radius of the cylinder", units="m")
+axes = Axis("radius", (0.01, 0.02), "radius of the cylinder", units="m")
 times = "none"
 
 
-def scene_at(point):
+def case_at(point):
     steel = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
     scene = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(radius=point["radius"]),))
     a = scene.hertz.half_width
@@ -78,11 +78,11 @@ assert CliRunner().invoke(cli, ["studies"]).exit_code == 0
 assert drawing() == []
 import cloudpickle, pickle
 import studies.engine.workers.preload
-from studies.model.outcome import Work
+from studies.model.outcome import RunSettings
 from studies.registry import BUILT_IN, load
 for name in BUILT_IN:
     study = load(name)
-    pickle.loads(cloudpickle.dumps((Work(study.measures), study.cases()[0])))
+    pickle.loads(cloudpickle.dumps((RunSettings(study.measures), study.cases()[0])))
 assert drawing() == []
 from studies.report import style
 assert drawing() == list({DRAWS!r})  # the check itself can fail

@@ -11,14 +11,14 @@ from studies.store.request import Request
 GOOD = '''"""Plain numbers."""
 from dataclasses import dataclass
 from studies.model.axis import Axis
-points = (Axis("number", (1, 2), "a number"),)
+axes = (Axis("number", (1, 2), "a number"),)
 @dataclass(frozen=True)
 class Number:
     number: int
     def prepare(self): return self.number
     def run(self, prepared): return prepared
     def record(self, result): return {}
-def scene_at(point):
+def case_at(point):
     return Number(point["number"])
 def measures(case, result): return {}
 def figure(dataset): return ()
@@ -29,8 +29,8 @@ AXIS = 'Axis("number", (1, 2), "a number"),'
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("(" + AXIS + ")", "None", r"line 4: points is None: give a tuple of .*Axis"),
-        (AXIS, "", r"line 4: points is empty"),
+        ("(" + AXIS + ")", "None", r"line 4: axes is None: give a tuple of .*Axis"),
+        (AXIS, "", r"line 4: axes is empty"),
         (AXIS, AXIS + AXIS, r"line 4: Study '\w+' has two axes 'number'"),
         ("(1, 2)", "(1, 1)", r"line 4: Axis 'number' has the value 1 twice"),
         ("(1, 2)", "(1, 'a')", r"line 4: Axis 'number' has values \(1, 'a'\)"),
@@ -56,7 +56,7 @@ def test_a_mistake_is_said_with_its_line(old: str, new: str, said: str, tmp_path
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ("raise KeyError('x')", r"raises KeyError in scene_at \(mine\.py, line 12\) at .*'number': 1"),
+        ("raise KeyError('x')", r"raises KeyError in case_at \(mine\.py, line 12\) at .*'number': 1"),
         ("return None", r"gives None at .*: return a studies\.model\.case\.Case"),
         ("return [1]", r"gives \[1\] at"),
     ],

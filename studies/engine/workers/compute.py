@@ -22,8 +22,8 @@ from studies.model.outcome import (
     Failure,
     HasFields,
     Outcome,
-    Sample,
-    Work,
+    RunSettings,
+    TimedRun,
 )
 from studies.model.plain_text import one_line, place_of
 from studies.store.stop import StopRun
@@ -36,7 +36,7 @@ CAN_INTERRUPT = hasattr(signal, "setitimer")
 REFERENCE_FIELD = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
-def compute(case: Computation, work: Work) -> Outcome:
+def compute(case: Computation, work: RunSettings) -> Outcome:
     """Return the outcome of a case, computed and measured; errors of the case are outcomes, too."""
     return _outcome_of(lambda stage: _measured(case, work, stage), Stage("setup"), work.time_limit)
 
@@ -70,7 +70,7 @@ def _outcome_of(task: Callable[[Stage], Outcome], stage: Stage, limit: float | N
         return failed(error, stage.name, perf_counter() - start)
 
 
-def _measured(case: Computation, work: Work, stage: Stage) -> Outcome:
+def _measured(case: Computation, work: RunSettings, stage: Stage) -> Outcome:
     """Return the outcome of a case, computed and measured."""
     with caching(SHARED_ARRAYS):
         prepared = case.prepare()
@@ -87,7 +87,7 @@ def _measured(case: Computation, work: Work, stage: Stage) -> Outcome:
     return Outcome(CaseStatus.OK, variables, fields=fields)
 
 
-def time_once(case: Computation) -> Sample:
+def time_once(case: Computation) -> TimedRun:
     """Return the wall and CPU time of one run of a case."""
     before = _reference_time()
     wall, cpu = perf_counter(), process_time()
@@ -96,7 +96,7 @@ def time_once(case: Computation) -> Sample:
     case.run(prepared)
     finished, finished_cpu = perf_counter(), process_time()
     times = ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu
-    return Sample(*times, getattr(case, "threads", 1), max(before, _reference_time()))
+    return TimedRun(*times, getattr(case, "threads", 1), max(before, _reference_time()))
 
 
 def _reference_time() -> float:

@@ -26,8 +26,8 @@ import cloudpickle
 from contactstudy import InvalidInput
 from studies.engine.workers.compute import deadline, timed_out
 from studies.engine.workers.leftovers import end_all
-from studies.engine.workers.worker import READING_STAGE, Answer, Batch, main
-from studies.model.outcome import CaseStatus, Failure, Outcome, Work
+from studies.engine.workers.worker import READING_STAGE, Answer, Batch, Task, main
+from studies.model.outcome import CaseStatus, Failure, Outcome, RunSettings
 from studies.store.loaded import LOADED, Record
 
 START_TIMEOUT = 120.0  # seconds in which a new process must be ready
@@ -39,7 +39,7 @@ PROCESSES: Any = multiprocessing.get_context(METHOD)
 START_LOCK = threading.Lock()
 
 
-def packed(work: Work) -> bytes:
+def packed(work: RunSettings) -> bytes:
     """Return `work` pickled for another process; raise InvalidInput where it cannot be pickled."""
     try:
         return bytes(cloudpickle.dumps(work))
@@ -112,7 +112,7 @@ class Worker:
         atexit.register(self.end)
 
     def run(
-        self, cases: bytes, names: Sequence[str], limit: float | None, *, is_timed: bool = False
+        self, cases: bytes, names: Sequence[str], limit: float | None, task: Task = "compute"
     ) -> Iterator[Outcome]:
         """Yield the outcome of each case, in order, as soon as it is available, until a batch has taken its time.
 
@@ -128,10 +128,10 @@ class Worker:
             Name of each case.
         limit
             Longest time of a case [s]; None without a limit.
-        is_timed
-            True for timed runs, whose outcomes have a sample.
+        task
+            Task of each case: "compute", or "time" for one timed run, whose outcome has a sample.
         """
-        batch, index, deaths = Batch(cases, tuple(names), limit, is_timed), 0, 0
+        batch, index, deaths = Batch(cases, tuple(names), limit, task), 0, 0
         while index < len(names) and self._is_ready():
             try:
                 self._connection.send(replace(batch, first=index))

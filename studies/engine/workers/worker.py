@@ -15,20 +15,21 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from time import perf_counter
-from typing import Any
+from typing import Any, Literal
 
 from threadpoolctl import threadpool_limits
 
 from studies.engine.workers.compute import compute, failed, timed, warm_up
 from studies.engine.workers.interpreter_state import InterpreterState
 from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
-from studies.model.outcome import Outcome, Work
+from studies.model.outcome import Outcome, RunSettings
 from studies.store.loaded import LOADED, Record
 
 IDLE_TIMEOUT = 120.0  # seconds without a request after which it ends
 BATCH_SECONDS = 0.25  # seconds of work after which no further case of a batch is begun
 READING_STAGE = "reading"  # stage of the failure of several cases that cannot be unpickled together
 Answer = tuple[int, int, Outcome | None, bool, Record | None]
+Task = Literal["compute", "time"]
 
 
 @dataclass(frozen=True)
@@ -43,8 +44,8 @@ class Batch:
         Name of each case.
     limit
         Longest time of a case [s]; None without a limit.
-    is_timed
-        True for timed runs.
+    task
+        Task of each case: to be computed, or timed once.
     first
         Place of the first case to compute; earlier ones have been answered.
     """
@@ -52,7 +53,7 @@ class Batch:
     cases: bytes
     names: tuple[str, ...]
     limit: float | None
-    is_timed: bool = False
+    task: Task = "compute"
     first: int = 0
 
 
@@ -108,7 +109,7 @@ class _Worker:
         """Read the study, answer, and return whether it can be read."""
         problem = None
         try:
-            self._work: Work = pickle.loads(work)
+            self._work: RunSettings = pickle.loads(work)
             warm_up()
         except Exception as error:  # noqa: BLE001 (a study's module may do anything)
             problem = failed(error, "setup")
@@ -127,7 +128,7 @@ class _Worker:
         follows, index = True, batch.first
         while follows:
             self._interpreter_state.restore(batch.names[index])
-            if cases is not None and batch.is_timed:
+            if cases is not None and batch.task == "time":
                 outcome = timed(cases[index], batch.limit)
             elif cases is not None:
                 outcome = compute(cases[index], self._work)

@@ -12,8 +12,8 @@ from studies.reference.line_contact import HERTZ, SCENE
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 MODULUS = SCENE.contact_modulus
-# What the smooth contact flattens, times two: heights are given in it.
-FLATTENED = P_H * A / MODULUS
+# Unit of heights, twice the height that the smooth contact flattens.
+GAP_SCALE = P_H * A / MODULUS
 # At points (x, y) [m], in Pa.
 Pressure = Callable[[Array, Array], Array]
 EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
@@ -71,7 +71,7 @@ class ClosedForm:
     points: int = 64
 
     def __call__(self, case: "AccuracyCase") -> Truth:
-        """Sample inside the cells, which costs a fraction of a cell to the power 3/2 and less."""
+        """TimedRun inside the cells, which costs a fraction of a cell to the power 3/2 and less."""
         (nx, ny), grid = case.grid.cells, case.grid
         along = 1 if ny == 1 else max(self.points // 8, 4)
         across = self.points if ny == 1 else along

@@ -14,8 +14,8 @@ from contactstudy.domain.fields import Array
 from studies.reference.accuracy import smooth
 from studies.reference.accuracy.case import (
     EXACT,
-    FLATTENED,
     FREE,
+    GAP_SCALE,
     MODULUS,
     P_H,
     A,
@@ -32,12 +32,12 @@ def textured_waves() -> Iterator[AccuracyCase]:
     """Across, along and oblique."""
     for height in (0.3, 1.0, 5.0):
         for length, cells in ((0.5, 97), (0.5, 256), (0.23, 150), (0.23, 320)):
-            wavy = scene(cs.Waviness(height * FLATTENED, across=length * A, phase=0.4))
+            wavy = scene(cs.Waviness(height * GAP_SCALE, across=length * A, phase=0.4))
             grid = cs.Grid((cells, 1), (2.4 * A + A * (2 * height / 1.2) ** 0.5, A))
             yield AccuracyCase("waves", wavy, grid, EXACT, Finer((16, 1), EXACT))
     for height in (0.2, 1.0):
         for across, along, cells in ((inf, 0.6, 48), (0.5, 1.2, 64), (0.7, 0.6, 90)):
-            wavy = scene(cs.Waviness(height * FLATTENED, across=across * A, along=along * A))
+            wavy = scene(cs.Waviness(height * GAP_SCALE, across=across * A, along=along * A))
             grid = cs.Grid((cells, cells // 2), (3.4 * A, 1.2 * A))
             yield AccuracyCase("waves", wavy, grid, EXACT, Finer((4, 4), EXACT))
 
@@ -52,7 +52,7 @@ def grooves() -> Iterator[AccuracyCase]:
                 pitch = (0.45, 0.1, 0.23)[number % 3]
                 cells = (60, 131, 256, 701)[number % 4]
                 number += 1
-                groove = cs.Groove(depth * FLATTENED, fraction * pitch * A, profile)
+                groove = cs.Groove(depth * GAP_SCALE, fraction * pitch * A, profile)
                 grooved = scene(cs.Texture(groove, (pitch * A, inf)))
                 grid = cs.Grid((cells, 1), (2.6 * A + (depth == 20.0) * 0.4 * A, A))
                 factor = max(16, round(8 * grid.extent[0] / cells / ((1 - fraction) * pitch * A)))
@@ -64,7 +64,7 @@ def grooves_across() -> Iterator[AccuracyCase]:
     """Across the length."""
     for profile in PROFILES:
         for fraction, depth, cells in ((0.3, 0.3, 24), (0.7, 1.0, 50), (0.9, 0.2, 37)):
-            groove = cs.Groove(depth * FLATTENED, fraction * 0.6 * A, profile)
+            groove = cs.Groove(depth * GAP_SCALE, fraction * 0.6 * A, profile)
             grooved = scene(cs.Texture(groove, (inf, 0.6 * A)))
             grid = cs.Grid((2 * cells, cells), (3.0 * A, 0.6 * A))
             yield AccuracyCase("grooves across", grooved, grid, EXACT, Finer((4, 6), EXACT))
@@ -76,7 +76,7 @@ def dimples() -> Iterator[AccuracyCase]:
         for fraction in (0.4, 0.9):
             for depth in (0.1, 1.0):
                 for cells in (48, 100):
-                    dimple = cs.Dimple(depth * FLATTENED, fraction * 0.6 * A, profile)
+                    dimple = cs.Dimple(depth * GAP_SCALE, fraction * 0.6 * A, profile)
                     dimpled = scene(cs.Texture(dimple, (0.6 * A, 0.6 * A)))
                     grid = cs.Grid((cells, cells // 4), (2.6 * A, 0.6 * A))
                     yield AccuracyCase("dimples", dimpled, grid, EXACT, Finer((6, 6), EXACT))
@@ -97,7 +97,7 @@ def windows() -> Iterator[AccuracyCase]:
         if padding == cs.ZeroPadding():
             continue  # a free length, which cuts off what varies along it
         for height in (0.3, 2.0):
-            wavy = scene(cs.Waviness(height * FLATTENED, along=2.4 * A, phase=pi))
+            wavy = scene(cs.Waviness(height * GAP_SCALE, along=2.4 * A, phase=pi))
             grid = cs.Grid((90, 48), (4.6 * A, 2.4 * A))
             yield AccuracyCase("every padding", wavy, grid, padding, Finer((4, 4), EXACT))
 
@@ -120,10 +120,10 @@ def rollers() -> Iterator[AccuracyCase]:
             ((ended,), 3.2, 1.25),
             ((lundberg,), 3.2, 1.0),
             ((lundberg, ended), 3.2, 1.25),
-            ((ended, cs.Crown.of_drop(2 * FLATTENED, length)), 3.6, 1.0),
-            ((ended, cs.Crown.of_drop(30 * FLATTENED, length)), 5.0, 1.0),
-            ((ended, cs.Crown.of_drop(300 * FLATTENED, length)), 8.0, 1.0),
-            ((cs.Crown.of_drop(100 * FLATTENED, length),), 6.0, 1.0),
+            ((ended, cs.Crown.of_drop(2 * GAP_SCALE, length)), 3.6, 1.0),
+            ((ended, cs.Crown.of_drop(30 * GAP_SCALE, length)), 5.0, 1.0),
+            ((ended, cs.Crown.of_drop(300 * GAP_SCALE, length)), 8.0, 1.0),
+            ((cs.Crown.of_drop(100 * GAP_SCALE, length),), 6.0, 1.0),
         ):
             grid = cs.Grid(cells, (width * A, longer * length))
             yield AccuracyCase("rollers", scene(*shapes), grid, (FREE, FREE), truth)
@@ -136,7 +136,7 @@ def roughness() -> Iterator[AccuracyCase]:
             for hurst, cells in ((0.8, 90), (0.4, 128)):
                 grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
                 shape = cs.Roughness(
-                    rms * FLATTENED,
+                    rms * GAP_SCALE,
                     hurst=hurst,
                     roll_off=max(0.9 * A, cut_off * grid.cell_size[0]),
                     cut_off=cut_off * grid.cell_size[0],
@@ -145,7 +145,7 @@ def roughness() -> Iterator[AccuracyCase]:
                 yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
     for number, lay in enumerate((0.2, 0.5, 2.0, 5.0)):
         shape = cs.Roughness(
-            0.3 * FLATTENED, hurst=0.7, roll_off=0.6 * A, cut_off=0.1 * A, seed=number, peklenik=lay
+            0.3 * GAP_SCALE, hurst=0.7, roll_off=0.6 * A, cut_off=0.1 * A, seed=number, peklenik=lay
         )
         grid = cs.Grid((120, 64), (3.6 * A, 1.8 * A))
         yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
@@ -161,7 +161,7 @@ def hard() -> Iterator[AccuracyCase]:
     for number, fraction in enumerate((0.8, 1.2, 2.0, 5.0)):
         for rms in (0.2, 0.8):
             shape = cs.Roughness(
-                rms * FLATTENED, hurst=0.8, roll_off=0.9 * A, cut_off=0.15 * A, seed=number
+                rms * GAP_SCALE, hurst=0.8, roll_off=0.9 * A, cut_off=0.15 * A, seed=number
             )
             grid = cs.Grid((100, 50), (3.6 * A, 1.8 * A))
             soft = scene(shape, hardness=fraction * P_H)
@@ -185,7 +185,7 @@ def measured() -> Iterator[AccuracyCase]:
         heights = ground((80, 40), seed)
         for rms in (0.02, 0.1, 0.5):
             surface = cs.MeasuredSurface(
-                heights * rms * FLATTENED, (80 * POINT, 40 * POINT), seam=cs.Tapered()
+                heights * rms * GAP_SCALE, (80 * POINT, 40 * POINT), seam=cs.Tapered()
             )
             for per_point in (1.0, 1.35, 2.0, 3.0):
                 cells = round(72 * per_point), round(40 * per_point)
@@ -193,7 +193,7 @@ def measured() -> Iterator[AccuracyCase]:
                 yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
     for seed in (3, 4):
         grid = cs.Grid((80, 40), (80 * POINT, 40 * POINT))
-        surface = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * FLATTENED)
+        surface = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * GAP_SCALE)
         yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
 
 
@@ -225,7 +225,7 @@ def bumps() -> Iterator[AccuracyCase]:
         grid = cs.Grid(cells, (3.2 * A, 3.2 * A * cells[1] / cells[0]))
         dx, dy = grid.cell_size
         shape = Bumps(
-            height * FLATTENED,
+            height * GAP_SCALE,
             width * dx,
             (5 * dx, grid.length / (cells[1] // 5)),
             (number / 12 * dx, dy / 2),
@@ -238,7 +238,7 @@ def ended() -> Iterator[AccuracyCase]:
     for cells, longer, length in (
         (64, 1.1, 16.4), (51, 1.1, 2.0), (45, 1.25, 8.0), (28, 1.3, 6.0), (47, 1.07, 20.0),
     ):  # fmt: skip
-        roller = cs.Crown.of_drop(3 * FLATTENED, length * A), cs.FiniteLength(length * A)
+        roller = cs.Crown.of_drop(3 * GAP_SCALE, length * A), cs.FiniteLength(length * A)
         grid = cs.Grid((40, cells), (5 * A, longer * length * A))
         truth = Finer((4, 8), (FREE, FREE))
         yield AccuracyCase("rollers", scene(*roller), grid, (FREE, FREE), truth)

@@ -10,8 +10,8 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from studies.reference.accuracy.case import (
     EXACT,
-    FLATTENED,
     FREE,
+    GAP_SCALE,
     MODULUS,
     P_H,
     A,
@@ -49,8 +49,8 @@ def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
 
 def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
     """Waves across or along, of as many cells."""
-    height, phase = _ratio(rng, 1e-3, 1.0) * FLATTENED, rng.uniform(0, tau)
-    width = (2.6 + 2 * (height / FLATTENED) ** 0.5) * A
+    height, phase = _ratio(rng, 1e-3, 1.0) * GAP_SCALE, rng.uniform(0, tau)
+    width = (2.6 + 2 * (height / GAP_SCALE) ** 0.5) * A
     if rng.random() < 0.6:
         grid = cs.Grid((int(rng.integers(40, 200)), 1), (width, A))
         wave = cs.Waviness(height, across=_ratio(rng, *cells) * grid.cell_size[0], phase=phase)
@@ -76,7 +76,7 @@ def slits(rng: np.random.Generator) -> Made:
     grid = cs.Grid((int(rng.integers(40, 250)), 1), (rng.uniform(2.6, 3.4) * A, A))
     places = tuple(rng.uniform(-1, 1, int(rng.integers(1, 4))) * A)
     shape = Slits(
-        places, rng.uniform(0.1, 3) * grid.cell_size[0], _ratio(rng, 0.01, 10) * FLATTENED
+        places, rng.uniform(0.1, 3) * grid.cell_size[0], _ratio(rng, 0.01, 10) * GAP_SCALE
     )
     return scene(shape), grid, EXACT, Finer((64, 1), EXACT)
 
@@ -86,7 +86,7 @@ def needles(rng: np.random.Generator) -> Made:
     cells = int(rng.integers(30, 50)), int(rng.integers(14, 30))
     grid = cs.Grid(cells, (3 * A, 3 * A * cells[1] / cells[0]))
     shape = Bumps(
-        _ratio(rng, 1e-3, 0.3) * FLATTENED,
+        _ratio(rng, 1e-3, 0.3) * GAP_SCALE,
         rng.uniform(0.3, 1.5) * grid.cell_size[0],
         (rng.uniform(5, 20) * grid.cell_size[0], grid.length / int(rng.integers(1, 4))),
         (rng.uniform(-1, 1) * A, rng.uniform(-1, 1) * A),
@@ -97,7 +97,7 @@ def needles(rng: np.random.Generator) -> Made:
 def textures(rng: np.random.Generator) -> Made:
     """Grooves and dimples with each flank."""
     profile = PROFILES[int(rng.integers(3))]
-    depth = _ratio(rng, 0.02, 5) * FLATTENED
+    depth = _ratio(rng, 0.02, 5) * GAP_SCALE
     if rng.random() < 0.5:
         grid = cs.Grid((int(rng.integers(50, 400)), 1), (2.9 * A, A))
         pitch = _ratio(rng, 4, 60) * grid.cell_size[0]
@@ -116,7 +116,7 @@ def roughness(rng: np.random.Generator) -> Made:
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
     cut_off = _ratio(rng, 1, 16) * grid.cell_size[0]
     shape = cs.Roughness(
-        _ratio(rng, 0.02, 1) * FLATTENED,
+        _ratio(rng, 0.02, 1) * GAP_SCALE,
         hurst=rng.uniform(0.3, 0.9),
         roll_off=max(rng.uniform(0.3, 0.9) * A, cut_off),
         cut_off=cut_off,
@@ -127,7 +127,7 @@ def roughness(rng: np.random.Generator) -> Made:
 
 def measured(rng: np.random.Generator) -> Made:
     """A ground surface at one to three cells a point."""
-    heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * FLATTENED
+    heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * GAP_SCALE
     surface = cs.MeasuredSurface(heights, (80 * POINT, 40 * POINT), seam=cs.Tapered())
     cells_per_point = rng.uniform(1, 3)
     grid = cs.Grid(
@@ -172,7 +172,7 @@ def rollers(rng: np.random.Generator) -> Made:
     )
     shapes: list[cs.Shape] = [cs.FiniteLength(length)]
     if rng.random() < 0.4:
-        shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * FLATTENED, length))
+        shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * GAP_SCALE, length))
     load = cs.LineLoad(SCENE.load.largest * length / period)
     ended = cs.Scene(load, SCENE.solids, (*SCENE.shapes, *shapes))
     return ended, grid, (FREE, FREE), Finer((3, 12), (FREE, FREE))
@@ -183,7 +183,7 @@ def hard(rng: np.random.Generator) -> Made:
     cells = int(rng.integers(40, 100))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
     shape = cs.Roughness(
-        _ratio(rng, 0.05, 0.8) * FLATTENED,
+        _ratio(rng, 0.05, 0.8) * GAP_SCALE,
         hurst=0.8,
         roll_off=0.9 * A,
         cut_off=rng.uniform(0.1, 0.4) * A,

@@ -11,8 +11,8 @@ from contactstudy.analytic import Westergaard
 from contactstudy.domain.fields import Array
 from studies.reference.accuracy.case import (
     EXACT,
-    FLATTENED,
     FREE,
+    GAP_SCALE,
     MODULUS,
     P_H,
     A,
@@ -101,7 +101,7 @@ def sharp() -> Iterator[AccuracyCase]:
     load = SCENE.load.largest
     for cells in (64, 128, 250, 512):
         grid = cs.Grid((cells, 1), (4 * A, A))
-        heights = np.where(np.abs(grid.x) < A, 0.0, -50 * FLATTENED)[:, None]
+        heights = np.where(np.abs(grid.x) < A, 0.0, -50 * GAP_SCALE)[:, None]
         punch = cs.Scene(SCENE.load, STEEL, (cs.MeasuredSurface(heights),))
         edge = (np.abs(grid.x) < A).sum() * grid.cell_size[0] / 2
 
@@ -146,7 +146,7 @@ def powers() -> Iterator[AccuracyCase]:
     for power, height, cells in (
         (1.2, 2.0, 160), (1.3, 1.0, 77), (1.5, 2.0, 56), (1.8, 3.0, 101), (1.86, 1.5, 20), (1.92, 1.0, 200),
     ):  # fmt: skip
-        apex = cs.Scene(SCENE.load, STEEL, (Power(height * FLATTENED, power, 0.013 * A),))
+        apex = cs.Scene(SCENE.load, STEEL, (Power(height * GAP_SCALE, power, 0.013 * A),))
         grid = cs.Grid((cells, 1), (7 * A, A))
         yield AccuracyCase("steps and kinks", apex, grid, EXACT, Finer((32, 1), EXACT))
 

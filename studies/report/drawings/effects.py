@@ -3,9 +3,9 @@
 import numpy as np
 import xarray as xr
 
-from studies.definitions.creep import CLOSED, END, HALF_WIDTH
-from studies.definitions.plastic import CAP, FAR, HARDENING, PRESSURE, REFERENCE
-from studies.definitions.wear import WORN
+from studies.definitions.creep import END, HALF_WIDTH, LEE_RADOK
+from studies.definitions.plastic import DATUM, HARDENING, HARDNESS_OVER_YIELD, PRESSURE, REFERENCE
+from studies.definitions.wear import WORN_HALF_WIDTH
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.report.style import (
     COLORS,
@@ -88,7 +88,7 @@ coating = Drawing(_coating_figures, _coating_findings, axes=("ratio", "thickness
 
 
 def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw stress over the coefficient, sticking zones over the force, and errors of the superposition."""
+    """Draw stress over the coefficient, stick zone over the force, and errors of the superposition."""
     finest = dataset.isel(grid=-1, rough_grid=-1)
     fig, axes = panels(6, columns=2, width=3.6, height=2.7)
     for part, style in by_color(finest, "poisson_ratio", "nu = {:g}"):
@@ -112,7 +112,7 @@ def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     )
     caption = (
         "Top: a sliding cylinder, where the highest von Mises stress rises to the surface. Middle: partial slip "
-        "under a tangential force Q, half-width or radius of the sticking zone over that of the contact, beside "
+        "under a tangential force Q, half-width or radius of the stick zone over that of the contact, beside "
         "Cattaneo's sqrt(1 - Q / mu P) for a cylinder and Mindlin's cube root for a sphere. "
         "Bottom: what the superposition of two normal contacts (Ciavarella, Jaeger) misses on a rough "
         "line contact at Q = mu P / 2, and the shear across the force, which it does not contain."
@@ -132,7 +132,7 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     deviation = float(abs(steel["stick"] - np.sqrt(1 - steel["fraction"])).max())
     return (
         Finding(
-            "Friction brings the highest stress to the surface at a coefficient of about 0.3; sticking zones are "
+            "Friction brings the highest stress to the surface at a coefficient of about 0.3; stick zone are "
             "those of Cattaneo, but the superposition that gives them is inexact on rough surfaces.",
             f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_{{H}} without friction and "
             f"{float(high):.3f} p_{{H}} at a coefficient of {float(high['coefficient']):g}; it lies at the surface from "
@@ -159,8 +159,8 @@ def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     fig, (width, peak, errors, cost) = panels(4, columns=2, width=4.4, height=3.0)
     finest = dataset.isel(steps=-1, grid=-1)
     time = np.linspace(0, END, 100)
-    width.plot(time, CLOSED.half_width(time) / HALF_WIDTH, **LAW_STYLE)
-    peaks = [float(CLOSED.pressure(0.0, part)) / (HALF_WIDTH / 2) for part in time]
+    width.plot(time, LEE_RADOK.half_width(time) / HALF_WIDTH, **LAW_STYLE)
+    peaks = [float(LEE_RADOK.pressure(0.0, part)) / (HALF_WIDTH / 2) for part in time]
     peak.plot(time, peaks, **LAW_STYLE)
     for ax, name in ((width, "half_width"), (peak, "peak_pressure")):
         ax.plot(finest["time"], finest[name], "o", color=COLORS[0])
@@ -226,8 +226,10 @@ def _wear_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     finest = dataset.isel(grid=-1)
     fig, (width, errors, cost) = panels(3, columns=3, width=3.8, height=3.0)
     distance = np.linspace(0, 1, 100)
-    width.plot(distance, WORN * np.cbrt(distance), **LAW_STYLE)
-    width.plot(distance, np.cbrt(1 + WORN**3 * distance), **LAW_STYLE | {"linestyle": "--"})
+    width.plot(distance, WORN_HALF_WIDTH * np.cbrt(distance), **LAW_STYLE)
+    width.plot(
+        distance, np.cbrt(1 + WORN_HALF_WIDTH**3 * distance), **LAW_STYLE | {"linestyle": "--"}
+    )
     for part, style in by_color(finest, "scheme", "{}"):
         style["color"] = WEAR_COLORS.get(style["label"], "#E69F00")
         width.plot(part["distance"], part["half_width"].isel(steps=-1), "o", color=style["color"])
@@ -283,9 +285,9 @@ wear = Drawing(_wear_figures, _wear_findings, axes=("scheme", "steps", "grid"))
 # plastic
 
 LABELS = {
-    "peak_pressure": ("peak pressure / $p_H$", "cap_pressure"),
-    "half_width": ("half-width / a", "cap_half_width"),
-    "dent": ("dent / (a Y / E)", "cap_dent"),
+    "peak_pressure": ("peak pressure / $p_H$", "hardness_limited_pressure"),
+    "half_width": ("half-width / a", "hardness_limited_half_width"),
+    "dent": ("dent / (a Y / E)", "hardness_limited_dent"),
     "plastic_depth": ("plastic depth / a", None),
 }
 
@@ -298,7 +300,7 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         for part, style in by_color(finest, "hardening", "plastic, H = {:g} E"):
             ax.plot(part["pressure"], part[name], **style)
         if cap is not None:
-            capped, text = finest.isel(hardening=0), f"hardness {CAP:g} Y"
+            capped, text = finest.isel(hardening=0), f"hardness {HARDNESS_OVER_YIELD:g} Y"
             ax.plot(capped["pressure"], capped[cap], "s--", color="#CC79A7", label=text)
         ax.plot([PRESSURE], [REFERENCE[name]], "*", color="black", markersize=10, label="known")
         ax.set(xlabel="$p_H$ / Y", ylabel=label)
@@ -319,7 +321,7 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     caption = (
         "A rigid cylinder pressed into a half-space that yields after von Mises, and lifted off, in plane strain, "
         f"over Hertz's peak pressure p_{{H}}; a is Hertz's half-width. The dent is measured against the surface at "
-        f"{FAR:g} a. Beside it an elastic body whose pressure a hardness of {CAP:g} Y limits. Stars are known "
+        f"{DATUM:g} a. Squares: an elastic contact limited by a hardness of {HARDNESS_OVER_YIELD:g} Y. Stars are known "
         f"contacts (finite elements agree to 0.3 %), at p_{{H}} = {PRESSURE:g} Y and a hardening modulus "
         f"of {HARDENING:g} E; the last panels are the error there. Layers follow from the cells."
     )
@@ -342,10 +344,11 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     cap = Finding(
         "A hardness is no substitute for plastic strain below the surface.",
         f"At p_{{H}} = {float(last['pressure']):g} Y, where the peak pressure is "
-        f"{float(last['peak_pressure'] * last['pressure']):.2f} Y, a hardness of {CAP:g} Y gives a pressure that "
-        f"differs by {percent(last['cap_difference'])} in L1, and a depth of yielding of "
-        f"{float(last['cap_dent']):.2g} a Y / E in the place of a dent of {float(last['dent']):.2g}. At "
-        f"{float(first['pressure']):g} Y it differs by {percent(first['cap_difference'])}. The body yields from "
+        f"{float(last['peak_pressure'] * last['pressure']):.2f} Y, a hardness of {HARDNESS_OVER_YIELD:g} Y gives a "
+        f"pressure that differs by {percent(last['hardness_limited_difference'])} in L1, and a largest negative gap of "
+        f"{float(last['hardness_limited_dent']):.2g} a Y / E in the place of a dent of {float(last['dent']):.2g}. At "
+        f"{float(first['pressure']):g} Y it differs by {percent(first['hardness_limited_difference'])}. The body yields "
+        "from "
         "p_{H} = 1.79 Y on, below the surface, long before any pressure reaches the hardness.",
         "Is a hardness cap enough?",
     )

@@ -14,7 +14,7 @@ KNOWN_AXES = ("load", "viscosity", "rms", "cavitation", "grid")
 
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw films beside the formula of Moes, error against cost, and what roughness and cavitation do where swept."""
+    """Draw films beside the formula of Moes, error against cost, and what roughness and cavitation do where varied."""
     one_law = dataset.isel(cavitation=0)
     drawn = [_films(one_law.isel(rms=0, grid=-1))]
     if dataset.sizes["grid"] > 1:

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Finding, Table
-from studies.reference.line_contact import COUNTS_IMAGES
+from studies.reference.line_contact import HAS_IMAGES
 from studies.report.drawings.settings import AXES, ERROR, against, is_of_hertz, is_timed, shown_at
 from studies.report.style import (
     LAW_STYLE,
@@ -114,7 +114,7 @@ def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
             *(seconds_text(float(part[time])) for time in times),
         )
         for name in paddings(dataset)
-        for images in dataset["images"].values[0 if name in COUNTS_IMAGES else -1 :]
+        for images in dataset["images"].values[0 if name in HAS_IMAGES else -1 :]
         for part in [finest.sel(padding=name, images=images)]
         if np.isfinite(part[ERROR])
     ]

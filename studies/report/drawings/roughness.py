@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from contactstudy.analytic import image_error
 from studies.model.drawing import CaptionedFigure, Finding
-from studies.reference.line_contact import covers, padding_at
+from studies.reference.line_contact import has_cases, padding_at
 from studies.report.style import (
     COLORS,
     WIDTH,
@@ -111,7 +111,7 @@ def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
 
 
 def _compares_rough_and_smooth(dataset: xr.Dataset) -> bool:
-    is_covered = covers(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
+    is_covered = has_cases(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
     return is_covered and dataset.sizes["rms"] > 1 and bool((dataset["converged"] == 1).all())
 
 

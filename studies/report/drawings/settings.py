@@ -10,7 +10,7 @@ from contactstudy.domain.fields import Array
 from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
-from studies.reference.line_contact import COUNTS_IMAGES, padding_at, padding_label, total_time
+from studies.reference.line_contact import HAS_IMAGES, padding_at, padding_label, total_time
 from studies.report.style import (
     LAW_STYLE,
     WIDTH,
@@ -78,7 +78,7 @@ def _lines(dataset: xr.Dataset, over: str) -> Iterator[tuple[str, str, xr.Datase
         if over == "images":
             yield padding, padding, part
             continue
-        for n in part["images"].values[: None if padding in COUNTS_IMAGES else 1]:
+        for n in part["images"].values[: None if padding in HAS_IMAGES else 1]:
             yield padding, padding_label(padding, int(n)), part.sel(images=n)
 
 
@@ -110,7 +110,7 @@ def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
     spans: list[float] = []
     for name in paddings(dataset):
         part = finest.sel(padding=name)
-        counted = part if name in COUNTS_IMAGES else part.isel(images=[0])
+        counted = part if name in HAS_IMAGES else part.isel(images=[0])
         flat = counted[ERROR].stack(setting=("images", "period"))
         reach = [padding_at(name, int(n)).reach(float(L)) for n, L in flat["setting"].values]
         style = padding_style(name)
@@ -151,7 +151,7 @@ def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
         shown = _finest(part, over)
         x = shown[over].values + (0.5 if over == "images" else 0.0)
         style = padding_style(padding)
-        if over == "images" and padding not in COUNTS_IMAGES:
+        if over == "images" and padding not in HAS_IMAGES:
             style |= {"marker": "none", "ls": "--"}
         if over == "period":  # some whole numbers are no line
             style |= {"ls": "none"}
@@ -167,7 +167,7 @@ def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
         fig,
         f"{LABEL} over the {OVER[over].split('  ')[0]}, {against(dataset)}{'; ' * bool(place)}{place}."
         + (
-            " A line that becomes horizontal has reached the error of its padding, which no grid removes."
+            " A line ends horizontally at the error of its padding, which finer grids do not reduce."
             if over == "grid"
             else ""
         ),
@@ -215,8 +215,7 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
     return captioned(
         "front",
         fig,
-        "The price of accuracy: of each padding the settings that no other of it beats in both error and time; small "
-        "marks: its other settings.",
+        "The price of accuracy: the Pareto front of each padding; small marks: its other settings.",
     )
 
 

@@ -195,13 +195,13 @@ def _accuracy_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"{LABELS[metric]}: {100 * fraction:.1f} % bounded, in the median {median:.2g} times too large, "
             f"{missing} without a bound"
         )
-    silent = int(dataset["silent"].sum())
+    without_reason = int(dataset["missing_without_reason"].sum())
     return (
         Finding(
             f"The error bound holds in {100 * lowest:.1f} % of {dataset.sizes['case']} contacts of every kind, on "
             f"which no margin is set, or says why there is none.",
-            f"{'; '.join(parts)}. By use of the contacts: {'; '.join(by_use)}. {silent} bounds are missing without a "
-            "reason. A bound is missing where "
+            f"{'; '.join(parts)}. By use of the contacts: {'; '.join(by_use)}. {without_reason} bounds are missing "
+            "without a reason. A bound is missing where "
             "the pressure at a sharp edge is infinite, and where the grid does not show the surface.",
             "How far to trust an answer?",
         ),

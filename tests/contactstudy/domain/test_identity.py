@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 import contactstudy as cs
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import CanonicalMemo, canonical, differences, key
-from studies.reference.line_contact import scene_at
+from studies.reference.line_contact import case_at
 
-CASE = scene_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})
+CASE = case_at({"padding": "superposed", "images": 2, "period": 0.3, "grid": 16})
 
 
 def name(value: object) -> str:

@@ -12,7 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import contactstudy as cs
-from studies.advice.climb import Budget, Climb
+from studies.advice.compared_scene import (
+    ComparedScene,
+    Setting,
+    bounds_of,
+    compared_scene,
+    paper_scene,
+    scene_in,
+)
 from studies.advice.comparison import (
     LINE,
     Comparison,
@@ -22,17 +29,10 @@ from studies.advice.comparison import (
     with_envelope,
 )
 from studies.advice.front import pareto_front
-from studies.advice.measuring import compared
-from studies.advice.rounds import in_rounds, ratio, sign_test
+from studies.advice.measuring import compare_settings
+from studies.advice.nested_answers import Budget, NestedAnswers
+from studies.advice.rounds import median_ratio_and_p, sign_test
 from studies.advice.stored import as_text, from_text, store, stored
-from studies.advice.subject import (
-    Setting,
-    Subject,
-    bounds_of,
-    described_in,
-    paper_described,
-    subject_of,
-)
 from studies.reference.line_contact import HERTZ, SCENE, hertz_means, relative_l1
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -40,7 +40,7 @@ EXAMPLES = Path(__file__).parents[3] / "examples"
 
 @pytest.fixture(scope="module")
 def cylinder() -> Comparison:
-    return compared(paper_described().subject(), 1e-2, Budget(6.0))
+    return compare_settings(paper_scene().subject(), 1e-2, Budget(6.0))
 
 
 def test_means_of_hertzs_pressure_carry_his_load_on_any_cells() -> None:
@@ -52,7 +52,7 @@ def test_means_of_hertzs_pressure_carry_his_load_on_any_cells() -> None:
 
 def test_a_cylinder_is_judged_by_hertz_and_solved_with_one_cell_along(cylinder: Comparison) -> None:
     assert cylinder.reference is None
-    assert cylinder.floor == 0
+    assert cylinder.reference_bound == 0
     verdict = cylinder.verdict()
     assert verdict.meets
     assert verdict.best.label in (LINE, "exact")
@@ -73,19 +73,19 @@ def test_a_window_that_leaves_too_much_out_meets_the_request_on_no_grid(
     alone = {repr(one.padding): one.l1 for one in cylinder.paddings}
     assert 0.02 < alone["DuplicatedPadding()"] < 0.03
     verdict = cylinder.verdict()
-    assert "duplicated" not in {rival.measured.label for rival in verdict.rivals}
+    assert "duplicated" not in {alternative.measured.label for alternative in verdict.alternatives}
 
 
 def test_errors_on_a_ladder_of_a_rough_roller_keep_to_its_own_estimates() -> None:
-    subject = described_in(EXAMPLES / "rough-roller.toml").subject(0.2)
-    measured = compared(subject, 0.2, Budget(6.0))
-    assert measured.own_label == "free"
+    subject = scene_in(EXAMPLES / "rough-roller.toml").subject(0.2)
+    measured = compare_settings(subject, 0.2, Budget(6.0))
+    assert measured.boundary_label == "free"
     assert measured.reference is not None
     # every image belongs to another contact
     assert min(one.l1 for one in measured.paddings) > 0.1
-    finest = measured.of("free")[-1]
+    finest = measured.settings_of("free")[-1]
     answer = subject.solve(finest.setting)
-    assert finest.error <= bounds_of(answer)["pressure_l1"] + measured.floor
+    assert finest.error <= bounds_of(answer)["pressure_l1"] + measured.reference_bound
 
 
 def test_work_is_expected_to_take_as_much_longer_by_the_clock_as_that_before() -> None:
@@ -109,17 +109,17 @@ def test_one_slow_solve_does_not_end_the_ladder(
     act: Callable[[float], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     slow = iter([2.0])
-    solve = Subject.solve
+    solve = ComparedScene.solve
 
-    def slowed(subject: Subject, setting: Setting) -> object:
+    def slowed(subject: ComparedScene, setting: Setting) -> object:
         if setting.cells == (48, 24):
             act(next(slow, 0.0))
         return solve(subject, setting)
 
-    monkeypatch.setattr(Subject, "solve", slowed)
-    climb = Climb(described_in(EXAMPLES / "rough.toml").subject(), 0.1, Budget(60.0))
-    climb.up(lambda multiple: prod(climb.cells(multiple)) <= 144 * 72)
-    assert climb.cells(max(climb.solved)) == (144, 72)
+    monkeypatch.setattr(ComparedScene, "solve", slowed)
+    nested = NestedAnswers(scene_in(EXAMPLES / "rough.toml").subject(), 0.1, Budget(60.0))
+    nested.refine(lambda multiple: prod(nested.cells(multiple)) <= 144 * 72)
+    assert nested.cells(max(nested.answers)) == (144, 72)
 
 
 def test_errors_are_over_the_norm_of_a_pressure_that_also_pulls() -> None:
@@ -130,26 +130,26 @@ def test_errors_are_over_the_norm_of_a_pressure_that_also_pulls() -> None:
 def test_a_stored_comparison_is_that_of_its_scene_alone(
     tmp_path: Path, cylinder: Comparison
 ) -> None:
-    store(cylinder, paper_described().key, tmp_path)
-    assert stored(paper_described().key, tmp_path) == cylinder
-    assert stored(paper_described(period=0.6).key, tmp_path) is None
+    store(cylinder, paper_scene().key, tmp_path)
+    assert stored(paper_scene().key, tmp_path) == cylinder
+    assert stored(paper_scene(period=0.6).key, tmp_path) is None
 
 
 def test_a_load_that_is_sought_is_answered_with_a_remedy() -> None:
     with pytest.raises(cs.InvalidInput, match="give it a load per length"):
-        described_in(EXAMPLES / "gripper.toml").subject()
+        scene_in(EXAMPLES / "gripper.toml").subject()
 
 
 def test_grids_of_an_attraction_of_short_range_are_not_compared() -> None:
     sticky = replace(SCENE, adhesion=cs.Adhesion(0.05))
     with pytest.raises(cs.InvalidInput, match="a range to compare"):
-        subject_of(cs.SceneFile(sticky), "sticky")
+        compared_scene(cs.SceneFile(sticky), "sticky")
 
 
 def test_a_scene_without_a_width_of_its_own_needs_a_grid() -> None:
     flat = cs.Scene(SCENE.load, SCENE.solids, (cs.Waviness(1e-6, along=1e-4),))
     with pytest.raises(cs.InvalidInput, match="grid"):
-        subject_of(cs.SceneFile(flat), "flat")
+        compared_scene(cs.SceneFile(flat), "flat")
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_a_scene_without_a_width_of_its_own_needs_a_grid() -> None:
 )
 def test_a_request_must_be_above_zero(error: float, seconds: float) -> None:
     with pytest.raises(cs.InvalidInput, match="above 0"):
-        compared(paper_described().subject(), error, Budget(seconds))
+        compare_settings(paper_scene().subject(), error, Budget(seconds))
 
 
 PAIRS = st.lists(st.tuples(st.floats(0, 10), st.floats(0, 10)), max_size=30)
@@ -183,7 +183,7 @@ def test_the_sign_test_counts_the_tosses_of_a_fair_coin() -> None:
 
 def test_paired_times_are_compared_within_their_round() -> None:
     # a slow third round slows both: the ratio stays 2
-    found, chance = ratio([2.0, 4.0, 200.0, nan], [1.0, 2.0, 100.0, 1.0])
+    found, chance = median_ratio_and_p([2.0, 4.0, 200.0, nan], [1.0, 2.0, 100.0, 1.0])
     assert found == pytest.approx(2)
     assert chance == 0.25
 
@@ -191,7 +191,7 @@ def test_paired_times_are_compared_within_their_round() -> None:
 def test_every_round_takes_each_call_once_and_not_always_in_one_order() -> None:
     taken: list[int] = []
     calls = [lambda k=k: taken.append(k) for k in range(5)]
-    rounds = in_rounds(calls, 4, lambda: True)
+    rounds = times_in_rounds(calls, 4, lambda: True)
     orders = [tuple(taken[5 * k : 5 * k + 5]) for k in range(4)]
     assert [len(times) for times in rounds] == [5, 5, 5, 5]
     assert all(sorted(order) == [0, 1, 2, 3, 4] for order in orders)
@@ -208,11 +208,13 @@ def one(
     return Measured(setting, label_of(padding), error, bounded, times[:1], times)
 
 
-def of(*settings: Measured, floor: float = 0.0, error: float = 0.03) -> Comparison:
+def of(*settings: Measured, reference_bound: float = 0.0, error: float = 0.03) -> Comparison:
     return Comparison(
-        name="hand", text="", extent=(1e-3, 1e-3), boundary=EXACT, error=error, floor=floor, reference=(96, 96),
-        bounds={"pressure_l1": floor, "peak_pressure": inf}, paddings=(PaddingError(COPIED, 0.02, {"mean_gap": 0.1}),),
-        paddings_on=(48, 48), tolerances={1e-2: 1e-3}, settings=settings, notes=("A note.",), spent=3.0,
+        name="hand", text="", extent=(1e-3, 1e-3), boundary=EXACT, error=error,
+        reference_bound=reference_bound, reference=(96, 96),
+        bounds={"pressure_l1": reference_bound, "peak_pressure": inf},
+        paddings=(PaddingError(COPIED, 0.02, {"mean_gap": 0.1}),),
+        paddings_on=(48, 48), tolerances={1e-2: 1e-3}, settings=settings, notes=("A note.",), seconds=3.0,
     )  # fmt: skip
 
 
@@ -220,9 +222,9 @@ def test_a_tie_goes_to_the_boundary_of_the_scene_itself() -> None:
     # always 5 % quicker, which is clear and not worth it
     verdict = of(one(EXACT, 32, 0.02, (1.0,) * 15), one(COPIED, 32, 0.02, (0.95,) * 15)).verdict()
     assert verdict.best.label == "exact"
-    (rival,) = verdict.rivals
-    assert rival.is_tie
-    assert rival.ratio == pytest.approx(0.95)
+    (alternative,) = verdict.alternatives
+    assert alternative.is_as_fast
+    assert alternative.ratio == pytest.approx(0.95)
 
 
 def test_another_padding_is_chosen_if_it_is_quicker_by_more_than_a_tenth_in_nearly_all_rounds() -> (
@@ -238,8 +240,8 @@ def test_another_padding_is_chosen_if_it_is_quicker_by_more_than_a_tenth_in_near
 
 def test_the_bound_on_the_reference_is_added_to_every_error() -> None:
     fine, coarse = one(EXACT, 48, 0.015, (2.0,) * 9), one(EXACT, 32, 0.025, (1.0,) * 9)
-    for floor, cells in ((0.004, 32), (0.006, 48)):
-        verdict = of(coarse, fine, floor=floor).verdict()
+    for reference_bound, cells in ((0.004, 32), (0.006, 48)):
+        verdict = of(coarse, fine, reference_bound=reference_bound).verdict()
         assert verdict.meets
         assert verdict.best.setting.cells == (cells, cells)
     assert verdict.coarser == coarse
@@ -253,16 +255,18 @@ def test_a_grid_that_nothing_bounds_is_never_recommended() -> None:
 
 def test_errors_below_the_bound_on_the_reference_are_equal_where_none_meets_the_request() -> None:
     verdict = of(
-        one(EXACT, 32, 0.02, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), floor=0.025
+        one(EXACT, 32, 0.02, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), reference_bound=0.025
     ).verdict()
     assert not verdict.meets
     assert verdict.best.label == "exact"
-    verdict = of(one(EXACT, 32, 0.09, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), floor=0.025)
+    verdict = of(
+        one(EXACT, 32, 0.09, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), reference_bound=0.025
+    )
     assert verdict.verdict().best.label == "duplicated"
 
 
 def test_without_a_bound_on_the_reference_nothing_is_said_to_meet_a_request() -> None:
-    verdict = of(one(EXACT, 32, 0.001, (1.0,) * 9), floor=inf).verdict()
+    verdict = of(one(EXACT, 32, 0.001, (1.0,) * 9), reference_bound=inf).verdict()
     assert not verdict.meets
 
 

@@ -16,7 +16,7 @@ EXTENT = (4e-4, 1e-4)
 def test_it_is_the_l1_norm_of_the_difference_to_cell_means_where_cells_nest() -> None:
     file = cs.SceneFile(WAVY, grid=cs.Grid((16, 16), EXTENT), padding=cs.ExactPeriodicity())
     swept = study_of(file, {"grid.cells": [[16, 16], [32, 32], [24, 24]]})
-    (axis,) = swept.points
+    (axis,) = swept.axes
     coarse, unnested, reference = (
         next(value for value in axis.values if str(value).startswith(f"[{cells}"))
         for cells in (16, 24, 32)
@@ -24,7 +24,7 @@ def test_it_is_the_l1_norm_of_the_difference_to_cell_means_where_cells_nest() ->
     study = against(swept, axis.name, reference)
     pressures, errors = {}, {}
     for value in (coarse, unnested, reference):
-        case = study.scene_at({axis.name: value})
+        case = study.case_at({axis.name: value})
         solved = case.run(None)
         pressures[value] = solved.answer.pressure
         errors[value] = study.measures(case, solved).get("pressure_error_l1")

@@ -80,10 +80,10 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
         (["run", "padding", "--period", "0"], "period is 0.0: give a period above 0 half-widths."),
         (
             ["run", "padding", "--period", "nan"],
-            "period is 'nan': give numbers such as 0.6,2.4, or so many of a range such as 0.6:2.4:4 or 1:100:3:log.",
+            "period is 'nan': give numbers such as 0.6,2.4, or n values of a range such as 0.6:2.4:4 or 1:100:3:log.",
         ),
         (["run", "padding", "--grid", "1"], "grid is 1: give at least 2 cells across the width."),
-        (["run", "padding", "--grid"], "Axis 'grid' has no values: write --grid values."),
+        (["run", "padding", "--grid"], "Axis 'grid' has no values: write --grid VALUES."),
         (["run", "padding", "extra"], "Argument 'extra' is not expected: write --axis values."),
         (
             ["run", "padding", "--out", "/dev/null/x"],
@@ -121,11 +121,11 @@ OWN = '''"""One axis, plain numbers."""
 from studies.reference import line_contact
 from studies.model.axis import Axis
 
-points = (Axis("grid", (16, 24), "cells"),)
+axes = (Axis("grid", (16, 24), "cells"),)
 
 
-def scene_at(point):
-    return line_contact.scene_at({"padding": "exact", "images": 0, "period": 1.0} | dict(point))
+def case_at(point):
+    return line_contact.case_at({"padding": "exact", "images": 0, "period": 1.0} | dict(point))
 
 
 def measures(case, solution):
@@ -226,7 +226,7 @@ def test_help_on_a_study_lists_its_axes_with_their_values(arguments: list[str]) 
     shown = " ".join(CliRunner().invoke(cli, ["run", *arguments]).output.split())
     assert "--workers" in shown
     axes = shown.split("Axes of period: ")[1]
-    for axis in load("period").points:
+    for axis in load("period").axes:
         values = ", ".join(str(value) for value in axis.values)
         assert f"--{axis.name} " in axes
         assert f"{axis.long_name}. [default: {values}]" in axes
@@ -236,8 +236,8 @@ def test_help_on_a_study_of_ones_own_has_its_units(tmp_path: Path) -> None:
     file = tmp_path / "mine.py"
     file.write_text(
         "from studies.model.axis import Axis\n"
-        "points = (Axis('radius', (0.01, 0.02), 'radius of the cylinder', units='m'),)\n"
-        "scene_at = measures = figure = print\n"
+        "axes = (Axis('radius', (0.01, 0.02), 'radius of the cylinder', units='m'),)\n"
+        "case_at = measures = figure = print\n"
     )
     shown = CliRunner().invoke(cli, ["run", str(file), "--help"]).output
     assert "--radius NUMBERS  radius of the cylinder [m].  [default: 0.01, 0.02]" in shown
@@ -258,8 +258,8 @@ def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_m
     [
         (cs.InvalidInput("radius is 0."), 2, "contactstudy: radius is 0.\n"),
         (click.ClickException("no"), 1, "Error: no\n"),
-        (KeyboardInterrupt(), 130, "contactstudy: stopped; what a study had stored is kept.\n"),
-        (click.Abort(), 130, "contactstudy: stopped; what a study had stored is kept.\n"),
+        (KeyboardInterrupt(), 130, "contactstudy: stopped; stored results of a study are kept.\n"),
+        (click.Abort(), 130, "contactstudy: stopped; stored results of a study are kept.\n"),
         (BrokenPipeError(), 141, ""),
         (ModuleNotFoundError("No module named 'x'", name="x"), 1, "contactstudy: "),
         (OSError(28, "No space left on device", "a.nc"), 1, "No space left on device: a.nc\n"),

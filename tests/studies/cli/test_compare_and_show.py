@@ -178,7 +178,9 @@ def test_an_option_that_is_a_field_of_the_scene_is_answered_with_vary(folder: Pa
 
 
 def test_a_plan_says_where_a_surface_is_that_of_its_grid(folder: Path) -> None:
-    assert "shapes[1] takes its extent from the grid" in said("plan", folder / "rough.toml")
+    assert "shapes[1] has no extent, so its heights change with the grid" in said(
+        "plan", folder / "rough.toml"
+    )
     assert "extent" not in said("plan", folder / "smooth.toml")
 
 

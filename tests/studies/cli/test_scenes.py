@@ -176,7 +176,7 @@ def test_steps_that_nothing_takes_are_said(tmp_path: Path) -> None:
     scene = tmp_path / "still.toml"
     text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
     scene.write_text(text + "\n[evolve]\ninstants = 5\n", encoding="utf-8")
-    assert "evolve is not used" in run("solve", str(scene), "--out", str(tmp_path)).output
+    assert "[evolve] has no effect" in run("solve", str(scene), "--out", str(tmp_path)).output
 
 
 def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from studies.definitions.accuracy import KINDS, USES, scene_at, use_of
+from studies.definitions.accuracy import KINDS, USES, case_at, use_of
 from studies.reference.accuracy.case import errors
 from studies.reference.accuracy.matrix import matrix
 from studies.reference.accuracy.random_scenes import RANDOM
@@ -17,7 +17,7 @@ NAME = "smooth cylinder 0"
 
 
 def test_errors_stand_beside_their_bounds_and_a_truth_that_is_not_known_is_below_zero() -> None:
-    case = scene_at({"case": NAME, "seed": 1})
+    case = case_at({"case": NAME, "seed": 1})
     solution = case.run(case.prepare())
     found = {name: float(one) for name, one in load("accuracy").measures(case, solution).items()}
     true, estimate = errors(solution, matrix()[NAME].truth()), error_estimate(solution)
@@ -27,19 +27,19 @@ def test_errors_stand_beside_their_bounds_and_a_truth_that_is_not_known_is_below
     # a closed form says nothing of the mean gap; the drawing takes what is below zero for not known
     assert found["mean_gap_error"] == -1.0
     assert found["mean_gap_bound"] > 0
-    assert found["silent"] == 0
+    assert found["missing_without_reason"] == 0
     assert found["kind"] == KINDS.index("smooth cylinder") == 0
     assert found["use"] == USES.index("set")
 
 
 def test_a_bound_that_is_missing_without_a_reason_is_counted() -> None:
-    case = scene_at({"case": NAME, "seed": 1})
+    case = case_at({"case": NAME, "seed": 1})
     solution = case.run(case.prepare())
     cut = replace(solution, status=cs.Status.CONTACT_AT_EDGE)
     found = load("accuracy").measures(case, cut)
     # it says that the contact is cut off
     assert float(found["l1_bound"]) == float("inf")
-    assert float(found["silent"]) == 0
+    assert float(found["missing_without_reason"]) == 0
 
 
 def test_margins_are_judged_on_the_other_half_and_on_random_contacts() -> None:
@@ -49,15 +49,15 @@ def test_margins_are_judged_on_the_other_half_and_on_random_contacts() -> None:
 
 
 def test_a_seed_chooses_other_random_contacts_and_the_same_matrix() -> None:
-    first, other = (scene_at({"case": "random waves 0", "seed": seed}).case for seed in (1, 2))
+    first, other = (case_at({"case": "random waves 0", "seed": seed}).case for seed in (1, 2))
     assert first.scene != other.scene
-    assert scene_at({"case": "random waves 0", "seed": 1}).case.scene == first.scene
-    known = [scene_at({"case": NAME, "seed": seed}).case for seed in (1, 2)]
+    assert case_at({"case": "random waves 0", "seed": 1}).case.scene == first.scene
+    known = [case_at({"case": NAME, "seed": seed}).case for seed in (1, 2)]
     assert known[0] is known[1]
 
 
 @pytest.mark.parametrize("kind", RANDOM)
 def test_every_random_contact_has_a_problem(kind: str) -> None:
     for seed in range(3):
-        problem = scene_at({"case": f"{kind} 0", "seed": seed}).prepare()
+        problem = case_at({"case": f"{kind} 0", "seed": seed}).prepare()
         assert np.isfinite(problem.undeformed_gap).all()

@@ -57,7 +57,7 @@ def test_coatings_are_measured_and_drawn(tmp_path: Path) -> None:
     drawing = load_drawing("coating")
     (finding,) = drawing.findings(dataset)
     assert "image" in finding.claim
-    report.draw(study, drawing, tmp_path)
+    report.draw_figures(study, drawing, tmp_path)
     assert (tmp_path / "coating" / "coating.png").is_file()
 
 
@@ -77,7 +77,7 @@ def test_friction_is_measured_and_drawn(tmp_path: Path) -> None:
     drawing = load_drawing("friction")
     (finding,) = drawing.findings(dataset)
     assert "Cattaneo" in finding.claim
-    report.draw(study, drawing, tmp_path)
+    report.draw_figures(study, drawing, tmp_path)
     assert (tmp_path / "friction" / "friction.png").is_file()
 
 
@@ -88,7 +88,7 @@ def test_friction_is_measured_and_drawn(tmp_path: Path) -> None:
 def test_a_grid_that_shows_no_contact_is_refused(axis: str, value: int, said: str) -> None:
     point = {"poisson_ratio": 0.3, "grid": 32, "rough_grid": 16} | {axis: value}
     with pytest.raises(cs.InvalidInput, match=said):
-        load("friction").scene_at(point)
+        load("friction").case_at(point)
 
 
 MODULUS = 70e9

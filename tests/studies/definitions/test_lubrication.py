@@ -5,20 +5,20 @@ import pytest
 import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.lubrication.film_equation import FilmScales
-from studies.definitions.lubrication import measures, scene_at
+from studies.definitions.lubrication import case_at, measures
 
 POINT = {"load": 20.0, "viscosity": 5.0, "rms": 0.0, "grid": 128}
 
 
 def test_a_scene_has_the_load_and_viscosity_of_its_point() -> None:
-    case = scene_at(POINT)
+    case = case_at(POINT)
     scales = FilmScales(case.scene.hertz, case.scene.lubrication)
     assert scales.load_parameter == pytest.approx(20, rel=1e-12)
     assert scales.viscosity_parameter == pytest.approx(5, rel=1e-12)
 
 
 def test_films_are_in_the_unit_of_moes() -> None:
-    case = scene_at(POINT | {"grid": 400})
+    case = case_at(POINT | {"grid": 400})
     found = measures(case, case.run())
     # reference solutions on graded cells, with a longer inlet: 3.504
     assert float(found["central_film"]) == pytest.approx(3.504, rel=5e-3)
@@ -29,7 +29,7 @@ def test_films_are_in_the_unit_of_moes() -> None:
 
 
 def test_a_rough_point_varies_along_its_length() -> None:
-    case = scene_at(POINT | {"rms": 0.2, "grid": 64})
+    case = case_at(POINT | {"rms": 0.2, "grid": 64})
     assert case.grid.cells == (64, 32)
     found = measures(case, case.run())
     assert float(found["converged"]) == 1
@@ -39,9 +39,9 @@ def test_a_rough_point_varies_along_its_length() -> None:
 @pytest.mark.parametrize("field", ["load", "grid"])
 def test_a_point_without_sense_is_refused(field: str) -> None:
     with pytest.raises(cs.InvalidInput, match=field):
-        scene_at(POINT | {field: 0})
+        case_at(POINT | {field: 0})
 
 
 def test_a_law_of_cavitation_that_is_not_known_is_refused() -> None:
     with pytest.raises(cs.InvalidInput, match="elrod-adams or reynolds"):
-        scene_at(POINT | {"cavitation": "none"})
+        case_at(POINT | {"cavitation": "none"})

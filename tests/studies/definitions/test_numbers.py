@@ -71,7 +71,7 @@ def smooth(**changed: float) -> xr.Dataset:
     """What the study of rough surfaces says of none, by padding."""
     study = load("roughness")
     point = {"rms": 0.0, "hurst": 0.8, "peklenik": 1.0, "seed": 1, "images": 6, "period": 2.4}
-    case = study.scene_at(point | {"grid": 80} | changed)
+    case = study.case_at(point | {"grid": 80} | changed)
     return xr.Dataset(study.measures(case, case.run(case.prepare())))
 
 
@@ -101,7 +101,7 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Pa
     # creep multiplies compliance by 1 + 1.5 (1 - exp(-2))
     widest = float(fine["half_width"].isel(steps=-1, time=-1))
     assert abs(widest - np.sqrt(1 + 1.5 * (1 - np.exp(-2)))) < 0.36 / 512 / 0.1
-    report.draw(study, load_drawing("creep"), tmp_path)
+    report.draw_figures(study, load_drawing("creep"), tmp_path)
     assert (tmp_path / "creep" / "creep.png").is_file()
     assert load_drawing("creep").findings(dataset)
 
@@ -122,7 +122,7 @@ def test_explicit_wear_breaks_before_its_limit_and_implicit_never(tmp_path: Path
     # between the rigid law and that of the cubes added, and a little above: 2 and 9^(1/3) = 2.08
     last = float(dataset["half_width"].sel(scheme="two-stage").isel(steps=-1, distance=-1))
     assert 2 < last < 2.2
-    report.draw(study, load_drawing("wear"), tmp_path)
+    report.draw_figures(study, load_drawing("wear"), tmp_path)
     assert (tmp_path / "wear" / "wear.png").is_file()
     assert load_drawing("wear").findings(stored)
 
@@ -144,11 +144,11 @@ def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not(tmp_p
     elastic = dataset.sel(pressure=1.5).isel(steps=-1)
     assert float(elastic["plastic_depth"]) == 0.0
     assert float(elastic["dent"]) == 0.0
-    assert float(elastic["cap_difference"]) < 1e-6
+    assert float(elastic["hardness_limited_difference"]) < 1e-6
     # 2.8 Y over 3 Y, not 0.787
-    assert float(known["cap_pressure"][1]) == pytest.approx(2.8 / 3, abs=1e-9)
-    assert float(known["cap_difference"][1]) > 0.1
-    report.draw(study, load_drawing("plastic"), tmp_path)
+    assert float(known["hardness_limited_pressure"][1]) == pytest.approx(2.8 / 3, abs=1e-9)
+    assert float(known["hardness_limited_difference"][1]) > 0.1
+    report.draw_figures(study, load_drawing("plastic"), tmp_path)
     assert (tmp_path / "plastic" / "plastic.png").is_file()
     assert load_drawing("plastic").findings(dataset.expand_dims(("grid", "hardening")))
 
@@ -188,7 +188,7 @@ def test_a_point_that_is_none_is_refused_with_a_remedy(
     change: dict[str, object], message: str
 ) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
-        load("speed").scene_at(POINT | change)
+        load("speed").case_at(POINT | change)
 
 
 DONE, LIMIT, STALLED = cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT, cs.Status.STALLED
@@ -218,8 +218,8 @@ def test_a_case_is_right_within_its_stated_error_and_else_must_say_why(
     case = SimpleNamespace(
         options=cs.SolveOptions(1e-6),
         paddings=("exact",),
-        may_end=lambda _: {DONE, LIMIT},
-        judge=lambda *_: (error, 0.02),
+        allowed_statuses=lambda _: {DONE, LIMIT},
+        error_and_bound=lambda *_: (error, 0.02),
     )
     monkeypatch.setattr(stability, "CASES", {"made up": case})
     one = stability.HardCaseRun("made up", padding, "Polonsky-Keer")

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from studies.advice.subject import described_in
+from studies.advice.compared_scene import scene_in
 from studies.definitions.settings import preset
 from studies.registry import load
 from tests.studies.advice.test_measuring import EXAMPLES
@@ -26,7 +26,7 @@ def test_the_pressure_of_fig_5_is_that_in_the_middle_of_the_length() -> None:
 
 @pytest.mark.parametrize("scene", ["rough", "oil"])
 def test_any_scene_has_the_comparison_of_the_paper(scene: str) -> None:
-    study = preset("paper", described_in(EXAMPLES / f"{scene}.toml").subject())
+    study = preset("paper", scene_in(EXAMPLES / f"{scene}.toml").subject())
     [case] = study.override({"padding": "exact", "images": "6", "grid": "24"}).cases()
     grid = replace(case.reference.grid, cells=(72, min(72, case.reference.grid.cells[1])))
     case = replace(case, reference=replace(case.reference, grid=grid))

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.definitions.roughness import measures, scene_at
+from studies.definitions.roughness import case_at, measures
 from studies.registry import load
 
 POINT = {
@@ -16,7 +16,7 @@ POINT = {
 
 def sweeps_with_estimates(**changed: float) -> xr.Dataset:
     """What one surface gives, by padding; on a grid half as fine as the study's."""
-    comparison = scene_at(POINT | changed)
+    comparison = case_at(POINT | changed)
     return xr.Dataset(measures(comparison, comparison.run(comparison.prepare())))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.advice.subject import Subject, described_in, paper_described, subject_of
+from studies.advice.compared_scene import ComparedScene, compared_scene, paper_scene, scene_in
 from studies.definitions.settings import measures, preset
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
@@ -17,16 +17,16 @@ POINT: Point = {"padding": "exact", "images": 1, "period": 1, "grid": 24}
 
 
 @pytest.fixture(scope="module")
-def wavy() -> Subject:
+def wavy() -> ComparedScene:
     """A cylinder with waves along its length, on one period of them."""
     shapes = (*SCENE.shapes, cs.Waviness(amplitude=2e-8, along=1.2 * A))
     grid = cs.Grid((12, 6), (2.4 * A, 1.2 * A))
-    return subject_of(cs.SceneFile(replace(SCENE, shapes=shapes), grid=grid), "wavy")
+    return compared_scene(cs.SceneFile(replace(SCENE, shapes=shapes), grid=grid), "wavy")
 
 
-def measured(subject: Subject, **point: object) -> dict[str, float]:
+def measured(subject: ComparedScene, **point: object) -> dict[str, float]:
     study = preset("padding", subject)
-    case = study.scene_at({**POINT, **point})  # type: ignore[arg-type, dict-item]
+    case = study.case_at({**POINT, **point})  # type: ignore[arg-type, dict-item]
     small = case
     if case.reference is not None:
         grid = replace(case.reference.grid, cells=(96, 48))
@@ -36,7 +36,7 @@ def measured(subject: Subject, **point: object) -> dict[str, float]:
     }
 
 
-def test_several_periods_of_a_scene_have_the_error_of_one(wavy: Subject) -> None:
+def test_several_periods_of_a_scene_have_the_error_of_one(wavy: ComparedScene) -> None:
     one, two, three = (measured(wavy, period=n) for n in (1, 2, 3))
     for several in (two, three):
         assert several["pressure_error_l1"] == pytest.approx(one["pressure_error_l1"], rel=1e-4)
@@ -45,24 +45,24 @@ def test_several_periods_of_a_scene_have_the_error_of_one(wavy: Subject) -> None
 
 
 def test_the_free_ends_of_a_roller_are_one_of_its_paddings() -> None:
-    roller = described_in(EXAMPLES / "rough-roller.toml").subject()
+    roller = scene_in(EXAMPLES / "rough-roller.toml").subject()
     study = preset("grid", roller)
-    assert "free" in study.points[0].values
-    case = study.scene_at({**POINT, "padding": "free"})
+    assert "free" in study.axes[0].values
+    case = study.case_at({**POINT, "padding": "free"})
     assert case.padding == (cs.ZeroPadding(), cs.ZeroPadding())
     with pytest.raises(cs.InvalidInput, match="ends along its length"):
-        study.scene_at({**POINT, "period": 2})
+        study.case_at({**POINT, "period": 2})
 
 
 def test_a_measured_surface_has_no_period_but_its_own() -> None:
     heights = 1e-8 * np.random.default_rng(1).standard_normal((16, 16))
     shapes = (*SCENE.shapes, cs.MeasuredSurface(heights, (2.4 * A, 2.4 * A)))
     grid = cs.Grid((16, 16), (2.4 * A, 2.4 * A))
-    subject = subject_of(cs.SceneFile(replace(SCENE, shapes=shapes), grid=grid), "measured")
+    subject = compared_scene(cs.SceneFile(replace(SCENE, shapes=shapes), grid=grid), "measured")
     with pytest.raises(cs.InvalidInput, match="has one period"):
-        preset("period", subject).scene_at({**POINT, "period": 2})
+        preset("period", subject).case_at({**POINT, "period": 2})
 
 
 def test_an_unknown_preset_is_answered_with_the_right_one() -> None:
     with pytest.raises(cs.InvalidInput, match="did you mean 'padding'"):
-        preset("paddin", paper_described().subject())
+        preset("paddin", paper_scene().subject())

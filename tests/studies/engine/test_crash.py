@@ -135,7 +135,7 @@ def test_a_changed_measure_scene_or_version_is_said_and_not_mixed_in(
     )
 
     said.clear()
-    moved = replace(study, scene_at=lambda point: Trouble(float(point["number"]) + 20))
+    moved = replace(study, case_at=lambda point: Trouble(float(point["number"]) + 20))
     dataset = run(moved, tmp_path, options=ALONE, log=said.append)
     assert dataset["square"].values.tolist() == [441.0, 484.0]
     assert any("case.number was" in line for line in said)

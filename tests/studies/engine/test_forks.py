@@ -89,11 +89,11 @@ def measures(case: Forking, result: int) -> Mapping[str, xr.Variable | float]:
 
 
 def study(how: str, where: str) -> Study:
-    def scene_at(point: Point) -> Forking:
+    def case_at(point: Point) -> Forking:
         return Forking(int(point["number"]), how, where)
 
     axis = Axis("number", tuple(range(NUMBERS)), "what is squared")
-    return Study("forking", "Cases, one of which forks.", (axis,), scene_at, measures, "none")
+    return Study("forking", "Cases, one of which forks.", (axis,), case_at, measures, "none")
 
 
 @pytest.mark.cases(3)

@@ -14,8 +14,8 @@ from contactstudy.domain.checks import InvalidInput
 from studies.engine.executors import compute_here
 from studies.engine.options import RunOptions
 from studies.engine.run import estimate_cost, run
-from studies.model.case import Case, Solved
-from studies.model.outcome import Outcome, Work
+from studies.model.case import Case, TimedAnswer
+from studies.model.outcome import Outcome, RunSettings
 from studies.model.study import Study
 from studies.reference.line_contact import HERTZ, measures
 from studies.registry import load
@@ -90,7 +90,7 @@ def test_processes_give_the_numbers_of_one_process(
         np.testing.assert_array_equal(shared[name], same[name])
 
 
-def failing(case: Case, solution: Solved) -> dict[str, xr.Variable]:
+def failing(case: Case, solution: TimedAnswer) -> dict[str, xr.Variable]:
     if case.padding == cs.Superposition(images=1):
         raise ArithmeticError("one image too many")
     return dict(measures(case, solution.answer))
@@ -162,7 +162,7 @@ class Threads:
 
 def test_a_case_has_one_thread_whatever_the_process_had() -> None:
     outcomes: dict[str, Outcome] = {}
-    work = Work(lambda case, result: {"threads": xr.Variable((), result)})
+    work = RunSettings(lambda case, result: {"threads": xr.Variable((), result)})
     with threadpool_limits(2), Stop() as stop:
         assert Threads().run(None) == 2
         compute_here({"a": Threads()}, work, outcomes.__setitem__, stop)
@@ -175,7 +175,7 @@ def test_computations_without_a_plan_are_said_to_be_unknown(tmp_path: Path) -> N
     found = estimate_cost(trouble.study([1, 2]), tmp_path, options=RunOptions(), log=said.append)
     assert found is None
     assert said[0].endswith("2 to compute, 4 timed runs to take")
-    assert "how long is not known" in said[-1]
+    assert "the time is not known" in said[-1]
     assert not any(tmp_path.iterdir())
 
 

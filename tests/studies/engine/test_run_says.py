@@ -68,6 +68,6 @@ def test_a_dry_run_of_many_points_judges_by_some_of_them(
         trouble.study([10.0 + n for n in range(40)]), tmp_path, options=ONE, log=lines.append
     )
     assert lines[:2] == [
-        "trouble: 40 points, judged by 10 of them in proportion",
+        "trouble: 40 points, estimated from 10 of them in proportion",
         "trouble: 40 points, 40 distinct cases, 0 stored, 40 to compute, 0 timed runs to take",
     ]

@@ -60,7 +60,7 @@ def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed(tmp_pa
     log, said = tmp_path / "log", []
     study = replace(
         trouble.study([1.0, 2.0, 4.0]),
-        scene_at=lambda point: Once(float(point["number"]), log=str(log)),
+        case_at=lambda point: Once(float(point["number"]), log=str(log)),
     )
     dataset = run(study, tmp_path, options=RunOptions(workers=0, repeats=3), log=said.append)
     assert (dataset["case_status"] == CaseStatus.OK).all()

@@ -20,7 +20,7 @@ from contactstudy import InvalidInput
 from studies.engine.cluster import BATCHES_AHEAD, DaskRun
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.outcome import CaseStatus, Outcome, Work
+from studies.model.outcome import CaseStatus, Outcome, RunSettings
 from studies.store.stop import Stop
 from tests.studies.conftest import POSIX, quiet
 from tests.studies.engine import trouble
@@ -108,7 +108,7 @@ def address(request: pytest.FixtureRequest) -> str | None:
 def compute(cases: list[Trouble], **options: Any) -> list[Outcome]:
     outcomes: dict[str, Outcome] = {}
     named = {str(place): case for place, case in enumerate(cases)}
-    DaskRun(named, Work(trouble.measures), outcomes.__setitem__, Stop(), **options).run()
+    DaskRun(named, RunSettings(trouble.measures), outcomes.__setitem__, Stop(), **options).run()
     return [outcomes[name] for name in named]
 
 
@@ -149,7 +149,7 @@ def test_what_threads_here_had_computed_when_a_run_was_stopped_is_not_lost(tmp_p
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        DaskRun(cases, Work(trouble.measures), finished, Stop()).run()
+        DaskRun(cases, RunSettings(trouble.measures), finished, Stop()).run()
     assert {outcome.case_status for outcome in outcomes.values()} == {CaseStatus.OK}
     assert sorted(outcomes) == [str(n) for n in range(BATCHES_AHEAD * 2 - 2)]
 
@@ -172,7 +172,7 @@ def test_dask_here_listens_to_this_machine_alone_and_only_while_cases_are_comput
     heard = []
     DaskRun(
         {"one": Trouble(1.0)},
-        Work(trouble.measures),
+        RunSettings(trouble.measures),
         lambda name, outcome: heard.append(listening()),
         Stop(),
     ).run()

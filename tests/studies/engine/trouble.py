@@ -92,11 +92,11 @@ def parent_process(case: Trouble, result: float) -> dict[str, float]:
 def study(
     numbers: object = range(20), log: str = "", seconds: float = 0.0, hangs_from: float = math.inf
 ) -> Study:
-    def scene_at(point: Point) -> Trouble:
+    def case_at(point: Point) -> Trouble:
         return Trouble(float(point["number"]), log=log, seconds=seconds, hangs_from=hangs_from)
 
     axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
-    return Study("trouble", "Twenty cases.", (axis,), scene_at, measures)
+    return Study("trouble", "Twenty cases.", (axis,), case_at, measures)
 
 
 RAISING_LINE = 1 + Path(__file__).read_text(encoding="utf-8").split("\n").index(

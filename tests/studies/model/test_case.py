@@ -10,7 +10,7 @@ from studies.model.case import contact_fraction, solver_status
 from studies.model.outcome import (
     CONTENDED,
     CaseStatus,
-    Sample,
+    TimedRun,
     is_contended,
     summary_messages,
     timing_variables,
@@ -69,19 +69,19 @@ def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() ->
         approach_bound=[inf, inf, inf],  # of which the bound is never known
     )
     assert list(summary_messages(dataset)) == [
-        "1 of 3 cases miss the accuracy asked for; see 'accuracy_met' and their bounds",
+        "1 of 3 cases miss the requested accuracy; see 'accuracy_met' and their bounds",
         "no bound of peak_pressure in 1 of 3 cases",
     ]
 
 
-def sample(wall: float, cpu: float | None = None, pace: float = 0.0) -> Sample:
+def sample(wall: float, cpu: float | None = None, calibration_time: float = 0.0) -> TimedRun:
     """A quarter of it to set up."""
     cpu = wall if cpu is None else cpu
-    return Sample(wall / 4, 3 * wall / 4, cpu / 4, 3 * cpu / 4, 1, pace)
+    return TimedRun(wall / 4, 3 * wall / 4, cpu / 4, 3 * cpu / 4, 1, calibration_time)
 
 
 @pytest.mark.parametrize(
-    ("samples", "pace", "contended"),
+    ("samples", "calibration_time", "contended"),
     [
         ([sample(1.0), sample(1.1)], np.inf, False),
         ([sample(1.0), sample(1.11)], np.inf, True),
@@ -90,14 +90,14 @@ def sample(wall: float, cpu: float | None = None, pace: float = 0.0) -> Sample:
         ([sample(1.0, 0.951), sample(1.0)], np.inf, False),
         ([sample(1.0, 0.949), sample(1.05)], np.inf, True),
         ([sample(2.0), sample(1.95, 1.0)], np.inf, True),
-        ([sample(1.0, pace=1.09), sample(1.0, pace=1.0)], 1.0, False),
-        ([sample(1.0, pace=1.11), sample(1.01, pace=1.0)], 1.0, True),
+        ([sample(1.0, calibration_time=1.09), sample(1.0, calibration_time=1.0)], 1.0, False),
+        ([sample(1.0, calibration_time=1.11), sample(1.01, calibration_time=1.0)], 1.0, True),
     ],
 )
 def test_a_time_counts_that_is_confirmed_and_had_the_processor_at_its_best(
-    samples: list[Sample], pace: float, *, contended: bool
+    samples: list[TimedRun], calibration_time: float, *, contended: bool
 ) -> None:
-    assert is_contended(samples, pace) is contended
+    assert is_contended(samples, calibration_time) is contended
 
 
 def test_the_least_and_the_median_of_each_case_stand_at_its_points() -> None:

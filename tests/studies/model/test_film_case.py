@@ -17,7 +17,7 @@ OIL = Path(__file__).parents[3] / "examples" / "oil.toml"
 
 def test_a_sweep_over_speed_has_a_grid_for_each_film() -> None:
     study = study_of(OIL, {"lubrication.mean_speed": "0.1:10:3:log m/s"})
-    cases = [study.scene_at({"lubrication_mean_speed": speed}) for speed in (0.1, 1.0, 10.0)]
+    cases = [study.case_at({"lubrication_mean_speed": speed}) for speed in (0.1, 1.0, 10.0)]
     assert all(isinstance(case, SceneCase) for case in cases)
     widths = [case.grid.extent[0] for case in cases]  # type: ignore[attr-defined]
     assert widths == sorted(widths)
@@ -46,7 +46,7 @@ def test_a_film_that_changes_in_time_is_marched_at_every_point() -> None:
     a = 1e-4
     file = cs.SceneFile(scene, grid=cs.Grid((64, 1), (10 * a, a)), time_steps=TimeSteps(instants=3))
     study = study_of(file, {"load.per_length": "80 N/mm,100 N/mm"})
-    case = study.scene_at({"load_per_length": 1e5})
+    case = study.case_at({"load_per_length": 1e5})
     solved = case.run(case.prepare())
     march = solved.answer
     measured = study.measures(case, solved)

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.measured import LARGEST_RESULT, NotANumberError, check_size, measured_variables
+from studies.model.measured import MAX_CASE_BYTES, MeasuredNaNError, check_size, measured_variables
 from studies.store.netcdf import read, write
 
 AXES = frozenset({"number"})
@@ -97,7 +97,7 @@ def test_what_netcdf_would_change_or_refuse_is_refused_in_one_sentence(measured:
 
 @pytest.mark.parametrize("value", [np.nan, np.float32("nan"), xr.Variable(("k",), [1.0, np.nan])])
 def test_nan_is_an_error_of_its_own(value: Any) -> None:
-    with pytest.raises(NotANumberError, match=r"^q is nan$"):
+    with pytest.raises(MeasuredNaNError, match=r"^q is nan$"):
         measured_variables({"q": value}, AXES)
 
 
@@ -125,7 +125,7 @@ def test_what_is_accepted_comes_back_from_netcdf_as_it_was(value: Any, tmp_path:
 
 
 def test_more_than_a_table_can_hold_is_refused_with_its_size() -> None:
-    row = xr.Variable(("n",), np.zeros(LARGEST_RESULT // 8))
+    row = xr.Variable(("n",), np.zeros(MAX_CASE_BYTES // 8))
     check_size({"row": row})
     with pytest.raises(InvalidInput, match=r"gives 67.1 MB, more than the 33.6 MB of a case"):
         check_size({"row": row, "other": row})

@@ -10,9 +10,9 @@ FILE = '''"""Two grids, nothing else."""
 import xarray as xr
 
 from studies.model.axis import Axis
-from studies.reference.line_contact import scene_at
+from studies.reference.line_contact import case_at
 
-points = (
+axes = (
     Axis("padding", ("exact",), "representation of the periodic direction"),
     Axis("images", (6,), "periods superposed on each side"),
     Axis("period", (2.4,), "period length over Hertz half-width"),
@@ -49,7 +49,7 @@ def test_a_study_may_stand_in_a_file(study_file: Path) -> None:
     assert len(study.cases()) == 2
 
 
-@pytest.mark.parametrize("part", ["points", "scene_at", "measures"])
+@pytest.mark.parametrize("part", ["axes", "case_at", "measures"])
 def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str) -> None:
     study_file.write_text(FILE + f"\ndel {part}\n", encoding="utf-8")
     with pytest.raises(InvalidInput, match=f"has no '{part}'"):

@@ -6,10 +6,10 @@ import pytest
 from studies.reference.accuracy.case import AccuracyCase, ClosedForm
 from studies.reference.accuracy.matrix import matrix
 
-CLOSED = [name for name, case in matrix().items() if isinstance(case.find_truth, ClosedForm)]
+LEE_RADOK = [name for name, case in matrix().items() if isinstance(case.find_truth, ClosedForm)]
 
 
-@pytest.mark.parametrize("name", CLOSED)
+@pytest.mark.parametrize("name", LEE_RADOK)
 def test_a_closed_form_carries_its_load_on_its_area_up_to_its_peak_pressure(name: str) -> None:
     """Sampled at points that fall anywhere: the load to the fraction of them at an edge or beside a pole."""
     case: AccuracyCase = matrix()[name]

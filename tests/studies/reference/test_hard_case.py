@@ -7,9 +7,9 @@ import pytest
 
 import contactstudy as cs
 from studies.reference.dense_solver import answer, stated_error
-from studies.reference.hard_case import EXACT, ROUGH, HardCase, Twin, bumpy, grid
+from studies.reference.hard_case import EXACT, ROUGH, EquivalentForm, HardCase, grid, with_heights
 
-CASE = HardCase("judged", "nothing", bumpy(ROUGH), grid())
+CASE = HardCase("judged", "nothing", with_heights(ROUGH), grid())
 PAIR = (cs.PreconditionedCG(), (cs.ZeroPadding(), EXACT))
 
 
@@ -21,7 +21,7 @@ def solution() -> cs.Solution:
 
 def judged(case: HardCase, solution: cs.Solution) -> tuple[float, float]:
     solver, padding = PAIR
-    return case.judge(solution, padding, solver)
+    return case.error_and_bound(solution, padding, solver)
 
 
 def test_a_pressure_is_judged_by_the_dense_answer_over_the_peak_pressure(
@@ -43,27 +43,35 @@ def test_a_pressure_is_judged_by_the_dense_answer_over_the_peak_pressure(
     assert stated == pytest.approx(stated_error(solution, dense) * unit / highest, rel=1e-12)
 
 
-def test_a_pressure_is_judged_by_that_of_its_twin_brought_back(solution: cs.Solution) -> None:
-    mirrored = bumpy(ROUGH[::-1])
-    twin = Twin(mirrored, CASE.grid, lambda pressure: pressure[::-1], within=3e-6)
-    error, allowed = judged(replace(CASE, twin=twin), solution)
+def test_a_pressure_is_judged_by_that_of_an_equivalent_form_converted_back(
+    solution: cs.Solution,
+) -> None:
+    mirrored = with_heights(ROUGH[::-1])
+    equivalent = EquivalentForm(
+        mirrored, CASE.grid, lambda pressure: pressure[::-1], tolerance=3e-6
+    )
+    error, allowed = judged(replace(CASE, equivalent=equivalent), solution)
     assert allowed == 3e-6
     assert error < 1e-7
-    twin = replace(twin, back=lambda pressure: 2 * pressure[::-1])
-    error, allowed = judged(replace(CASE, twin=twin), solution)
+    equivalent = replace(equivalent, to_original=lambda pressure: 2 * pressure[::-1])
+    error, allowed = judged(replace(CASE, equivalent=equivalent), solution)
     assert error == pytest.approx(1, rel=1e-6)
 
 
 def test_other_heights_may_move_the_pressure_by_their_difference_over_the_smallest_eigenvalue(
     solution: cs.Solution,
 ) -> None:
-    """Beside what the twin's pressure may be wrong by, and what the dense answer states."""
+    """Beside what the equivalent's pressure may be wrong by, and what the dense answer states."""
     heights = np.zeros(CASE.grid.cells)
     heights[3, 4], heights[7, 2] = 3e-6, -4e-6
-    twin = Twin(
-        bumpy(ROUGH + heights), CASE.grid, lambda pressure: pressure, 2e-6, other_heights=True
+    equivalent = EquivalentForm(
+        with_heights(ROUGH + heights),
+        CASE.grid,
+        lambda pressure: pressure,
+        2e-6,
+        other_heights=True,
     )
-    error, allowed = judged(replace(CASE, twin=twin), solution)
+    error, allowed = judged(replace(CASE, equivalent=equivalent), solution)
     dense = answer(CASE.scene, CASE.grid, PAIR[1], solution)
     unit, highest = solution.problem.scales.pressure, solution.pressure.max()
     # in multiples of what a contact flattens, 3-4-5

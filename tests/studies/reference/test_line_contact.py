@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 
 from studies.reference.line_contact import (
-    FLATTENING,
     HERTZ,
+    HERTZ_HEIGHT,
     SCENE,
     WIDTH,
+    case_at,
     hertz_means,
     measures,
-    scene_at,
 )
 
 CELLS = 96
 POINT = {"padding": "exact", "images": 0, "period": 2.4, "grid": CELLS}
-CASE = scene_at(POINT)
+CASE = case_at(POINT)
 X = CASE.grid.x[:, None]
 # of the domain over Hertz's half-width, and its square root's rate at an edge
 CELL = WIDTH / CELLS
@@ -41,7 +41,7 @@ def test_the_scene_is_hertz_s_with_the_numbers_of_the_paper() -> None:
     assert CASE.grid.extent == pytest.approx((2.4 * half_width, 2.4 * half_width), rel=1e-12)
     assert CASE.grid.cells == (CELLS, CELLS)
     # the cylinder's height a half-width from its axis
-    assert pytest.approx(half_width**2 / (2 * 0.01), rel=1e-12) == FLATTENING
+    assert pytest.approx(half_width**2 / (2 * 0.01), rel=1e-12) == HERTZ_HEIGHT
 
 
 def test_the_true_pressure_has_no_error_but_that_of_its_samples() -> None:

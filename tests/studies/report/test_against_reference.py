@@ -14,7 +14,7 @@ from studies.report.default_drawing import curves
 from tests.studies.scene_study.conftest import ROUGH
 
 
-def swept() -> xr.Dataset:
+def axes_text() -> xr.Dataset:
     axes = ("padding", "load")
     data = {
         "peak_pressure": (axes, [[2.0, 4.0], [2.1, 4.4], [2.0, 4.0]]),
@@ -28,7 +28,7 @@ def swept() -> xr.Dataset:
 
 
 def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_reference() -> None:
-    *_, errors, front = curves(swept())
+    *_, errors, front = curves(axes_text())
     (ax,) = errors.figure.axes
     # 5 and 10 % of duplicated; an error of nothing has no place on a logarithmic axis
     (line,) = ax.lines

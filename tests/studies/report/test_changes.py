@@ -37,9 +37,9 @@ def test_the_largest_change_relative_to_the_largest_number_comes_first() -> None
     said = changes(stored(), after)
     assert said[:3] == [
         "6 points in both, of 6 and 6",
-        "width: from 1 to 0.8 at padding exact, grid 64, 0.2 of the largest",
+        "width: from 1 to 0.8 at padding exact, grid 64, 0.2 of the largest value",
         # half over the largest in size, 8
-        "error: from 2 to 2.5 at padding exact, grid 32, 0.062 of the largest",
+        "error: from 2 to 2.5 at padding exact, grid 32, 0.062 of the largest value",
     ]
     assert len(said) == 4
 
@@ -63,7 +63,7 @@ def test_a_status_that_differs_is_counted_and_a_number_from_nothing_is_endless()
     assert said[1:4] == [
         "case_status differs at 1 of 6 points",
         "solver_status differs at 2 of 6 points",
-        "width: from 0 to 1 at padding exact, grid 16, inf of the largest",
+        "width: from 0 to 1 at padding exact, grid 16, inf of the largest value",
     ]
 
 

@@ -14,7 +14,7 @@ from tests.studies.report.drawings.drawn import labelled, numbered
 LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]
 
 
-def swept(axes: dict[str, Any]) -> xr.Dataset:
+def axes_text(axes: dict[str, Any]) -> xr.Dataset:
     """A fraction, a pressure [Pa], an approach [m] and a time [s]; the first case failed."""
     dataset = numbered(axes, "contact_fraction", "peak_pressure", "approach", "solve_time")
     dataset["contact_fraction"] **= 2
@@ -33,7 +33,7 @@ def swept(axes: dict[str, Any]) -> xr.Dataset:
 
 
 def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None:
-    dataset = swept({"rms": RMS, "load_per_length": LOADS})
+    dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
     [drawn] = curves(dataset)
     fraction, pressure, approach = drawn.figure.axes
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
@@ -59,7 +59,7 @@ def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_l
 
 @pytest.mark.parametrize("kind", [curves, maps])
 def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(kind: Any) -> None:
-    dataset = swept({"rms": RMS, "load_per_length": LOADS})
+    dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
     assert "hollow" not in kind(dataset)[0].caption
     dataset["accuracy_met"] = xr.ones_like(dataset["approach"])
     dataset["accuracy_met"][1, 2] = 0
@@ -71,7 +71,7 @@ def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(ki
 
 
 def test_maps_show_a_measure_over_two_axes() -> None:
-    dataset = swept({"rms": RMS, "load_per_length": LOADS})
+    dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
     [drawn] = maps(dataset)
     plane = drawn.figure.axes[1]
     [mesh] = plane.collections
@@ -79,12 +79,12 @@ def test_maps_show_a_measure_over_two_axes() -> None:
     shown = np.ma.filled(mesh.get_array(), np.nan)  # type: ignore[attr-defined]
     np.testing.assert_allclose(shown, good.transpose("rms", "load_per_length"))
     # a row of names is no map
-    named = swept({"padding": ["exact", "zero"], "load_per_length": LOADS})
+    named = axes_text({"padding": ["exact", "zero"], "load_per_length": LOADS})
     assert maps(named)[0].name == "curves"
 
 
 def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothing() -> None:
-    dataset = swept({"load_per_length": LOADS})
+    dataset = axes_text({"load_per_length": LOADS})
     other = dataset.drop_vars(["contact_fraction", "peak_pressure", "approach"])
     assert curves(other)
     with pytest.raises(InvalidInput, match="no measure to draw"):
@@ -92,7 +92,7 @@ def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothin
 
 
 def test_the_measures_that_are_asked_for_are_drawn_alone() -> None:
-    dataset = swept({"load_per_length": LOADS})
+    dataset = axes_text({"load_per_length": LOADS})
     [drawn] = curves(dataset, ["approach"])
     assert [ax.get_ylabel() for ax in drawn.figure.axes] == ["approach [µm]"]
     with pytest.raises(InvalidInput, match="did you mean 'approach'"):

@@ -11,10 +11,10 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.advice.climb import Budget
-from studies.advice.measuring import compared
+from studies.advice.compared_scene import paper_scene
+from studies.advice.measuring import compare_settings
+from studies.advice.nested_answers import Budget
 from studies.advice.stored import store
-from studies.advice.subject import paper_described
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.drawing import Finding, Table
@@ -23,7 +23,15 @@ from studies.model.study import Study
 from studies.reference.accuracy.matrix import matrix
 from studies.registry import BUILT_IN, load, load_drawing
 from studies.report import page as report
-from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapters, single
+from studies.report.chapters import (
+    CHAPTERS,
+    MAIN,
+    SETTINGS,
+    Chapter,
+    Part,
+    chapter_of_study,
+    chapters,
+)
 from studies.report.style import marked, plain
 from tests.studies.conftest import quiet
 
@@ -57,7 +65,7 @@ OWN: Mapping[str, Mapping[str, str]] = {
 def few(name: str) -> Study:
     """The study over a few values of its axes."""
     study = load(name)
-    axes = {axis.name: FEW[axis.name] for axis in study.points if axis.name in FEW}
+    axes = {axis.name: FEW[axis.name] for axis in study.axes if axis.name in FEW}
     return study.override(OWN.get(name, axes))
 
 
@@ -71,9 +79,9 @@ def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The main chapter of few cases."""
     folder = tmp_path_factory.mktemp("report")
     run_few([part.name for part in MAIN.parts if part.name != SETTINGS], folder)
-    cylinder = paper_described()
-    store(compared(cylinder.subject(), 1e-2, Budget(1.0)), cylinder.key, folder)
-    report.write(MAIN, folder)
+    cylinder = paper_scene()
+    store(compare_settings(cylinder.subject(), 1e-2, Budget(1.0)), cylinder.key, folder)
+    report.draw_and_write(MAIN, folder)
     return folder
 
 
@@ -103,7 +111,7 @@ class Page(HTMLParser):
 
 
 def examine(text: str, folder: Path, figures: int) -> None:
-    """A page stands alone, and its links lead somewhere."""
+    """A page stands alone, and its links introduction somewhere."""
     page = Page()
     page.feed(text)
     assert page.open == []
@@ -162,7 +170,9 @@ def test_a_chapter_is_run_and_drawn_with_a_line_a_study_and_later_drawn_by_itsel
     lines: list[str] = []
     options = RunOptions(workers=0, repeats=0)
     formats = ("png", "pdf")
-    path = report.make(chapter, tmp_path, options=options, log=lines.append, formats=formats)
+    path = report.run_and_write(
+        chapter, tmp_path, options=options, log=lines.append, formats=formats
+    )
     assert [line.partition(" points")[0] for line in lines] == [
         "two: 1 of 2, period: 4",
         "two: 2 of 2, images: 4",
@@ -171,23 +181,23 @@ def test_a_chapter_is_run_and_drawn_with_a_line_a_study_and_later_drawn_by_itsel
     examine(text, tmp_path, 2)
     assert {file.name for file in tmp_path.rglob("*.pdf")} == {"reach.pdf"}
     # nothing else is stored; then a page is drawn again where its data are newer
-    assert not report.write_stored(tmp_path, [chapter])
-    page = report.write(single("period"), tmp_path)
-    assert not report.write_stored(tmp_path)
+    assert not report.write_outdated(tmp_path, [chapter])
+    page = report.draw_and_write(chapter_of_study("period"), tmp_path)
+    assert not report.write_outdated(tmp_path)
     page.write_text("old", encoding="utf-8")
     newer = (tmp_path / "period.nc").stat().st_mtime - 10
     os.utime(page, (newer, newer))
-    assert report.write_stored(tmp_path) == [page]
+    assert report.write_outdated(tmp_path) == [page]
     assert "A chapter of" in page.read_text(encoding="utf-8")
 
 
 def test_a_failed_case_is_told_in_the_log(tmp_path: Path) -> None:
     lines: list[str] = []
-    chapter = single("stability")
+    chapter = chapter_of_study("stability")
     part = replace(chapter.parts[0], axes={"case": "faint load", "solver": "Polonsky-Keer"})
     chapter = replace(chapter, parts=(part,))
     options = RunOptions(workers=0, time_limit=1e-6, repeats=1)
-    page = report.make(chapter, tmp_path, options=options, log=lines.append)
+    page = report.run_and_write(chapter, tmp_path, options=options, log=lines.append)
     assert len(lines) > 1
     assert any("not done after" in line for line in lines)
     assert "No case gave numbers." in page.read_text(encoding="utf-8")
@@ -201,7 +211,7 @@ def test_a_study_slots_in_with_what_it_says(out: Path, monkeypatch: pytest.Monke
     )
     monkeypatch.setattr(report, "load_drawing", lambda name: drawing)
     (out / "images-explore.html").write_text("", encoding="utf-8")
-    text = report.write(single("images"), out).read_text(encoding="utf-8")
+    text = report.draw_and_write(chapter_of_study("images"), out).read_text(encoding="utf-8")
     for page in ("images.html", "images-explore.html"):
         (out / page).unlink()
     assert '<a href="images-explore.html">Look into images</a>' in text
@@ -264,7 +274,7 @@ def test_every_chapter_is_drawn_from_what_is_stored(
 ) -> None:
     for part in CHAPTERS[name].parts:
         assert (stored[part.name]["case_status"] == CaseStatus.OK).all(), part.name
-    text = report.write(CHAPTERS[name], out).read_text(encoding="utf-8")
+    text = report.draw_and_write(CHAPTERS[name], out).read_text(encoding="utf-8")
     examine(text, out, text.count("<figure "))
     for part in CHAPTERS[name].parts:
         assert f'<h2 id="{part.name}">' in text

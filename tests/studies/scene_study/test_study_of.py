@@ -47,7 +47,7 @@ def test_every_field_is_an_axis_in_si_units(
     smooth: Path, field: str, values: object, expected: list[object]
 ) -> None:
     study = studies.study_of(smooth, {field: values})
-    assert list(study.points[0].values) == expected
+    assert list(study.axes[0].values) == expected
     assert len(set(study.cases())) == len(expected)
 
 
@@ -131,7 +131,7 @@ def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
     surface = cs.MeasuredSurface(heights, extent=(1e-3, 1.5e-3), seam=cs.Tapered())
     scene = replace(described.scene, shapes=(*described.scene.shapes, surface))
     study = studies.study_of(scene, {"windows": "2x3"})
-    assert study.points[0].values == (0, 1, 2, 3, 4, 5)
+    assert study.axes[0].values == (0, 1, 2, 3, 4, 5)
     parts = [case.scene.shapes[1].heights for case in scenes(study)]  # type: ignore[attr-defined]
     np.testing.assert_array_equal(np.block([parts[:3], parts[3:]]), heights)
     assert "planned once for 6 points" in study.notes[-1]
@@ -159,7 +159,7 @@ def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
         encoding="utf-8",
     )
     study = studies.study_of(smooth, {"surfaces": "measured/*.nc"})
-    assert study.points[0].values == ("a.nc", "b.nc")
+    assert study.axes[0].values == ("a.nc", "b.nc")
     digests = [case.scene.shapes[1].digest for case in scenes(study)]  # type: ignore[attr-defined]
     assert len(set(digests)) == 2
 
@@ -217,7 +217,7 @@ def test_a_common_grid_is_no_larger_than_the_machine(
     study = studies.study_of(rough, vary)
     (grid,) = {case.grid for case in scenes(study)}
     assert memory(grid, padding) <= 0.8 * needed
-    assert "the common grid is the finest that it holds" in " ".join(study.notes)
+    assert "it is the finest that fits" in " ".join(study.notes)
 
 
 def test_a_random_surface_keeps_an_extent_of_its_own(rough: Path) -> None:
@@ -292,7 +292,7 @@ def test_a_scene_that_rolls_or_changes_is_swept(
     (tmp_path / "scene.toml").write_text(text)
     study = studies.study_of(tmp_path / "scene.toml", {field: values})
     dataset = studies.run(study, tmp_path / "out", workers=0, log=lambda _: None)
-    (axis,) = study.points
+    (axis,) = study.axes
     assert axis.units == units
     assert dataset[measured].dims == (axis.name,)
     first, second = dataset[measured].values
@@ -325,7 +325,7 @@ def test_fields_of_one_group_change_together(smooth: Path) -> None:
     )
     pairs = {(case.scene.shapes[0].radius, case.scene.load.per_length) for case in scenes(study)}
     assert pairs == {(0.02, 8e4), (0.01, 4e4)}
-    assert [len(axis.values) for axis in study.points] == [2, 1]
+    assert [len(axis.values) for axis in study.axes] == [2, 1]
     assert "along shapes_0_radius: load.per_length = 80000.0, 40000.0" in study.notes
     with pytest.raises(InvalidInput, match=r"2, 1 values of shapes\.0\.radius"):
         studies.study_of(smooth, [{"radius": "20 mm,10 mm", "load.per_length": "80 N/mm"}])
@@ -335,7 +335,7 @@ def test_what_a_file_varies_is_a_study(smooth: Path, tmp_path: Path) -> None:
     text = smooth.read_text(encoding="utf-8")
     (tmp_path / "varied.toml").write_text(f'{text}\n[vary]\nload.per_length = "50:100:3 N/mm"\n')
     study = studies.study_of(tmp_path / "varied.toml")
-    assert [axis.values for axis in study.points] == [(5e4, 7.5e4, 1e5)]
+    assert [axis.values for axis in study.axes] == [(5e4, 7.5e4, 1e5)]
     with pytest.raises(InvalidInput, match=r"vary is empty"):
         studies.study_of(smooth)
 

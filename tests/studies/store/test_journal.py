@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import keys
-from studies.model.outcome import CaseStatus, Outcome, Sample
+from studies.model.outcome import CaseStatus, Outcome, TimedRun
 from studies.store.journal import FORMAT, Journal
 from studies.store.loaded import LOADED
 from studies.store.records import (
@@ -29,7 +29,7 @@ from studies.store.records import (
 
 CONTEXT = {"code": "1"}
 
-SAMPLE = Sample(1.0, 2.0, 0.5, 1.5, 1, 0.1)
+SAMPLE = TimedRun(1.0, 2.0, 0.5, 1.5, 1, 0.1)
 
 
 def identity(name: str, **more: str) -> CaseIdentity:

@@ -23,7 +23,7 @@ import numpy as np
 
 from studies import Axis
 
-points = (Axis("a", (1, 2, 3), "a"),)
+axes = (Axis("a", (1, 2, 3), "a"),)
 times = "none"
 
 
@@ -41,7 +41,7 @@ class Thing:
         return {}
 
 
-def scene_at(point):
+def case_at(point):
     return Thing(point["a"])
 
 
@@ -71,7 +71,7 @@ EDITS = {
     "decorator argument": (
         "def d(k):\n    return lambda g: lambda r: k*g(r)\n@d(1.0)\ndef f(r): return r\n", "1", "2",
     ),
-    "points bound by an expression": ("other = [T := (1.0, 2.0)]\ndef f(r): return len(T)*r\n", "2", "2.0, 3"),
+    "axes bound by an expression": ("other = [T := (1.0, 2.0)]\ndef f(r): return len(T)*r\n", "2", "2.0, 3"),
     "name that is put together": (
         "values = (1.0, 2.0)\ndef f(r): return len(globals()['val'+'ues'])*r\n", "2", "2.0, 3",
     ),
@@ -89,7 +89,7 @@ KEPT = {
     "title": ("A study.", "A study, otherwise called."),
     "comment": ("times =", "# a comment\ntimes ="),
     "layout": ('return Thing(point["a"])', 'return Thing(\n        point["a"],\n    )'),
-    "documentation": ("def scene_at(point):", 'def scene_at(point):\n    """The case."""'),
+    "documentation": ("def case_at(point):", 'def case_at(point):\n    """The case."""'),
     "constant of a figure": ("def figure(", "WIDTH = 5.0\n\n\ndef figure("),
     "helper of a figure": ("def figure(", "def shown(x):\n    return 2 * x\n\n\ndef figure("),
 }
@@ -176,7 +176,7 @@ def test_another_class_at_a_new_value_recomputes_nothing(tmp_path: Path) -> None
     said: list[str] = []
     grown = replace(
         study.override({"a": [1, 2, 3, 4]}),
-        scene_at=lambda point: other(4) if point["a"] == 4 else study.scene_at(point),
+        case_at=lambda point: other(4) if point["a"] == 4 else study.case_at(point),
     )
     run(grown, tmp_path / "out", options=options, log=said.append)
     assert any("3 cases are stored, 1 to compute" in line for line in said)

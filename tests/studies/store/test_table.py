@@ -96,11 +96,11 @@ ALONE = RunOptions(workers=0, repeats=0)
 
 
 def table(numbers: tuple[float, ...], offsets: tuple[float, ...]) -> Study:
-    def scene_at(point: Point) -> Trouble:
+    def case_at(point: Point) -> Trouble:
         return Trouble(float(point["number"]), float(point["offset"]))
 
     axes = (Axis("number", numbers, "what is squared"), Axis("offset", offsets, "what is added"))
-    return Study("table", "Sums.", axes, scene_at, measures)
+    return Study("table", "Sums.", axes, case_at, measures)
 
 
 def test_a_smaller_run_leaves_what_is_stored_in_the_file(tmp_path: Path) -> None:

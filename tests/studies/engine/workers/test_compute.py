@@ -12,7 +12,7 @@ import xarray as xr
 from contactstudy.domain.reuse import ArrayCache, cached_array
 from studies.engine.workers import compute
 from studies.engine.workers.compute import time_once, timed
-from studies.model.outcome import CaseStatus, Work
+from studies.model.outcome import CaseStatus, RunSettings
 from tests.studies.conftest import POSIX
 
 
@@ -34,12 +34,12 @@ class Square:
         return {}
 
 
-WORK = Work(lambda case, result: {"square": result})
+WORK = RunSettings(lambda case, result: {"square": result})
 
 
 @POSIX
 def test_an_alarm_ends_a_case_that_hangs_and_is_off_afterwards() -> None:
-    work, began = Work(WORK.measures, time_limit=0.05), perf_counter()
+    work, began = RunSettings(WORK.measures, time_limit=0.05), perf_counter()
     outcome = compute.compute(Square(1.0, hangs=True), work)
     assert outcome.case_status is CaseStatus.TIMEOUT
     assert 0.05 <= outcome.seconds < perf_counter() - began

@@ -69,11 +69,11 @@ def measures(case: Leaky, result: int) -> Mapping[str, object]:
 
 
 def study(numbers: list[int]) -> Study:
-    def scene_at(point: Point) -> Leaky:
+    def case_at(point: Point) -> Leaky:
         return Leaky(int(point["number"]))
 
     return Study(
-        "leaky", "Leaks", (Axis("number", tuple(numbers), "n"),), scene_at, measures, "none"
+        "leaky", "Leaks", (Axis("number", tuple(numbers), "n"),), case_at, measures, "none"
     )
 
 

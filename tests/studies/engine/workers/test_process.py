@@ -18,7 +18,7 @@ import pytest
 from studies.engine.workers import process as module
 from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
 from studies.engine.workers.process import Worker, packed
-from studies.model.outcome import CaseStatus, Outcome, Work
+from studies.model.outcome import CaseStatus, Outcome, RunSettings
 from studies.store.loaded import Present
 from tests.studies.conftest import POSIX
 from tests.studies.engine import trouble
@@ -38,7 +38,7 @@ class Leaving(Trouble):
 
 @pytest.fixture
 def worker() -> Iterator[Worker]:
-    one = Worker(packed(Work(trouble.measures)))
+    one = Worker(packed(RunSettings(trouble.measures)))
     yield one
     one.end()
 
@@ -85,7 +85,7 @@ def test_of_a_case_that_ends_its_own_process_the_exit_code_is_said(
 
 def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> None:
     for case, failure in ((Trouble(2.0), None), (Trouble(float(RAISES)), "ArithmeticError")):
-        (outcome,) = worker.run(cloudpickle.dumps((case,)), ("one",), None, is_timed=True)
+        (outcome,) = worker.run(cloudpickle.dumps((case,)), ("one",), None, "time")
         assert (outcome.sample is None) == (failure is not None)
         assert failure is None or (outcome.failure.kind, outcome.failure.stage) == (
             failure,
@@ -106,9 +106,9 @@ def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: P
     (tmp_path / "random.py").write_text("1 / 0")
     script = (
         "from studies.engine.workers.process import Worker, packed\n"
-        "from studies.model.outcome import Work\nfrom tests.studies.engine import trouble\n"
+        "from studies.model.outcome import RunSettings\nfrom tests.studies.engine import trouble\n"
         "import cloudpickle, os, psutil\n"
-        "one = Worker(packed(Work(trouble.parent_process)))\n"
+        "one = Worker(packed(RunSettings(trouble.parent_process)))\n"
         "(found,) = one.run(cloudpickle.dumps((trouble.Trouble(1.0),)), ['one'], None)\n"
         "server = psutil.Process(int(found.variables['process']))\n"
         "assert server.pid != os.getpid()\n"
@@ -136,7 +136,7 @@ def test_the_end_of_the_process_that_forks_workers_ends_no_run(
     )
     server.send_signal(getattr(signal, signal_name))
     # the next one is asked for while the system ends it
-    other = Worker(packed(Work(trouble.measures)))
+    other = Worker(packed(RunSettings(trouble.measures)))
     assert squares(outcomes_of(other, Trouble(4.0), Trouble(5.0))) == [16, 25]
     assert squares(outcomes_of(worker, Trouble(6.0))) == [36]
     other.end()
@@ -144,7 +144,7 @@ def test_the_end_of_the_process_that_forks_workers_ends_no_run(
 
 def test_a_worker_that_ends_while_its_process_starts_leaves_none() -> None:
     """Python would wait at its exit for a process that nobody ends."""
-    one = Worker(packed(Work(trouble.measures)))
+    one = Worker(packed(RunSettings(trouble.measures)))
     before = set(multiprocessing.active_children())
     with ThreadPoolExecutor(1) as pool, module.START_LOCK:
         answers = pool.submit(outcomes_of, one, Trouble(2.0))

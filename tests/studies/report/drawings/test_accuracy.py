@@ -17,7 +17,7 @@ def made_up() -> xr.Dataset:
     bound = np.array([0.02, 0.04, 0.01, np.inf])
     data = {
         "kind": ("case", [0, 0, 1, 1]),
-        "silent": ("case", [0, 0, 0, 0]),
+        "missing_without_reason": ("case", [0, 0, 0, 0]),
         "use": ("case", [1, 1, 1, 2]),
     }
     for metric in METRICS:
@@ -46,7 +46,7 @@ def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:
 
 def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Dataset) -> None:
     made_up["contact_area_error"][1], made_up["contact_area_error"][2] = UNKNOWN, 0.0
-    made_up["silent"][3] = 1
+    made_up["missing_without_reason"][3] = 1
     of_first, of_second = DRAWING.tables(made_up)[0].rows
     # of two areas one is known, whose bound is twice the error; the other kind has an error of nothing and no bound
     assert of_first[8:] == ("100.0 %", "2", "0")

@@ -5,7 +5,7 @@ from math import inf
 import pytest
 
 from studies.report.drawings.comparison import parts
-from studies.report.wording import rivals_text, verdict_text
+from studies.report.wording import alternatives_text, verdict_text
 from tests.studies.advice.test_measuring import COPIED, EXACT, of, one
 
 COARSE = one(EXACT, 32, 0.04, (1e-3,) * 9)
@@ -14,13 +14,13 @@ OTHER = one(COPIED, 64, 0.025, (6e-3,) * 9)
 
 
 def test_the_verdict_names_setting_error_bound_and_time() -> None:
-    measured = of(COARSE, FINE, OTHER, floor=0.004)
+    measured = of(COARSE, FINE, OTHER, reference_bound=0.004)
     verdict = measured.verdict()
     assert verdict_text(measured, verdict) == (
         "Use exact periodicity, 64 x 64 cells, tolerance 1e-4: the L1 error of the pressure is 2.0\xa0% ± 0.40\xa0%, "
         "in 4 ms on one thread; 3.0\xa0% was requested."
     )
-    assert rivals_text(measured, verdict) == (
+    assert alternatives_text(measured, verdict) == (
         "Slower in 9 rounds: duplicated padding (1.5 times, 2 ms more). The next coarser grid, 32 x 32 cells, has an "
         "error of "
         "4.0\xa0% in 0.25 times the time and misses the request."
@@ -28,7 +28,7 @@ def test_the_verdict_names_setting_error_bound_and_time() -> None:
 
 
 def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> None:
-    measured = of(FINE, floor=inf)
+    measured = of(FINE, reference_bound=inf)
     verdict = measured.verdict()
     text = verdict_text(measured, verdict)
     assert not parts(measured)[0].tables
@@ -37,7 +37,7 @@ def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> N
 
 
 def test_a_table_of_costs_lists_the_quickest_setting_of_each_error_that_is_reached() -> None:
-    price, _, _ = parts(of(COARSE, FINE, OTHER, floor=0.004))
+    price, _, _ = parts(of(COARSE, FINE, OTHER, reference_bound=0.004))
     (table,) = price.tables
     shown = {row[0]: (row[2], row[5], row[6]) for row in table.rows}
     assert shown["10\xa0%"] == ("32 x 32 cells", "1 ms", "duplicated: 6 times")
@@ -55,7 +55,7 @@ def test_what_a_padding_alone_does_is_listed_with_its_sign() -> None:
 
 @pytest.mark.parametrize("floor", [0.0, 0.004])
 def test_the_page_says_what_errors_are_against(floor: float) -> None:
-    *_, about = parts(of(FINE, floor=floor))
+    *_, about = parts(of(FINE, reference_bound=floor))
     (finding,) = about.findings
     assert "96 x 96 cells" in finding.claim
     assert "Without a bound even there: peak pressure." in finding.measured

@@ -12,7 +12,7 @@ RMS, SEEDS, PADDINGS = (
     [1, 2],
     ["zero", "duplicated", "superposed", "circular", "exact"],
 )
-ANSWERS = (
+QUANTITIES = (
     "contact_area", "half_width", "contact_extent", "peak_pressure", "load_spread", "smooth_difference",
 )  # fmt: skip
 ERRORS = (
@@ -33,7 +33,7 @@ def rough() -> xr.Dataset:
         "grid": [40, 80, 160],
         "padding": PADDINGS,
     }
-    dataset = numbered(axes, *ANSWERS, *ERRORS)
+    dataset = numbered(axes, *QUANTITIES, *ERRORS)
     for name in ("grid", "period"):
         dataset *= xr.DataArray([100.0, 50.0, 1.0], coords={name: axes[name]})
     dataset = dataset.transpose(*axes)
@@ -83,14 +83,24 @@ def test_the_finding_compares_the_smooth_contact_with_the_roughest() -> None:
 
 PRESSURES, STEPS, GRID = [2.0, 3.0, 4.0], [2, 8], [24, 48]
 SHOWN = ("peak_pressure", "half_width", "dent", "plastic_depth")
-CAPS = {"peak_pressure": "cap_pressure", "half_width": "cap_half_width", "dent": "cap_dent"}
+CAPS = {
+    "peak_pressure": "hardness_limited_pressure",
+    "half_width": "hardness_limited_half_width",
+    "dent": "hardness_limited_dent",
+}
 
 
 def plastic(steps: list[int] = STEPS, grid: list[int] = GRID) -> xr.Dataset:
     axes = {"pressure": PRESSURES, "hardening": [0.1, 0.5], "steps": steps, "grid": grid}
     errors = ("peak_pressure_error", "dent_error", "plastic_strain_error")
     dataset = numbered(
-        axes, *SHOWN, *CAPS.values(), "cap_difference", *errors, "layers", "convolutions"
+        axes,
+        *SHOWN,
+        *CAPS.values(),
+        "hardness_limited_difference",
+        *errors,
+        "layers",
+        "convolutions",
     )
     dataset["layers"] = (1e4 * dataset["layers"]).round()
     dataset["dent"] *= 100
@@ -106,7 +116,7 @@ def test_the_findings_of_yield_are_of_the_most_steps_and_the_finest_grid() -> No
     assert "differs by 1.9 % in L1" in cap
     assert "At 2 Y it differs by 1.7 %" in cap
     # the 20th after 144, and a hundred times the 20th after 48
-    assert "a depth of yielding of 0.016 a Y / E in the place of a dent of 0.68." in cap
+    assert "a largest negative gap of 0.016 a Y / E in the place of a dent of 0.68." in cap
     # the 12th after 192, 216 and 240, and after 264
     assert "With 8 load steps the peak pressure on a yielding body is accurate to 2.0 %" in cost
     assert "With 8 steps and 48 cells (276 layers)" in cost

@@ -12,7 +12,7 @@ PERIODS, IMAGES, GRID = [0.6, 2.4], [0, 1, 6], [12, 18, 24]
 BY_CELLS = np.array([0.008, 0.012, 0.002])
 
 
-def swept(*, against: str = "Hertz's contact", timed: bool = False) -> xr.Dataset:
+def axes_text(*, against: str = "Hertz's contact", timed: bool = False) -> xr.Dataset:
     """Errors of the cells and, but for exact periodicity, ``1 / (2 pi D^2)`` with D = (n + 1/2) L."""
     reach = (np.array(IMAGES)[:, None] + 0.5) * np.array(PERIODS)
     window = 1 / (2 * np.pi * reach**2)
@@ -34,7 +34,7 @@ def swept(*, against: str = "Hertz's contact", timed: bool = False) -> xr.Datase
 
 def test_the_n_that_is_needed_is_the_least_from_which_on_all_suffice() -> None:
     # at L = 0.6: 1.77, 0.196 and 0.0105 by the window; at 2.4 a sixteenth of these
-    assert rows("images", swept()) == [
+    assert rows("images", axes_text()) == [
         ("0.6 a", "2.2 %", "0.20 %", "> 6", "> 6", "> 6"),
         ("2.4 a", "2.2 %", "0.20 %", "6", "6", "> 6"),
     ]
@@ -42,7 +42,7 @@ def test_the_n_that_is_needed_is_the_least_from_which_on_all_suffice() -> None:
 
 def test_cells_are_enough_where_all_finer_ones_are() -> None:
     # 12 cells meet 1 % by chance, since 18 do not
-    table = rows("grid", swept().isel(images=[-1], period=[-1]))
+    table = rows("grid", axes_text().isel(images=[-1], period=[-1]))
     assert [(row[0], row[-1], row[2]) for row in table] == [
         ("30 %", "12", "12"),
         ("10 %", "12", "12"),
@@ -50,23 +50,23 @@ def test_cells_are_enough_where_all_finer_ones_are() -> None:
         ("1.0 %", "24", "> 24"),
         ("0.30 %", "24", "> 24"),
     ]
-    grid = findings("grid", swept().isel(images=[-1], period=[-1]))[-1]
+    grid = findings("grid", axes_text().isel(images=[-1], period=[-1]))[-1]
     assert "24 cells across the width of 2.4 a for 1 %" in grid
     assert "from 0.80 % at 12 cells to 0.20 % at 24" in grid
 
 
 def test_what_is_said_of_n_and_of_the_period_is_of_the_finest_grid() -> None:
-    n, period, _ = findings("images", swept())
+    n, period, _ = findings("images", axes_text())
     assert "at most 0.20 % here at any period" in n
     # 1.05 % and 0.2 %
     assert "With n = 6 the largest error of a circular window is 1.2 %" in n
     # half of 2.2 %, of 1.25 and 0.27 %, of 0.2 %
     assert "duplicated (1.1 %, 1.1 %); circular, n = 6 (0.62 %, 0.13 %)" in period
-    assert not findings("images", swept(against="a solution on 96 x 96 cells"))
+    assert not findings("images", axes_text(against="a solution on 96 x 96 cells"))
 
 
 def test_the_quickest_setting_of_each_error_stands_beside_the_next_padding() -> None:
-    dataset = swept(timed=True).isel(images=[1], period=[1], grid=[0, 2])
+    dataset = axes_text(timed=True).isel(images=[1], period=[1], grid=[0, 2])
     table = rows("pareto", dataset)
     assert table[0] == ("30 %", "duplicated", "12", "2.8 %", "28 ms", "superposed: 46 ms")
     assert table[-1] == ("0.30 %", "exact", "24", "0.20 %", "84 ms", "none meets it")

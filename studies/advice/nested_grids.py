@@ -1,4 +1,4 @@
-"""Nested grids of one extent: cells 2^k and 1.5 x 2^k times a coarsest of about 12."""
+"""Nested grids of one extent: cells 2^k and 1.5 x 2^k times those of a coarsest grid of about 12."""
 
 from collections.abc import Sequence
 from math import inf, log
@@ -24,14 +24,14 @@ def unit_of(cells: tuple[int, int]) -> tuple[int, int]:
     best = (1, 1)
     for short in UNIT:
         for long in smooth:
-            # a unit of 6 cells first: its rungs are those that most others have
+            # prefer a unit of 6 cells: most other grids share its multiples
             deviation = abs(log(long / short / ratio)) + (0.02 if short != 6 else 0.0)
             if deviation < least:
                 least, best = deviation, (short, long)
     return best if along >= across else (best[1], best[0])
 
 
-def rungs(unit: tuple[int, int], max_cells: int) -> Sequence[tuple[int, tuple[int, int]]]:
+def grids(unit: tuple[int, int], max_cells: int) -> Sequence[tuple[int, tuple[int, int]]]:
     """Return every multiple of the unit with its cells (across, along), up to `max_cells` cells in all."""
     return [
         (multiple, cells)
@@ -48,7 +48,7 @@ def cells_at(unit: tuple[int, int], multiple: int) -> tuple[int, int]:
 
 
 def is_reference(multiple: int) -> bool:
-    """Return whether all rungs that are at most a third as fine divide this one: it is 3 x 2^k."""
+    """Return whether every grid with at most a third of these cells nests in this one, as in multiples 3 x 2^k."""
     return multiple % 3 == 0
 
 

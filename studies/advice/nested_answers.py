@@ -1,4 +1,4 @@
-"""Answers at a scene's own boundary on ever finer nested grids, up to a reference, within a budget of seconds."""
+"""Answers under a scene's own boundary conditions on ever finer nested grids, within a budget of seconds."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -6,16 +6,16 @@ from math import inf, log, prod
 from time import perf_counter, process_time
 
 import contactstudy as cs
-from studies.advice.ladder import MULTIPLES, cells_at, is_reference
-from studies.advice.subject import (
+from studies.advice.compared_scene import (
     Answer,
+    ComparedScene,
     Setting,
-    Subject,
     bounds_of,
     failure_of,
     pressure_of,
     steps_of,
 )
+from studies.advice.nested_grids import MULTIPLES, cells_at, is_reference
 from studies.reference.line_contact import relative_l1
 
 # Tolerance of the reference, and of what is compared on one grid.
@@ -28,12 +28,12 @@ FATAL_STATUSES = (
 )
 # Multiple of the unit from which on a solve that fails is no fault of too coarse a grid.
 RESOLVED_FROM = 8
-# Multiple of the unit up to which every rung is solved that is affordable: less is no reference for any setting.
+# Multiple of the unit up to which every grid is solved that is affordable: less is no reference for any setting.
 COARSE_UP_TO = 6
 # Fraction of the requested error at which the bound on the reference's own error needs no finer grid, and above which
 # it is too large.
 FINE_ENOUGH_FRACTION, TOO_COARSE_FRACTION = 0.02, 0.5
-# Factor by which the error of the finest setting may be larger than it is expected from those of other rungs.
+# Factor by which the error of the finest setting may be larger than it is expected from those of other grids.
 FINEST_MARGIN = 1.5
 # Exponent of the time over the cells, at least and at most.
 TIME_EXPONENTS = 1.0, 1.3
@@ -84,8 +84,8 @@ class Budget:
 
 
 @dataclass
-class Climb:
-    """Answers at the own boundary of a scene, with the processor times that they took.
+class NestedAnswers:
+    """Answers under the scene's own boundary conditions, by the multiple of the coarsest grid.
 
     Attributes
     ----------
@@ -93,26 +93,26 @@ class Climb:
         The scene, the requested relative L1 error, and the seconds.
     notes
         A sentence for each thing that is to be known.
-    solved, times
+    answers, times
         Answers by the multiple of the unit, and their processor times [s].
     """
 
-    subject: Subject
+    subject: ComparedScene
     error: float
     budget: Budget
     notes: list[str] = field(default_factory=list)
-    solved: dict[int, Answer] = field(default_factory=dict)
+    answers: dict[int, Answer] = field(default_factory=dict)
     times: dict[int, float] = field(default_factory=dict)
     _bounds: dict[int, dict[str, float]] = field(default_factory=dict)
     # cost of a bound over that of its answer, as it was last
     _bound_cost: float | None = None
 
     def cells(self, multiple: int) -> tuple[int, int]:
-        """Return the cells (across, along) of a rung."""
+        """Return the cells (across, along) of a grid."""
         return cells_at(self.subject.unit, multiple)
 
     def solve(self, multiple: int) -> None:
-        """Solve on a rung; one that is too coarse for the scene is passed over.
+        """Solve on a grid; one that is too coarse for the scene is passed over.
 
         Raises :class:`~contactstudy.InvalidInput` for a scene without a solution on any finer grid.
         """
@@ -126,7 +126,7 @@ class Climb:
                 raise
             return
         self.times[multiple] = process_time() - start
-        self.solved[multiple] = answer
+        self.answers[multiple] = answer
         if answer.status in FATAL_STATUSES and multiple >= RESOLVED_FROM:
             raise cs.InvalidInput(
                 f"{self.subject.name} has no solution to compare: {failure_of(answer)}"
@@ -136,16 +136,16 @@ class Climb:
         """Return the bounds on the errors of an answer by its cells and steps, by quantity."""
         if multiple not in self._bounds:
             start = process_time()
-            self._bounds[multiple] = bounds_of(self.solved[multiple])
+            self._bounds[multiple] = bounds_of(self.answers[multiple])
             self._bound_cost = (process_time() - start) / self.times[multiple]
         return self._bounds[multiple]
 
-    def up(self, is_needed: Callable[[int], bool], fraction: float = NEXT_FRACTION) -> None:
-        """Solve ever finer rungs that are needed, until the next one would take a fraction of the time left.
+    def refine(self, is_needed: Callable[[int], bool], fraction: float = NEXT_FRACTION) -> None:
+        """Solve ever finer grids that are needed, until the next one would take a fraction of the time left.
 
-        The two coarsest rungs are solved in any case, and further coarse ones unless they take most of that time.
+        The two coarsest grids are solved in any case, and further coarse ones unless they take most of that time.
         """
-        if not self.solved:
+        if not self.answers:
             self.solve(MULTIPLES[0])  # warms up
             if (
                 self.budget.slowdown * self.times.get(MULTIPLES[0], 0.0)
@@ -153,12 +153,12 @@ class Climb:
             ):
                 self.solve(MULTIPLES[0])
         for multiple in MULTIPLES:
-            if multiple in self.solved or not is_needed(multiple):
+            if multiple in self.answers or not is_needed(multiple):
                 continue
             is_coarse = multiple <= COARSE_UP_TO
-            if not is_coarse and multiple < max(self.solved, default=0):
+            if not is_coarse and multiple < max(self.answers, default=0):
                 continue
-            expected = self.forecast(multiple) if self.solved else 0.0
+            expected = self.forecast(multiple) if self.answers else 0.0
             share = NEXT_REFERENCE_FRACTION if is_coarse else fraction
             costs = self.budget.slowdown * expected * (1 + self._cost_of_bound)
             if multiple > MULTIPLES[1] and costs > share * self.budget.left:
@@ -181,11 +181,11 @@ class Climb:
         return FILM_BOUND_COST if self.subject.scene.lubrication is not None else BOUND_COST
 
     def forecast(self, multiple: int) -> float:
-        """Return the processor time [s] to expect of a solve at the own boundary, by those of two rungs before."""
-        finest = max(self.solved)
+        """Return the expected processor time [s] of a solve, extrapolated from two coarser grids by a power law."""
+        finest = max(self.answers)
         size = self._size(multiple) / self._size(finest)
         exponent = TIME_EXPONENTS[1]
-        before = [m for m in self.solved if self._size(m) <= self._size(finest) / 3]
+        before = [m for m in self.answers if self._size(m) <= self._size(finest) / 3]
         if before:
             coarse = max(before)
             grown = log(self.times[finest] / self.times[coarse])
@@ -198,26 +198,26 @@ class Climb:
         return prod(self.cells(multiple))
 
     def reference(self) -> int:
-        """Return the finest rung in which the others nest: one whose bound suits the request, if it is affordable."""
-        self.up(lambda multiple: is_reference(multiple) and not self._is_fine_enough())
+        """Return the multiple of the reference: the finest grid in which the others nest, fine enough if affordable."""
+        self.refine(lambda multiple: is_reference(multiple) and not self._is_fine_enough())
         if self._is_too_coarse():
-            self.up(is_reference, NEXT_REFERENCE_FRACTION)
+            self.refine(is_reference, NEXT_REFERENCE_FRACTION)
         return self._finest
 
     @property
     def _finest(self) -> int:
-        """The finest rung that may be the reference."""
-        return max(filter(is_reference, self.solved), default=max(self.solved))
+        """The finest grid that may be the reference."""
+        return max(filter(is_reference, self.answers), default=max(self.answers))
 
     def _is_fine_enough(self) -> bool:
         """Return whether the finest possible reference so far has a bound far below the request."""
-        if not any(map(is_reference, self.solved)):
+        if not any(map(is_reference, self.answers)):
             return False
         return self._bound_by_cells(self._finest) <= FINE_ENOUGH_FRACTION * self.error
 
     def _bound_by_cells(self, multiple: int) -> float:
         """Return the bound on the error of the pressure without that by steps in time, which no cells make smaller."""
-        steps = steps_of(self.solved[multiple])
+        steps = steps_of(self.answers[multiple])
         return self.bounds(multiple)["pressure_l1"] - steps if steps < inf else 0.0
 
     def _is_too_coarse(self) -> bool:
@@ -226,11 +226,11 @@ class Climb:
         Its error, on cells three times as large, lies between those on cells twice and four times as large.
         """
         reference = self._finest
-        bound, true = self._bound_by_cells(reference), pressure_of(self.solved[reference])
+        bound, true = self._bound_by_cells(reference), pressure_of(self.answers[reference])
         errors = [
-            relative_l1(pressure_of(self.solved[reference // part]), true)
+            relative_l1(pressure_of(self.answers[reference // part]), true)
             for part in (2, 4)
-            if reference % part == 0 and reference // part in self.solved
+            if reference % part == 0 and reference // part in self.answers
         ]
         finest = FINEST_MARGIN * prod(errors) ** (1 / len(errors)) if errors else 0.0
         return bound > TOO_COARSE_FRACTION * self.error or bound + finest > self.error

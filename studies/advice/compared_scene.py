@@ -1,4 +1,4 @@
-"""What a comparison of settings needs of a scene: its extent and own boundary, its answers and their bounds."""
+"""A scene whose settings are compared: its extent and own boundary conditions, its answers and their bounds."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -16,30 +16,30 @@ from contactstudy.io.film_quantities import film_quantities
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import requirements_of
 from contactstudy.planning.plan import MEMORY_FRACTION
-from studies.advice.ladder import unit_of
+from studies.advice.nested_grids import unit_of
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH, relative_l1
 
-# Relative error of the quick grid that gives extent and ratio of cells where a scene has none.
-QUICK = 0.2
-# Cells and tolerance of the solutions that tell the ratio of cells, the most of them, and the factor of the ratio at
-# which it is good enough.
-TRIAL, TRIAL_TOLERANCE, TRIALS, ENOUGH = 2**11, 1e-4, 4, 1.3
+# Relative error of the coarse plan that gives extent and ratio of cells where a scene has none.
+QUICK_ERROR = 0.2
+# Cells and tolerance of the solutions from which the ratio of cells follows, how often it is changed at most, and the
+# factor below which a change ends it.
+TRIAL_CELLS, TRIAL_TOLERANCE, TRIALS, BALANCE_RATIO = 2**11, 1e-4, 4, 1.3
 # Largest ratio of cells across over cells along of grids that are not balanced by solutions.
-SLENDER = 16
+MAX_ASPECT = 16
 # Factor by which a width is made larger that the contact or its attraction reaches the end of.
-WIDER, NARROW = 1.5, (cs.Status.CONTACT_AT_EDGE, cs.Status.ATTRACTION_AT_EDGE)
+WIDENING, TOO_NARROW = 1.5, (cs.Status.CONTACT_AT_EDGE, cs.Status.ATTRACTION_AT_EDGE)
 # Quantities whose change by a padding is reported, and what they are called.
 REPORTED = {
     "peak_pressure": "peak pressure",
     "contact_area": "contact area",
     "mean_gap": "mean gap",
     "largest_von_mises": "largest von Mises stress",
-    "stick_fraction": "fraction that sticks",
+    "stick_fraction": "stick fraction",
     "traction_coefficient": "traction",
     "rolling_resistance": "rolling resistance",
     "pull_off": "pull-off load",
     "central_film": "central film",
-    "minimum_film": "smallest film",
+    "minimum_film": "minimum film",
     "friction_coefficient": "friction",
 }
 UNBOUNDED = ErrorEstimate(ErrorParts(discretisation=inf))
@@ -66,7 +66,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Subject:
+class ComparedScene:
     """Scene whose settings are compared, on one extent.
 
     Attributes
@@ -80,7 +80,7 @@ class Subject:
     boundary
         The boundary of the scene itself: all images, or free ends.
     unit
-        Cells of which every grid has a multiple, see :func:`~studies.advice.ladder.unit_of`.
+        Cells of which every grid has a multiple, see :func:`~studies.advice.nested_grids.unit_of`.
     options
         Options of a solve beside the tolerance.
     times
@@ -117,7 +117,7 @@ class Subject:
             )
 
     def fits(self, cells: tuple[int, int]) -> bool:
-        """Return whether this machine's memory holds a solve at the own boundary."""
+        """Return whether this machine's memory holds a solve under the scene's own boundary conditions."""
         return memory(self.grid(cells), self.boundary) <= MEMORY_FRACTION * available_bytes()
 
     @property
@@ -127,7 +127,7 @@ class Subject:
 
     @cached_property
     def exact(self) -> "cs.analytic.HertzLine | None":
-        """Hertz's line contact where it is the truth: a smooth elastic cylinder; else None."""
+        """Hertz's line contact where it is the exact solution: a smooth elastic cylinder; else None."""
         if (
             self.scene.hertz is None
             or self.is_free
@@ -192,8 +192,8 @@ def steps_of(answer: Answer) -> float:
 
 
 @dataclass(frozen=True)
-class Described:
-    """Scene to compare settings of, as a file describes it, before any grid is chosen.
+class SceneText:
+    """A scene as its file describes it, before any grid is chosen.
 
     Attributes
     ----------
@@ -221,25 +221,27 @@ class Described:
         )
         return key(canonical(parts))
 
-    def subject(self, error: float = QUICK) -> "Subject":
+    def subject(self, error: float = QUICK_ERROR) -> "ComparedScene":
         """Return the scene on an extent, where the requested error matters little."""
-        return subject_of(self.file, self.name, self.text, error)
+        return compared_scene(self.file, self.name, self.text, error)
 
 
-def described_in(path: Path) -> Described:
+def scene_in(path: Path) -> SceneText:
     """Return the scene in a TOML file."""
     described = cs.read_scene(path)  # raises InvalidInput for an invalid file
-    return Described(path.stem, path.read_text(encoding="utf-8"), described)
+    return SceneText(path.stem, path.read_text(encoding="utf-8"), described)
 
 
-def paper_described(period: float = WIDTH) -> Described:
+def paper_scene(period: float = WIDTH) -> SceneText:
     """Return the paper's steel cylinder, with a period in half-widths."""
     a = HERTZ.half_width
     file = cs.SceneFile(SCENE, grid=cs.Grid((128, 128), (WIDTH * a, period * a)))
-    return Described("the paper's cylinder", f"# the paper's cylinder, L = {period:g} a\n", file)
+    return SceneText("the paper's cylinder", f"# the paper's cylinder, L = {period:g} a\n", file)
 
 
-def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float = QUICK) -> Subject:
+def compared_scene(
+    described: cs.SceneFile, name: str, text: str = "", error: float = QUICK_ERROR
+) -> ComparedScene:
     """Return the scene of a file as a subject.
 
     Parameters
@@ -279,7 +281,7 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
             f"{name} has no curved shape, so that it has no width of its own: give it a [grid]."
         )
     elif at_rest:
-        grid = requirements_of(scene).grid(max(error, QUICK), described.plan_settings.period)
+        grid = requirements_of(scene).grid(max(error, QUICK_ERROR), described.plan_settings.period)
     else:
         grid = described.plan().grid
     if scene.hertz is not None:
@@ -295,24 +297,26 @@ def subject_of(described: cs.SceneFile, name: str, text: str = "", error: float 
         else shape
         for shape in scene.shapes
     )
-    subject = Subject(
+    subject = ComparedScene(
         name,
         replace(scene, shapes=shapes),
         grid.extent,
         padding,
-        unit_of(_less_slender(grid.cells)),
+        unit_of(_with_limited_aspect(grid.cells)),
         described.settings,
         described.time_steps if scene.takes_times else None,
         text,
         tuple(notes),
     )
-    return balanced(subject, grid.cells) if described.grid is None and at_rest else subject
+    return (
+        with_balanced_cells(subject, grid.cells) if described.grid is None and at_rest else subject
+    )
 
 
-def _less_slender(cells: tuple[int, int]) -> tuple[int, int]:
-    """Return cells with at most `SLENDER` times as many across as along, so that the coarsest grids are quick."""
+def _with_limited_aspect(cells: tuple[int, int]) -> tuple[int, int]:
+    """Return cells with at most `MAX_ASPECT` times as many across as along, so that the coarsest grids are quick."""
     across, along = cells
-    return (min(across, SLENDER * along) if along > 1 else across), along
+    return (min(across, MAX_ASPECT * along) if along > 1 else across), along
 
 
 def _is_at_rest(scene: cs.Scene) -> bool:
@@ -320,30 +324,30 @@ def _is_at_rest(scene: cs.Scene) -> bool:
     return scene.lubrication is None and not scene.rolls and scene.changing is None
 
 
-def balanced(subject: Subject, cells: tuple[int, int]) -> Subject:
-    """Return the subject, wide enough, with cells that add about equally to the error across and along.
+def with_balanced_cells(subject: ComparedScene, cells: tuple[int, int]) -> ComparedScene:
+    """Return the scene on an extent that holds the contact, with cells that add equally to the error along each axis.
 
-    Found by solutions on some thousand cells, each twice as fine along one axis.
+    Two solutions on some thousand cells, each with twice the cells along one axis, give the contributions.
     """
     ratio = cells[0] / cells[1]
     if cells[1] == 1:
         return subject
     for _ in range(TRIALS):
-        along = max(4, round(sqrt(TRIAL / ratio)))
+        along = max(4, round(sqrt(TRIAL_CELLS / ratio)))
         trial = max(4, round(ratio * along)), along
         answers = [
             subject.solve(Setting(subject.boundary, tried, TRIAL_TOLERANCE))
             for tried in (trial, (2 * trial[0], trial[1]), (trial[0], 2 * trial[1]))
         ]
         widest = requirements_of(subject.scene).widest
-        width = min(WIDER * subject.extent[0], widest)
-        if answers[0].status in NARROW and width > subject.extent[0]:
+        width = min(WIDENING * subject.extent[0], widest)
+        if answers[0].status in TOO_NARROW and width > subject.extent[0]:
             subject = replace(subject, extent=(width, subject.extent[1]))
             continue
         pressure, finer_across, finer_along = map(pressure_of, answers)
         gain = relative_l1(pressure, finer_across) / (relative_l1(pressure, finer_along) or 1.0)
         factor = min(max(gain**0.8, 1 / 4), 4.0)
         ratio *= factor
-        if 1 / ENOUGH < factor < ENOUGH:
+        if 1 / BALANCE_RATIO < factor < BALANCE_RATIO:
             break
     return replace(subject, unit=unit_of((round(1000 * ratio), 1000)))

@@ -31,7 +31,7 @@ from studies.advice.comparison import (
 from studies.advice.front import pareto_front
 from studies.advice.measuring import compare_settings
 from studies.advice.nested_answers import Budget, NestedAnswers
-from studies.advice.rounds import median_ratio_and_p, sign_test
+from studies.advice.rounds import median_ratio_and_p, sign_test, times_in_rounds
 from studies.advice.stored import as_text, from_text, store, stored
 from studies.reference.line_contact import HERTZ, SCENE, hertz_means, relative_l1
 
@@ -105,7 +105,7 @@ def burn(seconds: float) -> None:
 
 
 @pytest.mark.parametrize("act", [sleep, burn], ids=["interrupted", "compiles"])
-def test_one_slow_solve_does_not_end_the_ladder(
+def test_one_slow_solve_does_not_end_the_refinement(
     act: Callable[[float], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     slow = iter([2.0])
@@ -117,7 +117,7 @@ def test_one_slow_solve_does_not_end_the_ladder(
         return solve(subject, setting)
 
     monkeypatch.setattr(ComparedScene, "solve", slowed)
-    nested = NestedAnswers(scene_in(EXAMPLES / "rough.toml").subject(), 0.1, Budget(60.0))
+    nested = NestedAnswers(scene_in(EXAMPLES / "rough.toml").subject(), 0.1, Budget(600.0))
     nested.refine(lambda multiple: prod(nested.cells(multiple)) <= 144 * 72)
     assert nested.cells(max(nested.answers)) == (144, 72)
 

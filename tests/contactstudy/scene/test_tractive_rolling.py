@@ -252,17 +252,24 @@ def test_creepage_of_a_given_force_is_carters(fraction: float) -> None:
 
 
 RIGID, ELASTIC = cs.HalfSpace(inf, 0.3), cs.HalfSpace(210e9, 0.3)
+UNLIKE = (ELASTIC, RIGID)
+WIDE = replace(SMOOTH, solids=UNLIKE).hertz.half_width
+
+
+def solved_unlike(
+    friction: cs.TractiveRolling, pair: tuple[cs.HalfSpace, cs.HalfSpace] = UNLIKE
+) -> cs.Solution:
+    scene = replace(SMOOTH, solids=pair, friction=friction)
+    grid = cs.Grid((256, 1), (2.4 * WIDE, 1e-3))
+    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
+    assert solution.status is cs.Status.CONVERGED
+    return solution
 
 
 @pytest.mark.parametrize(("part", "fraction"), [(-0.5, -0.9553), (0.0, -0.7364), (0.5, -0.2116)])
 def test_pressing_unlike_bodies_shifts_the_creep_curve(part: float, fraction: float) -> None:
     """Computed once by another program: Poisson's ratio 0.3 on a rigid body, 256 cells."""
-    solids = (ELASTIC, RIGID)
-    a = replace(SMOOTH, solids=solids).hertz.half_width
-    grid = cs.Grid((256, 1), (2.4 * a, 1e-3))
-    scene = replace(SMOOTH, solids=solids, friction=rolling(longitudinal=part * MU * a / RADIUS))
-    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
-    assert solution.status is cs.Status.CONVERGED
+    solution = solved_unlike(rolling(longitudinal=part * MU * WIDE / RADIUS))
     assert traction_share(solution)[0] == pytest.approx(fraction, abs=1e-3)
 
 
@@ -274,28 +281,17 @@ def test_unlike_bodies_that_roll_freely_creep(
     coefficient: float, free: float, stick: float
 ) -> None:
     """In units of ``beta a / R``; ``2 / pi`` where all sticks. The elastic body is stretched, and so falls behind."""
-    solids = (ELASTIC, RIGID)
-    a = replace(SMOOTH, solids=solids).hertz.half_width
-    grid = cs.Grid((256, 1), (2.4 * a, 1e-3))
-    found = []
-    for pair in (solids, solids[::-1]):
-        scene = replace(
-            SMOOTH, solids=pair, friction=cs.TractiveRolling(coefficient, tangential=0.0)
-        )
-        solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()), tolerance=1e-6)
-        assert solution.status is cs.Status.CONVERGED
-        found.append(solution.traction.creepage.longitudinal * RADIUS / (abs(dundurs(pair)) * a))
-        assert solution.stick.sum() / (solution.pressure > 0).sum() == pytest.approx(
-            stick, abs=1e-2
-        )
-    assert found == pytest.approx([free, -free], rel=2e-3)
+    unit = abs(dundurs(UNLIKE)) * WIDE / RADIUS
+    for pair, creepage in ((UNLIKE, free), (UNLIKE[::-1], -free)):
+        solution = solved_unlike(cs.TractiveRolling(coefficient, tangential=0.0), pair)
+        assert solution.traction.creepage.longitudinal / unit == pytest.approx(creepage, rel=2e-3)
+        sticks = solution.stick.sum() / (solution.pressure > 0).sum()
+        assert sticks == pytest.approx(stick, abs=1e-2)
 
 
 def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
     """A sphere that rolls with lateral creepage, seen from a quarter turn, is not the same; from its mirror it is."""
-    scene = replace(
-        SMOOTH, solids=(ELASTIC, RIGID), shapes=(cs.Sphere(RADIUS),), load=cs.LineLoad(1e4)
-    )
+    scene = replace(SMOOTH, solids=UNLIKE, shapes=(cs.Sphere(RADIUS),), load=cs.LineLoad(1e4))
     grid = cs.Grid((32, 32), (4e-4, 4e-4))
     free = cs.ZeroPadding(), cs.ZeroPadding()
     one, other = (
@@ -386,9 +382,6 @@ def test_a_dataset_has_slip_and_power() -> None:
     np.testing.assert_array_equal(dataset["slip_x"].values, solution.traction.slip[0])
     np.testing.assert_array_equal(dataset["power_density"].values, solution.traction.power)
     assert dataset["power_density"].attrs["units"] == "W m-2"
-
-
-UNLIKE = (ELASTIC, RIGID)
 
 
 @pytest.mark.parametrize(

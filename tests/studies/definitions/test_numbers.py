@@ -17,8 +17,7 @@ from studies.definitions.speed import SLOPE, self_affine
 from studies.engine.run import run
 from studies.model.case import OperatorCase
 from studies.reference.line_contact import HERTZ, SCENE
-from studies.registry import load, load_drawing
-from studies.report import page as report
+from studies.registry import load
 from tests.studies.conftest import quiet
 
 LINE = cs.Grid(cells=(64, 4), extent=(2.4 * HERTZ.half_width, HERTZ.half_width))
@@ -101,9 +100,6 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Pa
     # creep multiplies compliance by 1 + 1.5 (1 - exp(-2))
     widest = float(fine["half_width"].isel(steps=-1, time=-1))
     assert abs(widest - np.sqrt(1 + 1.5 * (1 - np.exp(-2)))) < 0.36 / 512 / 0.1
-    report.draw_figures(study, load_drawing("creep"), tmp_path)
-    assert (tmp_path / "creep" / "creep.png").is_file()
-    assert load_drawing("creep").findings(dataset)
 
 
 @pytest.mark.whole
@@ -122,9 +118,6 @@ def test_explicit_wear_breaks_before_its_limit_and_implicit_never(tmp_path: Path
     # between the rigid law and that of the cubes added, and a little above: 2 and 9^(1/3) = 2.08
     last = float(dataset["half_width"].sel(scheme="two-stage").isel(steps=-1, distance=-1))
     assert 2 < last < 2.2
-    report.draw_figures(study, load_drawing("wear"), tmp_path)
-    assert (tmp_path / "wear" / "wear.png").is_file()
-    assert load_drawing("wear").findings(stored)
 
 
 @pytest.mark.whole
@@ -148,9 +141,6 @@ def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not(tmp_p
     # 2.8 Y over 3 Y, not 0.787
     assert float(known["hardness_limited_pressure"][1]) == pytest.approx(2.8 / 3, abs=1e-9)
     assert float(known["hardness_limited_difference"][1]) > 0.1
-    report.draw_figures(study, load_drawing("plastic"), tmp_path)
-    assert (tmp_path / "plastic" / "plastic.png").is_file()
-    assert load_drawing("plastic").findings(dataset.expand_dims(("grid", "hardening")))
 
 
 POINT = {

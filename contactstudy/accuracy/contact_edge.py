@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import gauss
+from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4
@@ -57,7 +57,7 @@ def modes(count: int) -> Array:
 def offset() -> float:
     """Return the position of d = 0, in cells outward of the centre of the outermost touching cell."""
     slope = 0.0
-    for node, weight in gauss(200):
+    for node, weight in mean_gauss_rule(200):
         angle = np.pi * (node + 1) / 2
         slope -= weight * float(_log_symbol(np.array([angle]))[0]) / np.sin(angle / 2) ** 2
     return 0.25 + slope / 4

@@ -1,6 +1,7 @@
 """Preconditioner of a contact problem: a pressure on the contact from its displacement.
 
-1. A displacement ``u`` known on the contact is extended to all cells with little energy.
+1. A displacement ``u`` known on the contact is extended to all cells with nearly the least energy, as a harmonic
+   function would be, here for a nonlocal operator: by a normalised convolution.
 2. It is divided by the spectrum of the periodic grid.
 3. The pressure is restricted to the contact by the transposed extension.
 
@@ -179,7 +180,7 @@ class SpectralInverse:
 
 
 class CoveringExtension:
-    """Extension of a contact that holds a fraction of every cell: its displacement counts for the whole cell.
+    """Extension of a contact that holds a part of every cell: the displacement of that part is that of the whole cell.
 
     `pressure` is the map from a displacement of all cells to their pressure.
     """

@@ -7,25 +7,31 @@ from typing import ClassVar
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_image import (
-    image_cell,
-    image_lattice,
-    image_row,
+from contactstudy.elasticity.kernels.buried_potential import (
+    buried_cell,
+    buried_lattice,
+    buried_row,
     log_mean,
 )
 from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_shear import SWAPPED, Part, ShearWaves, image
+from contactstudy.elasticity.kernels.layer_shear import (
+    SWAPPED,
+    ShearWaves,
+    Subtracted,
+    buried_field,
+)
 from contactstudy.elasticity.kernels.wave_coefficients import LATTICE_RATIO, WaveCoefficients
 
-# A cell alone is one of a lattice so many times as far apart as asked, at least so many thicknesses over the distance of
-# the nearest poles of the response: what is left of its images is then below 1e-6. Beyond so many waves along an axis
-# they are summed by a transform.
-LONGEST, MOST_WAVES = 64.0, 1200
+# Smallest period of the lattice that stands for a single cell, in thicknesses over the distance of the poles from the
+# real axis: the images then contribute less than 1e-6.
+MIN_PERIOD = 64.0
+# Number of waves along an axis up to which they are summed as a series, and beyond which by a transform.
+MAX_SERIES_WAVES = 1200
 
 
 @dataclass(frozen=True)
-class CoatingDisplacement:
+class CoatingCoefficients:
     """Influence coefficients [m] that a bonded layer adds to those of a half-space of its own material.
 
     They are pi E1* times displacement over pressure, with E1* the plane-strain modulus of the layer: ``d0 I + J``.
@@ -39,7 +45,7 @@ class CoatingDisplacement:
     thickness
         Thickness of the layer [m].
     datum
-        Distance [m] as in :class:`~contactstudy.elasticity.coefficients.Displacement`.
+        Distance [m] as in :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
     """
 
     response: LayerResponse
@@ -47,7 +53,7 @@ class CoatingDisplacement:
     datum: float
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
-    def swap_axes(self) -> "CoatingDisplacement":
+    def swap_axes(self) -> "CoatingCoefficients":
         """Return these coefficients, which do not change when the axes are exchanged."""
         return self
 
@@ -58,15 +64,15 @@ class CoatingDisplacement:
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the response to one cell; x and y broadcast."""
-        image = image_cell(x, y, dx, dy, 2 * self.thickness)
-        return self._remainder.cell(x, y, dx, dy) + self.response.contrast * image
+        buried = buried_cell(x, y, dx, dy, 2 * self.thickness)
+        return self._remainder.cell(x, y, dx, dy) + self.response.contrast * buried
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        image = image_row(x, y, dx, dy, period, 2 * self.thickness)
+        buried = buried_row(x, y, dx, dy, period, 2 * self.thickness)
         remainder = self._remainder.row(x, y, dx, dy, period)
         shift = self.rigid_shift(dx * dy / period)
-        return np.asarray(remainder + self.response.contrast * image + shift)
+        return np.asarray(remainder + self.response.contrast * buried + shift)
 
     def rigid_shift(self, line: float) -> float:
         """Return what the datum adds to the response to a row of images, each with the area `line` times the period."""
@@ -76,13 +82,13 @@ class CoatingDisplacement:
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
-        image = image_lattice(x, y, dx, dy, width, period, 2 * self.thickness)
+        buried = buried_lattice(x, y, dx, dy, width, period, 2 * self.thickness)
         remainder = self._remainder.lattice(x, y, dx, dy, width, period)
-        return remainder + self.response.contrast * image
+        return remainder + self.response.contrast * buried
 
 
 @dataclass(frozen=True)
-class CoatingShear:
+class CoatingShearCoefficients:
     """Influence coefficients [m] that a bonded layer adds under shear to those of a half-space of its own material.
 
     They are those of :class:`~contactstudy.elasticity.kernels.layer_shear.ShearWaves`: displacement along the surface
@@ -96,9 +102,9 @@ class CoatingShear:
     thickness
         Thickness of the layer [m].
     name
-        "xx", "xy", "yy", "x" or "y", as in :class:`~contactstudy.elasticity.tangential.SurfaceField`.
+        "xx", "xy", "yy", "x" or "y", as in :class:`~contactstudy.elasticity.tangential.CerrutiCoefficients`.
     datum
-        Distance [m] as in :class:`~contactstudy.elasticity.coefficients.Displacement`.
+        Distance [m] as in :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
     """
 
     response: LayerResponse
@@ -109,28 +115,30 @@ class CoatingShear:
     @property
     def parity(self) -> tuple[int, int]:
         """Parity along each axis."""
-        return ShearWaves(self.response, Part.ALL).parity(self.name)
+        return ShearWaves(self.response, Subtracted.NONE).parity(self.name)
 
-    def swap_axes(self) -> "CoatingShear":
+    def swap_axes(self) -> "CoatingShearCoefficients":
         """Return the field with x and y exchanged."""
-        return CoatingShear(self.response, self.thickness, SWAPPED[self.name], self.datum)
+        return CoatingShearCoefficients(
+            self.response, self.thickness, SWAPPED[self.name], self.datum
+        )
 
     @property
     def _terms(self) -> tuple[tuple[float, ...], ...]:
         """Terms of long waves."""
-        return ShearWaves(self.response, Part.ALL).terms
+        return ShearWaves(self.response, Subtracted.NONE).terms
 
-    def _waves(self, part: Part) -> WaveCoefficients:
-        """Return the sums of waves of a `part` of the response."""
-        return WaveCoefficients(ShearWaves(self.response, part), self.thickness, self.name)
+    def _waves(self, subtracted: Subtracted) -> WaveCoefficients:
+        """Return the sums of waves of the response without the terms that are `subtracted`."""
+        return WaveCoefficients(ShearWaves(self.response, subtracted), self.thickness, self.name)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the response to one cell; x and y broadcast."""
-        h, waves = self.thickness, self._waves(Part.SHORT)
+        h, waves = self.thickness, self._waves(Subtracted.ALL_THREE)
         farthest = max(float(np.abs(x).max()), float(np.abs(y).max())) + max(dx, dy)
-        least = LONGEST * h / self.response.first_pole
+        least = MIN_PERIOD * h / self.response.pole_distance_from_real_axis
         period = max(LATTICE_RATIO * farthest, least)
-        if waves.count(period) <= MOST_WAVES:
+        if waves.count(period) <= MAX_SERIES_WAVES:
             total = h * waves.series(x, y, dx, dy, period)
         else:
             total = h * waves.cell(x, y, dx, dy, least)
@@ -141,19 +149,19 @@ class CoatingShear:
             elif self.name == "xy":
                 images = {self.name: along - across}
             for name, weight in images.items():
-                total += h**order * weight * image(name, order, x, y, dx, dy, 2 * h)
+                total += h**order * weight * buried_field(name, order, x, y, dx, dy, 2 * h)
         return np.asarray(total)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        varying = self.thickness * self._waves(Part.ALL).varying(x, y, dx, dy, period)
+        varying = self.thickness * self._waves(Subtracted.NONE).varying(x, y, dx, dy, period)
         return np.asarray(varying + self._strip(x.ravel(), dx)[:, None] * (dy / period))
 
     def _strip(self, x: Array, dx: float) -> Array:
         """Return the response to a strip of width `dx`, endless along y, at offsets `x`."""
         depth = 2 * self.thickness
         along, across, coupling = (terms[0] for terms in self._terms)
-        remainder = self.thickness * self._waves(Part.REGULAR).strip(x, dx)
+        remainder = self.thickness * self._waves(Subtracted.FIRST).strip(x, dx)
         if self.name == "x":
             upper, lower = (
                 edge * np.arctan(edge / depth) - depth / 2 * np.log(edge**2 + depth**2)
@@ -171,4 +179,4 @@ class CoatingShear:
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
-        return self.thickness * self._waves(Part.ALL).lattice(x, y, dx, dy, width, period)
+        return self.thickness * self._waves(Subtracted.NONE).lattice(x, y, dx, dy, width, period)

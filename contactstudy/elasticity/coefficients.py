@@ -48,8 +48,8 @@ class Coefficients(Protocol):
 
 
 @dataclass(frozen=True)
-class Displacement:
-    """Influence coefficients of the normal displacement of a half-space: pi E* times displacement over pressure [m].
+class BoussinesqCoefficients:
+    """Integrals of 1 / r over a cell: pi E* times the normal displacement of a half-space over the pressure [m].
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Displacement:
     datum: float
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
-    def swap_axes(self) -> "Displacement":
+    def swap_axes(self) -> "BoussinesqCoefficients":
         """Return these coefficients, which do not change when the axes are exchanged."""
         return self
 

@@ -19,8 +19,19 @@ from contactstudy.elasticity.approximate_inverse import (
     SpectralInverse,
     at_unpadded_waves,
 )
-from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel, without_shift
-from contactstudy.elasticity.transforms import ComplexField, even_waves, scale, transforms
+from contactstudy.elasticity.coefficients import (
+    BoussinesqCoefficients,
+    Coefficients,
+    kernel,
+    without_shift,
+)
+from contactstudy.elasticity.transforms import (
+    TRANSFORMS,
+    ComplexField,
+    even_waves,
+    scale,
+    transforms,
+)
 
 # Wave numbers with less than this fraction of the energy of the largest one do not count.
 NEGLIGIBLE_ENERGY = 1e-28
@@ -55,9 +66,8 @@ CONSTANTS = OperatorConstants()
 class Convolution:
     """Linear map from pressure to displacement on one grid, ``displacement = K * pressure``.
 
-    Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. That of an even kernel is symmetric, and
-    positive definite except for a rigid shift; that of an odd kernel is neither. Rows of zeros are not
-    transformed along y, and only the rows of the grid are transformed back.
+    Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. It is symmetric, and positive definite except
+    for a rigid shift. Rows of zeros are not transformed along y, and only the rows of the grid are transformed back.
 
     Parameters
     ----------
@@ -227,6 +237,25 @@ def _aliased(low: Array, high: Array, weights: Array) -> Array:
     return folded
 
 
+@dataclass(frozen=True, eq=False)
+class GeneralConvolution:
+    """Convolution of fields (x, y) with coefficients that are even or odd, by their `spectrum` on the padded grid."""
+
+    spectrum: ComplexField
+    cells: tuple[int, int]
+    padded: tuple[int, int]
+
+    def times(self, factors: float | ComplexField) -> "GeneralConvolution":
+        """Return the convolution whose waves are multiplied by `factors`."""
+        return replace(self, spectrum=self.spectrum * factors)
+
+    def __call__(self, field: Array) -> Array:
+        """Return `field` (x, y) convolved with the coefficients."""
+        waves = TRANSFORMS.forward(field, self.padded)
+        waves *= self.spectrum
+        return TRANSFORMS.backward(waves, self.cells, self.padded)
+
+
 def convolution(
     contact_modulus: float, grid: Grid, padding: Padding | Paddings, datum: float
 ) -> Convolution:
@@ -257,7 +286,7 @@ def convolution(
         If the datum is not above 0 m, or the padding is none.
     """
     datum = positive("datum", datum, "give a distance above 0 m")
-    return superposed({Displacement(datum): 1 / (np.pi * contact_modulus)}, grid, padding)
+    return superposed({BoussinesqCoefficients(datum): 1 / (np.pi * contact_modulus)}, grid, padding)
 
 
 def superposed(
@@ -303,12 +332,12 @@ def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Arr
     return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
 
 
-def antisymmetric(
+def odd_convolution(
     response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
-) -> Convolution:
+) -> GeneralConvolution:
     """Return the convolution with a weighted sum of coefficients that are odd along one axis.
 
-    It is not symmetric, so that no solver takes it: its displacement is lagged. Arguments are those of
+    It is antisymmetric, so that no solver takes it: its displacement is lagged. Arguments are those of
     :func:`superposed`.
     """
     paddings = across_and_along(padding)
@@ -318,7 +347,7 @@ def antisymmetric(
         * mirrored_by_parity(kernel(grid, paddings, coefficients), padded, coefficients.parity)
         for coefficients, weight in response.items()
     )
-    return Convolution(fft.rfft2(around), grid.cells, padded)
+    return GeneralConvolution(fft.rfft2(around), grid.cells, padded)
 
 
 def weighted_sum(

@@ -1,15 +1,19 @@
 """Operators from shear on the surface to displacement: coefficients that are odd, and of two components."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
-from contactstudy.elasticity.coefficients import Coefficients, Displacement, kernel
-from contactstudy.elasticity.convolution import mirrored_by_parity, padded_cells
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients, kernel
+from contactstudy.elasticity.convolution import (
+    GeneralConvolution,
+    mirrored_by_parity,
+    padded_cells,
+)
 from contactstudy.elasticity.kernels.stress_cell import stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
@@ -23,8 +27,8 @@ ALIKE = 1e-14
 
 
 @dataclass(frozen=True)
-class SurfaceField:
-    """Influence coefficients of a field on the surface under shear, integrated over a cell.
+class CerrutiCoefficients:
+    """Influence coefficients of a field on the surface under shear, integrated over a cell (Cerruti).
 
     Parameters
     ----------
@@ -32,7 +36,7 @@ class SurfaceField:
         Name of the field in :data:`~contactstudy.elasticity.kernels.traction.SURFACE`, or "yy".
     datum
         Distance [m] from which displacement of a row is counted, for "xx" and "yy", as in
-        :class:`~contactstudy.elasticity.coefficients.Displacement`.
+        :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
     """
 
     name: str
@@ -44,9 +48,11 @@ class SurfaceField:
         even_x, even_y = (-1 if self.name.count(axis) % 2 else 1 for axis in "xy")
         return even_x, even_y
 
-    def swap_axes(self) -> "SurfaceField":
+    def swap_axes(self) -> "CerrutiCoefficients":
         """Return the field with x and y exchanged."""
-        return SurfaceField("".join(sorted(self.name.translate({120: 121, 121: 120}))), self.datum)
+        return CerrutiCoefficients(
+            "".join(sorted(self.name.translate({120: 121, 121: 120}))), self.datum
+        )
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the field of one cell; x and y broadcast."""
@@ -77,33 +83,14 @@ class SurfaceField:
         return 2 * np.pi * stress_cell_doubly_periodic(SURFACE[self.name], x, y, 0.0, *cell, 0.0)
 
     @property
-    def _inverse_distance(self) -> Displacement:
+    def _inverse_distance(self) -> BoussinesqCoefficients:
         """Coefficients of 1 / r, the sum of the fields xx and yy."""
-        return Displacement(self.datum)
+        return BoussinesqCoefficients(self.datum)
 
     @property
-    def _complement(self) -> "SurfaceField":
+    def _complement(self) -> "CerrutiCoefficients":
         """Field that, with this one, adds up to 1 / r."""
-        return SurfaceField("yy" if self.name == "xx" else "xx", self.datum)
-
-
-@dataclass(frozen=True, eq=False)
-class GeneralConvolution:
-    """Convolution of fields (x, y) with coefficients that are even or odd, by their `spectrum` on the padded grid."""
-
-    spectrum: ComplexField
-    cells: tuple[int, int]
-    padded: tuple[int, int]
-
-    def times(self, factors: float | ComplexField) -> "GeneralConvolution":
-        """Return the convolution whose waves are multiplied by `factors`."""
-        return replace(self, spectrum=self.spectrum * factors)
-
-    def __call__(self, field: Array) -> Array:
-        """Return `field` (x, y) convolved with the coefficients."""
-        waves = TRANSFORMS.forward(field, self.padded)
-        waves *= self.spectrum
-        return TRANSFORMS.backward(waves, self.cells, self.padded)
+        return CerrutiCoefficients("yy" if self.name == "xx" else "xx", self.datum)
 
 
 def general_convolution(
@@ -150,57 +137,68 @@ class ShearResponse:
         return float((sums + np.abs(self.xy.spectrum)).max())
 
 
-# Displacement under shear by component of :class:`ShearResponse`, and "x" and "y" along the normal by shear along each
+# Compliance under shear by component of :class:`ShearResponse`, and "x" and "y" along the normal by shear along each
 # axis: coefficients [m] with their weights [1/Pa].
-Shear = Mapping[str, Mapping[Coefficients, float]]
+ShearCompliance = Mapping[str, Mapping[Coefficients, float]]
 
 
-class Sheared(Protocol):
+class ShearableBody(Protocol):
     """Body whose response to shear is known."""
 
-    def shear(self, datum: float) -> Shear:
-        """Return the displacement under unit shear, with the `datum` [m] of its response to pressure."""
+    def shear_compliance(self, datum: float) -> ShearCompliance:
+        """Return the compliance under shear, with the `datum` [m] of the response to pressure."""
         ...
 
 
-def half_space_shear(compliance: float, poisson_ratio: float, datum: float) -> Shear:
-    """Return the displacement of a half-space under shear, by its compliance (1 - nu^2) / E [1/Pa]."""
+def half_space_shear_compliance(
+    compliance: float, poisson_ratio: float, datum: float
+) -> ShearCompliance:
+    """Return the compliance under shear of a half-space, whose compliance under pressure is (1 - nu^2) / E [1/Pa]."""
     alike, shift = compliance / np.pi, compliance / np.pi * poisson_ratio / (1 - poisson_ratio)
     normal = compliance * (1 - 2 * poisson_ratio) / (2 * np.pi * (1 - poisson_ratio))
-    all_alike, xx = Displacement(datum), SurfaceField("xx", datum)
+    all_alike, xx = BoussinesqCoefficients(datum), CerrutiCoefficients("xx", datum)
     return {
         "xx": {all_alike: alike, xx: shift},
         "yy": {all_alike: alike + shift, xx: -shift},
-        "xy": {SurfaceField("xy", datum): shift},
-        "x": {SurfaceField("x", datum): normal},
-        "y": {SurfaceField("y", datum): normal},
+        "xy": {CerrutiCoefficients("xy", datum): shift},
+        "x": {CerrutiCoefficients("x", datum): normal},
+        "y": {CerrutiCoefficients("y", datum): normal},
     }
 
 
 def shear_response(
-    bodies: Iterable[Sheared], grid: Grid, paddings: Paddings, datum: float
+    bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddings, datum: float
 ) -> ShearResponse:
     """Return the displacement of `bodies` together under shear."""
-    shears = [body.shear(datum) for body in bodies]
-    weights = {name: total(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")}
+    shears = [body.shear_compliance(datum) for body in bodies]
+    weights = {
+        name: summed_responses(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")
+    }
     return ShearResponse(*_convolutions(weights, grid, paddings))
 
 
 def normal_displacement(
-    first: Sheared, second: Sheared, axes: str, grid: Grid, paddings: Paddings, datum: float
+    first: ShearableBody,
+    second: ShearableBody,
+    axes: str,
+    grid: Grid,
+    paddings: Paddings,
+    datum: float,
 ) -> list[GeneralConvolution]:
     """Return the change of the gap by shear along each of the `axes`; none for bodies that are alike in shear.
 
     Bodies are alike where the weights of the first one's coefficients are those of the second one's.
     """
-    first_shear, second_shear = first.shear(datum), second.shear(datum)
-    weights = {axis: total(-1, first_shear[axis], second_shear[axis]) for axis in axes}
+    first_shear, second_shear = first.shear_compliance(datum), second.shear_compliance(datum)
+    weights = {axis: summed_responses(-1, first_shear[axis], second_shear[axis]) for axis in axes}
     if not any(weights.values()):
         return []
     return _convolutions(weights, grid, paddings)
 
 
-def total(sign: int, *responses: Mapping[Coefficients, float]) -> Mapping[Coefficients, float]:
+def summed_responses(
+    sign: int, *responses: Mapping[Coefficients, float]
+) -> Mapping[Coefficients, float]:
     """Return the sum of `responses`, all but the first times `sign`, without what cancels or is zero."""
     summed: dict[Coefficients, float] = {}
     sizes: dict[Coefficients, float] = {}

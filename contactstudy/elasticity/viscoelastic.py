@@ -46,7 +46,7 @@ class Creep:
         return value
 
     @property
-    def equilibrium(self) -> float:
+    def equilibrium_compliance(self) -> float:
         """Limit after infinite time; infinite for a fluid."""
         if self.fluidity:
             return float("inf")
@@ -58,17 +58,19 @@ class Creep:
         return Creep(factor * self.instantaneous, terms, factor * self.fluidity)
 
 
-def creep(equilibrium: float, relaxation: tuple[tuple[float, float], ...]) -> Creep:
-    """Return the creep of a body whose modulus relaxes as ``equilibrium + sum(E_i exp(-t / tau_i))``.
+def creep_from_relaxation(
+    equilibrium_modulus: float, relaxation: tuple[tuple[float, float], ...]
+) -> Creep:
+    """Return the creep of a body whose modulus relaxes as ``E_inf + sum(E_i exp(-t / tau_i))``.
 
-    The rates 1 / lambda_i are the zeros of ``E(s) = equilibrium + sum(E_i s / (s + 1 / tau_i))``, which lie one between
+    The rates 1 / lambda_i are the zeros of ``E(s) = E_inf + sum(E_i s / (s + 1 / tau_i))``, which lie one between
     each pair of neighbouring rates 1 / tau_i, so each is bracketed. Source: Park & Schapery (1999), Int. J. Solids
     Struct. 36, eqs. 13 to 23.
 
     Parameters
     ----------
-    equilibrium
-        Modulus after infinite time [Pa]; 0 for a Maxwell fluid.
+    equilibrium_modulus
+        Modulus E_inf after infinite time [Pa]; 0 for a Maxwell fluid.
     relaxation
         Pairs (E_i > 0 [Pa], tau_i > 0 [s]).
 
@@ -82,31 +84,37 @@ def creep(equilibrium: float, relaxation: tuple[tuple[float, float], ...]) -> Cr
         merged[1 / time] = merged.get(1 / time, 0.0) + modulus
     rates = np.array(sorted(merged))
     moduli = np.array([merged[rate] for rate in rates])
-    instantaneous = 1 / (equilibrium + float(moduli.sum()))
-    if equilibrium == 0:
+    instantaneous = 1 / (equilibrium_modulus + float(moduli.sum()))
+    if equilibrium_modulus == 0:
         # one zero is at s = 0: the flow
         fluidity = 1 / float((moduli / rates).sum())
         low, high = rates[:-1], rates[1:]
     else:
         fluidity = 0.0
-        slowest = rates[:1] * min(0.5, equilibrium / (2 * moduli.sum())) if rates.size else rates
+        slowest = (
+            rates[:1] * min(0.5, equilibrium_modulus / (2 * moduli.sum())) if rates.size else rates
+        )
         low, high = np.concatenate([slowest, rates[:-1]]), rates
-    zeros = _zeros(equilibrium, moduli, rates, low.copy(), high.copy())
+    zeros = _zeros(equilibrium_modulus, moduli, rates, low.copy(), high.copy())
     steepness = (moduli * rates / (rates - zeros[:, None]) ** 2).sum(axis=1)
     sizes = 1 / (zeros * steepness)
     terms = tuple((float(size), float(1 / zero)) for size, zero in zip(sizes, zeros, strict=True))
     return Creep(instantaneous, terms, fluidity)
 
 
-def _zeros(equilibrium: float, moduli: Array, rates: Array, low: Array, high: Array) -> Array:
-    """Return where ``equilibrium + sum(E_i z / (z - 1 / tau_i))`` falls through zero in each bracket, by bisection.
+def _zeros(
+    equilibrium_modulus: float, moduli: Array, rates: Array, low: Array, high: Array
+) -> Array:
+    """Return where ``E_inf + sum(E_i z / (z - 1 / tau_i))`` falls through zero in each bracket, by bisection.
 
     `rates` are 1 / tau_i; `low` and `high` are the ends of the brackets.
     """
     for _ in range(BISECTIONS):
         middle = np.sqrt(low) * np.sqrt(high)
         middle = np.clip(middle, np.nextafter(low, high), np.nextafter(high, low))
-        value = equilibrium + (moduli * middle[:, None] / (middle[:, None] - rates)).sum(axis=1)
+        value = equilibrium_modulus + (moduli * middle[:, None] / (middle[:, None] - rates)).sum(
+            axis=1
+        )
         low, high = np.where(value > 0, middle, low), np.where(value > 0, high, middle)
     return np.asarray(np.sqrt(low) * np.sqrt(high))
 
@@ -169,7 +177,7 @@ class RetardedCoefficients:
         def kernel(s: Array) -> Array:
             return self.inner.cell(s[:, None], np.ravel(y), dx, dy)
 
-        parts = self._part(_free(kernel, np.ravel(x), dx, self.length, self._inner_sign))
+        parts = self._part(_open_axis(kernel, np.ravel(x), dx, self.length, self._inner_sign))
         return parts if np.ndim(y) < 2 else parts.T
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
@@ -180,12 +188,12 @@ class RetardedCoefficients:
                 return self.inner.row(np.ravel(x)[:, None], s, dx, dy, period).T
 
             axis = np.ravel(y), dy, period
-            return self._part(_closed(kernel_along, *axis, self.length, self._inner_sign)).T
+            return self._part(_periodic_axis(kernel_along, *axis, self.length, self._inner_sign)).T
 
         def kernel(s: Array) -> Array:
             return self.inner.row(s[:, None], np.ravel(y), dx, dy, period)
 
-        return self._part(_free(kernel, np.ravel(x), dx, self.length, self._inner_sign))
+        return self._part(_open_axis(kernel, np.ravel(x), dx, self.length, self._inner_sign))
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
@@ -197,7 +205,9 @@ class RetardedCoefficients:
         def kernel(s: Array) -> Array:
             return self.inner.lattice(s[:, None], np.ravel(y), dx, dy, width, period)
 
-        return self._part(_closed(kernel, np.ravel(x), dx, width, self.length, self._inner_sign))
+        return self._part(
+            _periodic_axis(kernel, np.ravel(x), dx, width, self.length, self._inner_sign)
+        )
 
     def _part(self, both: tuple[Array, Array]) -> Array:
         """Return the even or odd part of V, from its values at x and at -x."""
@@ -228,7 +238,9 @@ def retarded(
     return parts
 
 
-def _free(kernel: Kernel, x: Array, step: float, length: float, parity: int) -> tuple[Array, Array]:
+def _open_axis(
+    kernel: Kernel, x: Array, step: float, length: float, parity: int
+) -> tuple[Array, Array]:
     """Return V at `x` and at ``-x``, multiples of `step` at least 0; `kernel` has a parity and is not periodic."""
     index = np.round(x / step).astype(int)
     last = max(int(index.max()), 1)
@@ -248,7 +260,7 @@ def _free(kernel: Kernel, x: Array, step: float, length: float, parity: int) -> 
     return trailing[index], leading[index]
 
 
-def _closed(
+def _periodic_axis(
     kernel: Kernel, x: Array, step: float, period: float, length: float, parity: int
 ) -> tuple[Array, Array]:
     """Return V at `x` and at ``-x``, multiples of `step`; `kernel` has a parity and repeats after `period`."""

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.elasticity.coefficients import Displacement
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.adaptive_integrator import AdaptiveIntegrator
 from contactstudy.evolution.checkpoint import Checkpoint
@@ -55,7 +55,7 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
         Distance [m] at which the displacement of a body is zero, as in its ``response``.
     """
     scene_variables: list[StateVariable] = [
-        CreepState(body.creep.times(1 / pi), Displacement(datum))
+        CreepState(body.creep.times(1 / pi), BoussinesqCoefficients(datum))
         for body in scene.solids
         if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]
@@ -263,7 +263,9 @@ def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     ]
     terms = tuple(term for creep in creeps for term in creep.terms)
     fluidity = sum(creep.fluidity for creep in creeps)
-    return CreepState(Creep(1.0, terms, fluidity), Displacement(datum)) if creeps else None
+    return (
+        CreepState(Creep(1.0, terms, fluidity), BoussinesqCoefficients(datum)) if creeps else None
+    )
 
 
 def _load(

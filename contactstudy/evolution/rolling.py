@@ -13,7 +13,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.convolution import antisymmetric, superposed
+from contactstudy.elasticity.convolution import odd_convolution, superposed
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import creeps, instantaneous, response
 from contactstudy.scene.inelastic import rolling_bodies
@@ -79,7 +79,7 @@ class SteadyRolling:
         (nx, ny), pressure = problem.grid.cells, self.solution.pressure
         times = max(2, min(REFINEMENT, MAX_FINE_CELLS // (nx * ny)))
         fine = Grid((times * nx, ny), problem.grid.extent)
-        displacement = antisymmetric(self.antisymmetric_weights, fine, problem.paddings)(
+        displacement = odd_convolution(self.antisymmetric_weights, fine, problem.paddings)(
             np.repeat(pressure, times, axis=0)
         )
         padded = np.concatenate((displacement[:1], displacement, displacement[-1:]))
@@ -197,7 +197,7 @@ def solve_rolling(
     is_coupled = getattr(law, "coupling", None) is not None
     lagged = solve_with_mixing(
         problem if is_coupled else replace(problem, friction=None),
-        antisymmetric(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
+        odd_convolution(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
         options,
         change=change,
         max_outer=max_passes,

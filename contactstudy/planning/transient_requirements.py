@@ -215,5 +215,5 @@ def _softest(body: Body, end: float) -> float:
     """Return the largest compliance [1/Pa] of `body` up to the time `end` [s]."""
     if not isinstance(body, ViscoelasticHalfSpace):
         return body.compliance
-    relaxed = body.creep.equilibrium
+    relaxed = body.creep.equilibrium_compliance
     return relaxed if relaxed < inf else float(body.creep(end))

@@ -14,10 +14,10 @@ from contactstudy.domain.checks import (
     suggest_fields,
 )
 from contactstudy.domain.units import Number, Pascals
-from contactstudy.elasticity.coefficients import Coefficients, Displacement
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 
 if TYPE_CHECKING:
-    from contactstudy.elasticity.tangential import Shear
+    from contactstudy.elasticity.tangential import ShearCompliance
     from contactstudy.scene.motion import Rolling
 
 
@@ -105,14 +105,14 @@ class HalfSpace:
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return Boussinesq's coefficients and weight, ``u = (1 - nu^2) / (pi E) sum I p`` (Johnson 1985, eq. 3.22)."""
-        return {Displacement(datum): self.compliance / math.pi} if self.compliance else {}
+        return {BoussinesqCoefficients(datum): self.compliance / math.pi} if self.compliance else {}
 
-    def shear(self, datum: float) -> "Shear":
+    def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return Cerruti's coefficients and weights (Johnson 1985, eqs. 3.75)."""
         # imported only where something is sheared
-        from contactstudy.elasticity.tangential import half_space_shear
+        from contactstudy.elasticity.tangential import half_space_shear_compliance
 
-        return half_space_shear(self.compliance, self.poisson_ratio, datum)
+        return half_space_shear_compliance(self.compliance, self.poisson_ratio, datum)
 
 
 def poisson_ratio(field: str, value: object) -> float:

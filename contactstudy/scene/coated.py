@@ -9,13 +9,13 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput, in_range, set_fields, suggest_fields
 from contactstudy.domain.units import Metres
-from contactstudy.elasticity.coating import CoatingDisplacement
-from contactstudy.elasticity.coefficients import Coefficients, Displacement
+from contactstudy.elasticity.coating import CoatingCoefficients
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.scene.bodies import HalfSpace
 
 if TYPE_CHECKING:
-    from contactstudy.elasticity.tangential import Shear
+    from contactstudy.elasticity.tangential import ShearCompliance
     from contactstudy.scene.stress import Medium
 
 # Up to this ratio of shear moduli the coefficients are verified.
@@ -86,15 +86,15 @@ class CoatedHalfSpace:
         alone = self.coating.response(datum)
         if self.coating == self.substrate:
             return alone
-        weight = alone[Displacement(datum)]
-        return {**alone, CoatingDisplacement(self._layer, self.thickness, datum): weight}
+        weight = alone[BoussinesqCoefficients(datum)]
+        return {**alone, CoatingCoefficients(self._layer, self.thickness, datum): weight}
 
-    def shear(self, datum: float) -> "Shear":
+    def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return the displacement under shear of a half-space of the coating, and the change by the substrate."""
         # imported only where something is sheared
-        from contactstudy.elasticity.coating import CoatingShear
+        from contactstudy.elasticity.coating import CoatingShearCoefficients
 
-        alone = self.coating.shear(datum)
+        alone = self.coating.shear_compliance(datum)
         if self.coating == self.substrate:
             return alone
         along = self.coating.compliance / math.pi
@@ -102,7 +102,7 @@ class CoatedHalfSpace:
         return {
             name: {
                 **of_coating,
-                CoatingShear(self._layer, self.thickness, name, datum): (
+                CoatingShearCoefficients(self._layer, self.thickness, name, datum): (
                     normal if name in ("x", "y") else along
                 ),
             }

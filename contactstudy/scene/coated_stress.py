@@ -56,7 +56,7 @@ class CoatedStress:
         weights = self._strained(name)
         if not weights:  # what does not depend on the material
             return direct
-        image = self.thickness * stress.reach
+        image = self.thickness * stress.decay_rate
         return (
             *direct,
             (-1.0, half_space(name, image, nu1)),

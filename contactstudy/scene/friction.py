@@ -9,10 +9,10 @@ from contactstudy.domain.checks import InvalidInput, finite, in_range, set_field
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number, readable
+from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import (
     ALIKE,
-    GeneralConvolution,
-    Sheared,
+    ShearableBody,
     normal_displacement,
     shear_response,
 )
@@ -321,7 +321,7 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
     return of_one_material and abs(dundurs(solids)) <= ALIKE
 
 
-def sheared(solids: tuple[Body, ...]) -> tuple[Sheared, ...]:
+def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
     """Return the bodies that respond to shear as `solids` do, those at rest as to a sudden one."""
     bodies = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
     known = HalfSpace | CoatedHalfSpace | RollingHalfSpace

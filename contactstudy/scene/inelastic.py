@@ -18,8 +18,8 @@ from contactstudy.domain.checks import (
     suggest_fields,
 )
 from contactstudy.domain.units import Number, Pascals, Seconds
-from contactstudy.elasticity.coefficients import Coefficients, Displacement
-from contactstudy.elasticity.viscoelastic import Creep, creep, retarded
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
+from contactstudy.elasticity.viscoelastic import Creep, creep_from_relaxation, retarded
 from contactstudy.scene.bodies import (
     Body,
     BodyContext,
@@ -28,7 +28,7 @@ from contactstudy.scene.bodies import (
 )
 
 if TYPE_CHECKING:
-    from contactstudy.elasticity.tangential import Shear
+    from contactstudy.elasticity.tangential import ShearCompliance
 
 
 @suggest_fields
@@ -82,7 +82,9 @@ class ViscoelasticHalfSpace:
     @cached_property
     def creep(self) -> Creep:
         """Creep function ``(1 - nu^2) J(t)`` [1/Pa], where J is the strain under a unit stress held from t = 0 on."""
-        return creep(self.equilibrium_modulus, self.relaxation).times(1 - self.poisson_ratio**2)
+        return creep_from_relaxation(self.equilibrium_modulus, self.relaxation).times(
+            1 - self.poisson_ratio**2
+        )
 
     @property
     def compliance(self) -> float:
@@ -91,7 +93,7 @@ class ViscoelasticHalfSpace:
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return Boussinesq's coefficients for a sudden load, with their weight [1/Pa]."""
-        return {Displacement(datum): self.compliance / math.pi}
+        return {BoussinesqCoefficients(datum): self.compliance / math.pi}
 
     @property
     def youngs_modulus(self) -> float:
@@ -133,18 +135,20 @@ class RollingHalfSpace:
         """Return coefficients of the normal displacement under pressure, even and odd along x, with weights [1/Pa]."""
         total = Counter(self.body.response(datum))
         for size, time in self.body.creep.terms:
-            total.update(retarded({Displacement(datum): size / math.pi}, self.speed * time))
+            total.update(
+                retarded({BoussinesqCoefficients(datum): size / math.pi}, self.speed * time)
+            )
         return total
 
-    def shear(self, datum: float) -> "Shear":
+    def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return coefficients of the displacement under shear, even and odd along x, with weights [1/Pa]."""
-        from contactstudy.elasticity.tangential import half_space_shear
+        from contactstudy.elasticity.tangential import half_space_shear_compliance
 
         creep, ratio = self.body.creep, self.body.poisson_ratio
-        sudden = half_space_shear(creep.instantaneous, ratio, datum)
+        sudden = half_space_shear_compliance(creep.instantaneous, ratio, datum)
         total = {name: Counter(weights) for name, weights in sudden.items()}
         for size, time in creep.terms:
-            for name, weights in half_space_shear(size, ratio, datum).items():
+            for name, weights in half_space_shear_compliance(size, ratio, datum).items():
                 total[name].update(retarded(weights, self.speed * time))
         return total
 

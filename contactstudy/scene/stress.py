@@ -21,7 +21,7 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coefficients import Coefficients, kernel
 from contactstudy.elasticity.convolution import mirrored_by_parity, padded_cells
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, stress_cell
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel, stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
@@ -297,7 +297,7 @@ class StressBelow:
 class StressCoefficients:
     """Influence coefficients of one stress component at one depth [m]."""
 
-    component: Component
+    component: CellKernel
     depth: float
     poisson_ratio: float
 

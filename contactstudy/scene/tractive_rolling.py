@@ -16,7 +16,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
-from contactstudy.elasticity.tangential import Sheared, ShearResponse, shear_response
+from contactstudy.elasticity.tangential import ShearableBody, ShearResponse, shear_response
 from contactstudy.scene.friction import (
     SAMPLES,
     FrictionContact,
@@ -176,7 +176,7 @@ class TractiveRolling:
 
 
 def _response(
-    bodies: tuple[Sheared, ...], paddings: Paddings, datum: float, grid: Grid
+    bodies: tuple[ShearableBody, ...], paddings: Paddings, datum: float, grid: Grid
 ) -> ShearResponse:
     """Return the response of `bodies` to shear on `grid`, the argument that is given last."""
     return shear_response(bodies, grid, paddings, datum)

@@ -12,8 +12,8 @@ import contactstudy as cs
 from contactstudy.accuracy.contact_edge import half_widths
 from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.coating import CoatingDisplacement
-from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
+from contactstudy.elasticity.coating import CoatingCoefficients
+from contactstudy.elasticity.kernels.buried_potential import buried_cell, buried_lattice, buried_row
 from contactstudy.scene.bodies import response
 from contactstudy.scene.coated import CoatedHalfSpace
 from studies.model.axis import Axis
@@ -103,7 +103,7 @@ def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
 class ImageAlone:
     """Influence coefficients of a coating reduced to the image of the load two thicknesses below the surface."""
 
-    coating: CoatingDisplacement
+    coating: CoatingCoefficients
     parity: ClassVar[tuple[int, int]] = (1, 1)
 
     @property
@@ -116,18 +116,18 @@ class ImageAlone:
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the coefficients of one cell."""
-        return self.coating.response.contrast * image_cell(x, y, dx, dy, self._depth)
+        return self.coating.response.contrast * buried_cell(x, y, dx, dy, self._depth)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the coefficients of infinitely many images along y, up to a rigid shift."""
-        return self.coating.response.contrast * image_row(x, y, dx, dy, period, self._depth)
+        return self.coating.response.contrast * buried_row(x, y, dx, dy, period, self._depth)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
         """Return the coefficients of infinitely many images along both axes."""
         extent = width, period
-        return self.coating.response.contrast * image_lattice(x, y, dx, dy, *extent, self._depth)
+        return self.coating.response.contrast * buried_lattice(x, y, dx, dy, *extent, self._depth)
 
 
 def _image_alone(case: Case, body: CoatedHalfSpace) -> cs.Solution:
@@ -135,7 +135,7 @@ def _image_alone(case: Case, body: CoatedHalfSpace) -> cs.Solution:
     problem = case.prepare()
     terms = {
         ImageAlone(coefficients)
-        if isinstance(coefficients, CoatingDisplacement)
+        if isinstance(coefficients, CoatingCoefficients)
         else coefficients: weight
         for coefficients, weight in response((body, RIGID), problem.scales.length).items()
     }

@@ -145,7 +145,7 @@ once = cs.TimeSteps((0,), step_error=cs.StepError.NONE)
 cs.solve(yields, cs.Grid((16, 1), (8e-4, 1e-4)), exact, times=once)
 assert "contactstudy.elasticity.eigenstrain.plane_strain" in sys.modules
 """,
-        "contactstudy.elasticity.eigenstrain.periodic contactstudy.elasticity.eigenstrain.waves",
+        "contactstudy.elasticity.eigenstrain.periodic contactstudy.elasticity.eigenstrain.spectral_block",
     ),
     ("cs.solve(scene.problem(grid, exact)).to_dataset()", "matplotlib contactstudy.scene.stress"),
 )

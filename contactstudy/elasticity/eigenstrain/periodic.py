@@ -16,6 +16,7 @@ from scipy import fft
 
 from contactstudy.domain.device import threads
 from contactstudy.domain.fields import Array
+from contactstudy.elasticity.eigenstrain.half_space_wave import Components
 from contactstudy.elasticity.eigenstrain.plane_strain import BASIS as PLANE
 from contactstudy.elasticity.eigenstrain.plane_strain import (
     PlaneStrainOperator,
@@ -23,9 +24,8 @@ from contactstudy.elasticity.eigenstrain.plane_strain import (
     log_distance,
     real_spectrum,
 )
+from contactstudy.elasticity.eigenstrain.spectral_block import Complex, SurfaceLoad, Waves
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.elasticity.eigenstrain.wave import Components
-from contactstudy.elasticity.eigenstrain.waves import Complex, SurfaceLoad, Waves
 
 # Number of the component that is odd in x.
 ODD = 1

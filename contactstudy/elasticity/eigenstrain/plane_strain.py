@@ -25,7 +25,7 @@ Kernel = Callable[[Array, Array], tuple[Array, Array, Array]]
 ORDERS = tuple((m, n) for m in range(3) for n in range(3))
 
 
-def influence(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
+def airy_means(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
     """Return means of derivatives of Airy's stress function G over a cell of one `layer`, by sources in all layers.
 
     For each (m, n) of `ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G``; G is that of a half-space free of traction. The
@@ -99,7 +99,7 @@ def _products(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]
     return derivatives
 
 
-def pressed(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
+def stress_means_under_pressure(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
     """Return means of the stresses xx, zz and xz over cells under one cell of unit pressure, each (layers, x).
 
     `offsets` of the stress from the pressure and `edges` of the layers are in cells. Source: the integrals of Johnson
@@ -114,7 +114,7 @@ def pressed(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
     )
 
 
-def sheared(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
+def stress_means_under_shear(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
     """Return means of the stresses xx, zz and xz as :func:`pressed`, under one cell of unit shear along x.
 
     Source: the integrals of Johnson (1985), eqs. 2.26, over the cells: zz and xz are xz and xx of a pressed cell, and
@@ -220,11 +220,11 @@ class PlaneStrainOperator:
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
-        return self.deviator(self._pressed(pressure))
+        return self.deviator(self._stress_of_traction(pressure))
 
     def stress_of_shear(self, shear: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `shear` along x (x, 1) [Pa]."""
-        return self.deviator(self._pressed(shear, sheared))
+        return self.deviator(self._stress_of_traction(shear, stress_means_under_shear))
 
     def stress_of_strain(self, strain: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes."""
@@ -234,7 +234,7 @@ class PlaneStrainOperator:
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the displacement (x, 1) [m] of the unloaded surface into the body by plastic `strain`."""
-        volume, spectrum = self.volume, self._spectrum_of(pressed)
+        volume, spectrum = self.volume, self._spectrum_of(stress_means_under_pressure)
         first, last = volume.first, volume.last
         padded = self._padded_grid
         moments = np.zeros((3, volume.shape[0], last))
@@ -285,7 +285,9 @@ class PlaneStrainOperator:
             tensor[1] -= self.moduli.youngs_modulus * BASIS[1, 1] * out_of_plane
         return tensor
 
-    def _pressed(self, traction: Array, kind: Kernel = pressed) -> Array:
+    def _stress_of_traction(
+        self, traction: Array, kind: Kernel = stress_means_under_pressure
+    ) -> Array:
         """Return the in-plane stress (3, layers, x, 1) [Pa] under a `traction` (x, 1) [Pa], pressure or shear."""
         padded = self._padded_grid
         waves = self._spectrum_of(kind) * fft.rfft(traction[:, 0], padded)
@@ -330,7 +332,7 @@ class PlaneStrainOperator:
         Each item is the component i of the stress, the component j of the unit strain, and the means over a cell
         (layers of the strain, x) at `count` offsets 0, 1, 2 ... across.
         """
-        means = influence(count, self.edges_in_cells, layer)
+        means = airy_means(count, self.edges_in_cells, layer)
         for i, j in np.ndindex(3, 3):
             yield i, j, (self.moduli.plane_strain * FACTORS[i, j]) * means[DERIVATIVES[i][j]]
 
@@ -416,7 +418,9 @@ class OuterStrain:
     @cached_property
     def _surface_displacements(self) -> Array:
         """Sums of in-plane stress (3, layers, x) by pressure in a cell, over all cells more than x to its right."""
-        xx, zz, xz = pressed(np.arange(float(self._count)), self.operator.edges_in_cells)
+        xx, zz, xz = stress_means_under_pressure(
+            np.arange(float(self._count)), self.operator.edges_in_cells
+        )
         # under pressure that is the same everywhere, xx = zz = -1
         uniform = -np.ones((len(xx), 1))
         sums = _even_sums(xx, uniform), _even_sums(zz, uniform), _odd_sums(2**0.5 * xz)

@@ -70,8 +70,9 @@ class Volume:
 class EigenstrainOperator(Protocol):
     """Linear maps on plastic strain e (component, layers, x, y), constant in each cell of a volume, to cell means.
 
-    Components are deviatoric, in an orthonormal basis of C tensors: 3 in plane strain, 5 otherwise. x points across,
-    y along, z into the body. Stress is positive in tension, pressure in compression; plastic strain has no unit.
+    Components are deviatoric, in an orthonormal (Mandel) basis of C tensors: 3 in plane strain, 5 otherwise. x points
+    across, y along, z into the body. Stress is positive in tension, pressure in compression; plastic strain has no
+    unit.
     """
 
     @property

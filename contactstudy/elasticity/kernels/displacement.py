@@ -169,7 +169,7 @@ def _near_and_middle(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     return result
 
 
-def line(x: Array, y: Array, half: Array) -> Array:
+def segment_integral(x: Array, y: Array, half: Array) -> Array:
     """Return the integral of 1/r along a segment of half-length `half`, at `x` aside and `y` along its axis."""
     # The first form loses digits outside the segment, the second inside.
     result = np.empty(x.shape)
@@ -192,23 +192,23 @@ def _edges(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     along, half = np.stack([y, x, y, x]), np.stack(np.broadcast_arrays(half_y, half_x) * 2)
     # An edge contributes nothing to points on its line; any nonzero distance avoids a division by zero.
     aside = np.where(outward == 0, 1.0, np.abs(outward))
-    return np.asarray((outward * line(aside, along, half)).sum(axis=0))
+    return np.asarray((outward * segment_integral(aside, along, half)).sum(axis=0))
 
 
 def _lines(x: Array, y: Array, half_x: Array, half_y: Array) -> Array:
     """Return the integral of 1/r over a cell by Gauss points across it, each a line along it."""
-    nodes, weights = np.array(gauss(NEAR_POINTS)).T[:, :, None]
+    nodes, weights = np.array(mean_gauss_rule(NEAR_POINTS)).T[:, :, None]
     total = np.zeros(x.shape)
     count = max(1, BATCH // max(x.size, 1))
     for start in range(0, NEAR_POINTS, count):
         part = slice(start, start + count)
-        lines = line(x + nodes[part] * half_x, y, half_y)
+        lines = segment_integral(x + nodes[part] * half_x, y, half_y)
         total += (weights[part] * lines).sum(axis=0)
     return 2 * half_x * total
 
 
 @cache
-def gauss(points: int) -> tuple[tuple[float, float], ...]:
+def mean_gauss_rule(points: int) -> tuple[tuple[float, float], ...]:
     """Return Gauss-Legendre nodes on (-1, 1) with weights that add up to one."""
     nodes, weights = leggauss(points)
     return tuple(zip(nodes.tolist(), (weights / 2).tolist(), strict=True))
@@ -386,7 +386,7 @@ def gauss_points(away: float) -> tuple[tuple[float, float], ...]:
     Their error is `QUADRATURE_ERROR`.
     """
     # n points leave rho^-2n of a field that is analytic in the Bernstein ellipse with cosh ln rho = away
-    return gauss(1 + int(np.log(QUADRATURE_ERROR) / (-2 * np.arccosh(away))))
+    return mean_gauss_rule(1 + int(np.log(QUADRATURE_ERROR) / (-2 * np.arccosh(away))))
 
 
 def sum_of_products(across: Array, along: Array, shape: tuple[int, ...]) -> Array:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.special import binom, digamma, zeta
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import QUADRATURE_ERROR, gauss
+from contactstudy.elasticity.kernels.displacement import QUADRATURE_ERROR, mean_gauss_rule
 from contactstudy.elasticity.kernels.layer_response import (
     LAST_WAVE,
     LayerResponse,
@@ -164,7 +164,7 @@ class LayerRemainder:
             return np.asarray(
                 np.cos(np.multiply.outer(x, q)) @ integrand * (4 * np.pi / width * dx)
             )
-        far_field = FAR_FIELD_DISTANCE * h / self.response.nearest_pole
+        far_field = FAR_FIELD_DISTANCE * h / self.response.pole_distance_from_zero
         last = int(np.ceil(max(far_field, 2 * dx) / width)) + 20
         total = -2 * np.pi * self.response.slope * h * dx / width * np.ones_like(x)
         second, fourth, sixth = self.tables.taylor
@@ -226,7 +226,7 @@ def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
     counts = np.ceil(np.log(QUADRATURE_ERROR) / (-2 * radius)).astype(int)
     pieces = np.empty((aside.size, half.size))
     for count in np.unique(counts).tolist():
-        nodes, weights = np.array(gauss(count)).T
+        nodes, weights = np.array(mean_gauss_rule(count)).T
         chosen = np.flatnonzero(counts == count)
         square = (middle[chosen, None] + half[chosen, None] * nodes) ** 2
         step = max(1, BATCH // square.size)
@@ -341,7 +341,9 @@ class RemainderRow:
         nodes_x = reach * chebyshev.chebpts1(count)
         nodes_y = period / 2 * chebyshev.chebpts1(24)
         far_field = (
-            FAR_FIELD_DISTANCE * self.remainder.thickness / self.remainder.response.nearest_pole
+            FAR_FIELD_DISTANCE
+            * self.remainder.thickness
+            / self.remainder.response.pole_distance_from_zero
         )
         last = int(np.ceil(max(far_field, 2 * (reach + self.dx / 2)) / period)) + 2
         values = self._tail(nodes_x, nodes_y, last)
@@ -364,9 +366,9 @@ class RemainderRow:
         h, period = self.remainder.thickness, self.period
         powers = (3, -second * h**2), (5, 9 * fourth * h**4), (7, -225 * sixth * h**6)
         total = np.zeros((x.size, y.size))
-        for node_x, weight_x in gauss(4):
+        for node_x, weight_x in mean_gauss_rule(4):
             u = np.abs(x + node_x * self.dx / 2)[:, None]
-            for node_y, weight_y in gauss(4):
+            for node_y, weight_y in mean_gauss_rule(4):
                 v = y + node_y * self.dy / 2
                 for power, strength in powers:
                     for k in range(14):

@@ -76,12 +76,12 @@ class LayerResponse:
         return (4 * kap + 2 * (2 * lam * kap - self.contrast * cross)) / (one_lam * one_kap)
 
     @property
-    def nearest_pole(self) -> float:
+    def pole_distance_from_zero(self) -> float:
         """Lower bound of the distance of singularities of `remainder` from k = 0."""
         return 0.2 / max(self.shear_ratio, 1.0)
 
     @property
-    def first_pole(self) -> float:
+    def pole_distance_from_real_axis(self) -> float:
         """Lower bound of the distance of poles of `remainder` in the right half-plane from the real axis."""
         return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
 
@@ -109,14 +109,14 @@ class LayerResponse:
         coupling = t * above / (one_lam * one_kap + remainder)
         return self._remainder(k, -1), antiplane, np.asarray(coupling)
 
-    def _remainder(self, k: Numbers, side: int) -> Numbers:
-        """Return the remainder under pressure (`side` 1) or shear along the wave (-1)."""
+    def _remainder(self, k: Numbers, sign: int) -> Numbers:
+        """Return the remainder under pressure (`sign` 1) or shear along the wave (-1)."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
         higher_order, d0 = self._higher_order(k), self.contrast
         above = (
-            4 * kap * k * (side + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * higher_order
+            4 * kap * k * (sign + k) + u * (2 * lam * kap - d0 * cross) - d0 * kap * higher_order
         )
         return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
 
@@ -138,7 +138,7 @@ class LayerResponse:
 
     def series(self, function: Callable[[Numbers], Numbers]) -> list[float]:
         """Return the Taylor coefficients at k = 0 of a `function` that is as regular there as the response."""
-        around = 0.5 * self.nearest_pole
+        around = 0.5 * self.pole_distance_from_zero
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
         terms = np.real(np.fft.fft(function(around * turn))) / 64
         return [float(term / around**n) for n, term in enumerate(terms)]
@@ -214,7 +214,7 @@ class RemainderTables:
     def _edge_at(self, s: Array) -> Array:
         """Return `edge` at distances `s` in order, by quadrature over k."""
         response = self.response
-        if s[0] >= NEGLIGIBLE_EXPONENT / response.first_pole:
+        if s[0] >= NEGLIGIBLE_EXPONENT / response.pole_distance_from_real_axis:
             # along the imaginary axis, where J1 decays as K1; the neglected part is below rounding
             tau, weight = self._imaginary(float(s[0]))
             even = np.real(response.remainder(1j * tau)) / tau
@@ -227,7 +227,7 @@ class RemainderTables:
     def _strip_at(self, s: Array) -> Array:
         """Return `strip` over `s` at distances `s` in order, by quadrature over k."""
         response = self.response
-        if s[0] >= NEGLIGIBLE_EXPONENT / response.first_pole:
+        if s[0] >= NEGLIGIBLE_EXPONENT / response.pole_distance_from_real_axis:
             tau, weight = self._imaginary(float(s[0]))
             even = np.real(response.remainder(1j * tau)) / tau**2
             far = np.exp(-np.multiply.outer(s, tau)) @ (even * weight)
@@ -239,15 +239,15 @@ class RemainderTables:
     def _real(self, s: float) -> tuple[Array, Array]:
         """Return Gauss points and weights for integrals over k of a field that oscillates with ``k s``."""
         longest = min(0.5, 4 * np.pi / max(s, 1.0))
-        ends = [0.0, min(self.response.nearest_pole, longest)]
+        ends = [0.0, min(self.response.pole_distance_from_zero, longest)]
         while ends[-1] < LAST_WAVE:
             ends.append(ends[-1] + min(ends[-1], longest))
         return composite(np.array(ends))
 
     def _imaginary(self, s: float) -> tuple[Array, Array]:
         """Return Gauss points and weights for integrals over tau of a field that decays like ``exp(-s tau)``."""
-        end = min(self.response.first_pole, NEGLIGIBLE_EXPONENT / s)
-        start = 1e-3 * min(self.response.nearest_pole, 1 / s)
+        end = min(self.response.pole_distance_from_real_axis, NEGLIGIBLE_EXPONENT / s)
+        start = 1e-3 * min(self.response.pole_distance_from_zero, 1 / s)
         count = int(np.ceil(np.log2(end / start)))
         return composite(np.concatenate([[0.0], np.geomspace(start, end, count + 1)]))
 

@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
 from contactstudy.elasticity.kernels.stress_cell import (
-    Component,
+    CellKernel,
     KernelFunction,
     second_derivative_log,
     second_derivative_log_point,
@@ -21,15 +21,15 @@ from contactstudy.elasticity.kernels.traction import SURFACE
 MAX_ALIASES = 8
 
 
-class Part(Enum):
-    """Part of a response: what is left without terms of long waves, ``(a + b k + c k^2) exp(-2 k)``."""
+class Subtracted(Enum):
+    """Terms of long waves, ``(a + b k + c k^2) exp(-2 k)``, that are subtracted from a response."""
 
-    #: All of it.
-    ALL = 0
-    #: Without the first term, so that the remainder of waves across is regular.
-    REGULAR = 1
-    #: Without all three, so that the remainder falls as the fifth power of the distance.
-    SHORT = 3
+    #: No term: the whole response.
+    NONE = 0
+    #: The first term, so that the remainder of waves across is regular.
+    FIRST = 1
+    #: All three, so that the remainder falls as the fifth power of the distance.
+    ALL_THREE = 3
 
 
 SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
@@ -46,16 +46,16 @@ class ShearWaves:
     ----------
     materials
         Ratio of the moduli and Poisson's ratios.
-    part
-        ``Part.ALL`` of it, or the remainder without terms of long waves, which are known in closed form.
+    subtracted
+        Terms of long waves that are left out, as they are known in closed form.
     """
 
     materials: LayerResponse
-    part: Part
+    subtracted: Subtracted
 
     @property
-    def reach(self) -> float:
-        """Distance over the thickness that amplitudes decay with."""
+    def decay_rate(self) -> float:
+        """Rate, per wave number times thickness, at which amplitudes decay."""
         return 2.0
 
     @property
@@ -102,10 +102,10 @@ class ShearWaves:
         remainders = _remainders(self.materials, k)
         for remainder, (constant, slope, curvature) in zip(remainders, self.terms, strict=True):
             missing = {
-                Part.ALL: constant,
-                Part.REGULAR: 0.0,
-                Part.SHORT: -(slope + curvature * k) * k,
-            }[self.part]
+                Subtracted.NONE: constant,
+                Subtracted.FIRST: 0.0,
+                Subtracted.ALL_THREE: -(slope + curvature * k) * k,
+            }[self.subtracted]
             responses.append(np.asarray(remainder + missing * decay))
         return responses
 
@@ -147,13 +147,13 @@ def _x_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 def _field(
     name: str, parity: tuple[int, int], point: KernelFunction, corner: KernelFunction
-) -> Component:
+) -> CellKernel:
     """Return a field of a cell alone."""
-    return Component(name, parity, point, corner, lambda strip, nu: 0.0, name)
+    return CellKernel(name, parity, point, corner, lambda strip, nu: 0.0, name)
 
 
-# By field: the image term of shear along waves, and its first two derivatives by -z; across them x and y are swapped.
-IMAGES = {
+# By field: the buried term of shear along waves, and its first two derivatives by -z; across them x and y are swapped.
+BURIED_FIELDS = {
     "xx": (
         _field(
             "qx^2 / q^3",
@@ -212,8 +212,10 @@ IMAGES = {
 }
 
 
-def image(name: str, order: int, x: Array, y: Array, dx: float, dy: float, depth: float) -> Array:
-    """Return the integral over a cell of the field `name` of an image at a `depth`, derived by -z `order` times."""
-    if name not in IMAGES:
+def buried_field(
+    name: str, order: int, x: Array, y: Array, dx: float, dy: float, depth: float
+) -> Array:
+    """Return the integral of the field `name` over a cell buried at a `depth`, derived by -z `order` times."""
+    if name not in BURIED_FIELDS:
         x, y, dx, dy, name = y, x, dy, dx, SWAPPED[name]
-    return 2 * np.pi * stress_cell(IMAGES[name][order], x, y, depth, dx, dy, 0.0)
+    return 2 * np.pi * stress_cell(BURIED_FIELDS[name][order], x, y, depth, dx, dy, 0.0)

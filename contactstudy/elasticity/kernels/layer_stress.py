@@ -57,8 +57,8 @@ class LayerStress:
         return both[0] if self.in_layer else both[1]
 
     @property
-    def reach(self) -> float:
-        """Distance over the thickness that a remainder decays with: exp(-k `reach`)."""
+    def decay_rate(self) -> float:
+        """Rate, per wave number times thickness, at which a remainder decays: exp(-k `decay_rate`)."""
         return 2 - self.depth if self.in_layer else self.depth
 
     def plane(self, k: Numbers) -> Numbers:
@@ -74,16 +74,18 @@ class LayerStress:
         return result
 
     def remainder(self, k: Numbers) -> Numbers:
-        """Return :meth:`plane` less what is known in closed form, which is zero at k = 0 and decays as exp(-k `reach`).
+        """Return :meth:`plane` less what is known in closed form: zero at k = 0, decaying as exp(-k `decay_rate`).
 
-        In the layer that is the stress in a half-space of its material, and at the depth of the image of the point in
-        the bond the difference between the substrate's strain in the layer's material and that. Below, it is the stress
-        in a half-space of the substrate.
+        In the layer that is the stress in a half-space of its material, and at the depth of the mirror image of the
+        point in the bond the difference between the substrate's strain in the layer's material and that. Below, it is
+        the stress in a half-space of the substrate.
         """
         remainder: Numbers = self.plane(k) - np.array(half_space(k * self.depth))
         if self.in_layer:
-            at_image = np.array(half_space(k * self.reach))
-            remainder[:, 2] -= self.strained(at_image[:, 0], at_image[:, 2]) - at_image[:, 2]
+            at_mirror_image = np.array(half_space(k * self.decay_rate))
+            remainder[:, 2] -= (
+                self.strained(at_mirror_image[:, 0], at_mirror_image[:, 2]) - at_mirror_image[:, 2]
+            )
         return remainder
 
     def strained(self, normal: Numbers, across: Numbers) -> Numbers:
@@ -101,9 +103,9 @@ class LayerStress:
         if not self.in_layer:
             through = (1 - mismatch) * reflected
             return (1 - through) * decay, (through - 1) * decay
-        image = np.exp(-k * self.reach)
-        down, up = reflected * decay, mismatch * reflected * image
-        return decay - down + up, down + up - decay - (ratio - 1) * image
+        mirrored = np.exp(-k * self.decay_rate)
+        down, up = reflected * decay, mismatch * reflected * mirrored
+        return decay - down + up, down + up - decay - (ratio - 1) * mirrored
 
     def interpolated(self, k: Array) -> Array:
         """Return :meth:`remainder` at real `k` of any shape up to `LAST_STRESS_WAVE`, by a spline made once."""
@@ -208,7 +210,7 @@ def _stress(functions: Numbers, weights: Numbers) -> Numbers:
 @lru_cache(maxsize=64)
 def _table(stress: LayerStress) -> BSpline:
     """Return the remainder as a spline (load and component) of the wave number."""
-    ends = [0.0, stress.materials.nearest_pole / 2]
+    ends = [0.0, stress.materials.pole_distance_from_zero / 2]
     while ends[-1] < LAST_STRESS_WAVE:
         ends.append(ends[-1] + min(ends[-1], SPLINE_PIECE))
     k = np.concatenate(

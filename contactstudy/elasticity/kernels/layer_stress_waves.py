@@ -9,11 +9,11 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
 from contactstudy.elasticity.kernels.layer_stress import LayerStress
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
 from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
 
 # Components of stress by the load on the surface: pressure, shear across, shear along.
-FAMILIES: Mapping[str, Mapping[str, Component]] = {
+FAMILIES: Mapping[str, Mapping[str, CellKernel]] = {
     "pressure": COMPONENTS,
     "across": CERRUTI_ACROSS,
     "along": CERRUTI_ALONG,
@@ -40,9 +40,9 @@ class StressWaves:
     load: str
 
     @property
-    def reach(self) -> float:
-        """Distance over the thickness that the remainder decays with."""
-        return self.stress.reach
+    def decay_rate(self) -> float:
+        """Rate, per wave number times thickness, at which the remainder decays."""
+        return self.stress.decay_rate
 
     @property
     def max_aliases(self) -> float:

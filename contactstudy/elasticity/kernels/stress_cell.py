@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import gauss
+from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
 
 # Distances in the longer side of a cell. Up to CORNER_DISTANCE the difference of corners loses a factor of
 # CORNER_DISTANCE^2 and the cell's aspect; from there on a point's field is analytic in a Bernstein ellipse of
@@ -24,25 +24,25 @@ KernelFunction = Callable[[Array, Array, float, Array, float], Array]
 
 
 @dataclass(frozen=True)
-class Component:
-    """Kernel of one component of the stress tensor.
+class CellKernel:
+    """Kernel of a field of a loaded cell, such as one component of the stress tensor.
 
     Parameters
     ----------
     name
-        Name of the component, such as "xx".
+        Name of the field, such as the component "xx".
     parity
         1 for a field that is even across and along, -1 for one that is odd.
     point
-        2 pi times the stress under a unit force at the origin.
+        2 pi times the field, such as the stress, under a unit force at the origin.
     corner
         Integral of `point` over x and y.
     plane
-        pi times the stress in plane strain, from the angle and the pole of a :class:`Strip`.
+        pi times the field in plane strain, from the angle and the pole of a :class:`Strip`.
     swapped
-        Name of the component with the axes exchanged.
+        Name of the field with the axes exchanged.
     family
-        Components among which `swapped` is looked up, by default ``COMPONENTS``.
+        Kernels among which `swapped` is looked up, by default ``COMPONENTS``.
     """
 
     name: str
@@ -51,10 +51,10 @@ class Component:
     corner: KernelFunction
     plane: "Callable[[Strip, float], Array | float]"
     swapped: str
-    family: "Mapping[str, Component] | None" = field(default=None, compare=False, repr=False)
+    family: "Mapping[str, CellKernel] | None" = field(default=None, compare=False, repr=False)
 
-    def swap_axes(self) -> "Component":
-        """Return the component with the axes exchanged."""
+    def swap_axes(self) -> "CellKernel":
+        """Return the kernel with the axes exchanged."""
         return (COMPONENTS if self.family is None else self.family)[self.swapped]
 
 
@@ -156,7 +156,7 @@ def _xz_corner(x: Array, y: Array, z: float, r: Array, _: float) -> Array:
 COMPONENTS = {
     component.name: component
     for component in (
-        Component(
+        CellKernel(
             "xx",
             (1, 1),
             _xx_point,
@@ -164,7 +164,7 @@ COMPONENTS = {
             lambda strip, nu: strip.pole.real - strip.angle,
             "yy",
         ),
-        Component(
+        CellKernel(
             "yy",
             (1, 1),
             lambda x, y, z, r, nu: _xx_point(y, x, z, r, nu),
@@ -172,7 +172,7 @@ COMPONENTS = {
             lambda strip, nu: -2 * nu * strip.angle,
             "xx",
         ),
-        Component(
+        CellKernel(
             "zz",
             (1, 1),
             lambda x, y, z, r, nu: -3 * z**3 / ((r * r) * (r * r) * r),
@@ -184,7 +184,7 @@ COMPONENTS = {
             lambda strip, nu: -strip.pole.real - strip.angle,
             "zz",
         ),
-        Component(
+        CellKernel(
             "yz",
             (1, -1),
             lambda x, y, z, r, nu: -3 * z * z * y / ((r * r) * (r * r) * r),
@@ -192,7 +192,7 @@ COMPONENTS = {
             lambda strip, nu: 0.0,
             "xz",
         ),
-        Component(
+        CellKernel(
             "xz",
             (-1, 1),
             lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
@@ -200,7 +200,7 @@ COMPONENTS = {
             lambda strip, nu: -strip.pole.imag,
             "yz",
         ),
-        Component(
+        CellKernel(
             "xy",
             (-1, -1),
             _xy_point,
@@ -213,7 +213,7 @@ COMPONENTS = {
 
 
 def stress_cell(
-    component: Component,
+    component: CellKernel,
     x: ArrayLike,
     y: ArrayLike,
     z: float,
@@ -286,9 +286,9 @@ def _points(
     total = np.zeros(x.shape)
     if not x.size:
         return total
-    for node, across in gauss(points):
+    for node, across in mean_gauss_rule(points):
         u = x + node * dx / 2
-        for node_along, along in gauss(points):
+        for node_along, along in mean_gauss_rule(points):
             v = y + node_along * dy / 2
             total += across * along * field(u, v, z, np.sqrt(u * u + v * v + z * z), nu)
     return dx * dy * total

@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh_tridiagonal
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import gauss
+from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
 from contactstudy.elasticity.kernels.stress_cell import (
-    Component,
+    CellKernel,
     Strip,
     sign,
     stress_cell,
@@ -31,7 +31,7 @@ TAIL_IMAGES = 20_000
 
 
 def stress_cell_periodic(
-    component: Component,
+    component: CellKernel,
     x: ArrayLike,
     y: ArrayLike,
     z: float,
@@ -92,7 +92,7 @@ def stress_cell_periodic(
     return result
 
 
-def plane_strain(component: Component, loaded_strip: Strip, poisson_ratio: float) -> Array:
+def plane_strain(component: CellKernel, loaded_strip: Strip, poisson_ratio: float) -> Array:
     """Return a component of stress under unit pressure on a strip."""
     return np.asarray(component.plane(loaded_strip, poisson_ratio) / np.pi + 0 * loaded_strip.angle)
 
@@ -153,7 +153,7 @@ def _tail(start: int) -> tuple[Array, Array]:
     end = start + TAIL_IMAGES
     m = np.arange(start, end, dtype=np.float64)
     # the sum from there on is an integral but for 1 / (12 end^3)
-    nodes, tail_weights = np.array(gauss(TAIL_POINTS)).T
+    nodes, tail_weights = np.array(mean_gauss_rule(TAIL_POINTS)).T
     remainder = 1 / (end - 0.5)
     t = np.append(1 / m, (1 + nodes) / 2 * remainder)
     weights = np.append(m**-2, tail_weights * remainder)
@@ -173,7 +173,7 @@ def _tail(start: int) -> tuple[Array, Array]:
 
 
 def stress_cell_doubly_periodic(
-    component: Component,
+    component: CellKernel,
     x: ArrayLike,
     y: ArrayLike,
     z: float,

@@ -1,13 +1,18 @@
 """Displacement and stress by a rectangular cell under uniform shear on an elastic half-space.
 
-The same kind of :class:`~contactstudy.elasticity.kernels.stress_cell.Component` as the stress under pressure, so
+The same kind of :class:`~contactstudy.elasticity.kernels.stress_cell.CellKernel` as the stress under pressure, so
 that rows and lattices of cells are summed by the same functions. x runs across, y along, z into the body.
 """
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, Component, KernelFunction, Strip
+from contactstudy.elasticity.kernels.stress_cell import (
+    COMPONENTS,
+    CellKernel,
+    KernelFunction,
+    Strip,
+)
 
 
 def _swapped(field: KernelFunction) -> KernelFunction:
@@ -74,8 +79,8 @@ def _zero(strip: Strip, nu: float) -> float:
 
 _NORMAL = COMPONENTS
 # Stress under unit shear along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.75 and 2.24
-CERRUTI_ACROSS: dict[str, Component] = {}
-CERRUTI_ALONG: dict[str, Component] = {}
+CERRUTI_ACROSS: dict[str, CellKernel] = {}
+CERRUTI_ALONG: dict[str, CellKernel] = {}
 for _name, _parity, _point, _corner, _plane, _other in (
     ("xx", (-1, 1), _xx_point, _xx_corner, lambda s, nu: s.pole.imag - 2 * s.logarithm, _zero),
     ("yy", (-1, 1), _yy_point, _yy_corner, lambda s, nu: -2 * nu * s.logarithm, _zero),
@@ -100,10 +105,10 @@ for _name, _parity, _point, _corner, _plane, _other in (
     ("xy", (1, -1), _xy_point, _xy_corner, _zero, lambda s, nu: -s.logarithm),
 ):
     _swapped_name = _NORMAL[_name].swapped
-    CERRUTI_ACROSS[_name] = Component(
+    CERRUTI_ACROSS[_name] = CellKernel(
         f"{_name} by shear across", _parity, _point, _corner, _plane, _swapped_name, CERRUTI_ALONG
     )
-    CERRUTI_ALONG[_swapped_name] = Component(
+    CERRUTI_ALONG[_swapped_name] = CellKernel(
         f"{_swapped_name} by shear along",
         (_parity[1], _parity[0]),
         _swapped(_point),
@@ -127,8 +132,8 @@ def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 # 2 pi times these are integrals over the cell of fields on the surface, z = 0: x / r^2 and y / r^2, the normal
 # displacement under shear (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
 # displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is 1 / r less x^2 / r^3.
-SURFACE: dict[str, Component] = {}
-SURFACE["x"] = Component(
+SURFACE: dict[str, CellKernel] = {}
+SURFACE["x"] = CellKernel(
     "x / r^2",
     (-1, 1),
     lambda x, y, z, r, nu: x / (r * r),
@@ -137,7 +142,7 @@ SURFACE["x"] = Component(
     "y",
     SURFACE,
 )
-SURFACE["y"] = Component(
+SURFACE["y"] = CellKernel(
     "y / r^2",
     (1, -1),
     lambda x, y, z, r, nu: y / (r * r),
@@ -146,7 +151,7 @@ SURFACE["y"] = Component(
     "x",
     SURFACE,
 )
-SURFACE["xx"] = Component(
+SURFACE["xx"] = CellKernel(
     "x^2 / r^3",
     (1, 1),
     lambda x, y, z, r, nu: x * x / r**3,
@@ -155,7 +160,7 @@ SURFACE["xx"] = Component(
     "yy",
     SURFACE,
 )
-SURFACE["xy"] = Component(
+SURFACE["xy"] = CellKernel(
     "x y / r^3",
     (-1, -1),
     lambda x, y, z, r, nu: x * y / r**3,

@@ -27,8 +27,8 @@ class WaveResponse(Protocol):
     def __hash__(self) -> int: ...
 
     @property
-    def reach(self) -> float:
-        """Distance over the thickness that amplitudes decay with, as exp(-k `reach`)."""
+    def decay_rate(self) -> float:
+        """Rate, per wave number times thickness, at which amplitudes decay: exp(-k `decay_rate`)."""
         ...
 
     @property
@@ -124,7 +124,7 @@ class WaveCoefficients:
 
     def count(self, period: float) -> int:
         """Return the number of waves of a `period` along one axis that are not negligible."""
-        longest = 2 * np.pi * self.waves.reach * self.thickness
+        longest = 2 * np.pi * self.waves.decay_rate * self.thickness
         return int(NEGLIGIBLE_EXPONENT * period / longest)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
@@ -173,7 +173,7 @@ class WaveCoefficients:
 
     def _between(self, start: Array, end: Array) -> Array:
         """Return the response to strips from `start` to `end`, at least 0; all in thicknesses."""
-        far = NEGLIGIBLE_EXPONENT / self.waves.materials.first_pole
+        far = NEGLIGIBLE_EXPONENT / self.waves.materials.pole_distance_from_real_axis
         result = np.zeros(start.size)
         for integral, lower, upper in (
             (self._near, np.minimum(start, far), np.minimum(end, far)),
@@ -188,8 +188,8 @@ class WaveCoefficients:
     def _near(self, start: Array, end: Array) -> Array:
         """Return the response to near strips, by quadrature over real waves."""
         longest = min(0.5, PIECE_PHASE / max(float(end.max()), 1e-3))
-        ends = [0.0, min(self.waves.materials.nearest_pole / 4, longest)]
-        while ends[-1] < NEGLIGIBLE_EXPONENT / self.waves.reach:
+        ends = [0.0, min(self.waves.materials.pole_distance_from_zero / 4, longest)]
+        while ends[-1] < NEGLIGIBLE_EXPONENT / self.waves.decay_rate:
             ends.append(ends[-1] + min(ends[-1], longest))
         k, weight = composite(np.array(ends))
         waves = self.waves.plane_amplitude(self.name, k) * weight / np.pi
@@ -202,8 +202,13 @@ class WaveCoefficients:
     def _far(self, start: Array, end: Array) -> Array:
         """Return the response to far strips, by quadrature over waves that decay."""
         width = (end - start)[:, None]
-        last = min(self.waves.materials.first_pole, NEGLIGIBLE_EXPONENT / float(start.min()))
-        first = 1e-3 * min(self.waves.materials.nearest_pole, last, 1 / float(width.max()))
+        last = min(
+            self.waves.materials.pole_distance_from_real_axis,
+            NEGLIGIBLE_EXPONENT / float(start.min()),
+        )
+        first = 1e-3 * min(
+            self.waves.materials.pole_distance_from_zero, last, 1 / float(width.max())
+        )
         count = int(np.ceil(np.log2(last / first)))
         tau, weight = composite(np.concatenate([[0.0], np.geomspace(first, last, count + 1)]))
         waves = 1j * self.waves.plane_amplitude(self.name, 1j * tau) * weight / np.pi
@@ -226,7 +231,7 @@ def _lattice(
     """
     shape = across, along // 2 + 1
     summed: dict[str, NDArray[np.complex128]] = {}
-    last = NEGLIGIBLE_EXPONENT / (waves.reach * thickness)
+    last = NEGLIGIBLE_EXPONENT / (waves.decay_rate * thickness)
     first_x = 2 * np.pi * fft.fftfreq(across, dx)
     first_y = 2 * np.pi * fft.rfftfreq(along, dy)
     for kx, rows in _aliased(first_x, dx, last, waves.max_aliases):

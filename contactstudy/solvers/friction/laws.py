@@ -6,7 +6,8 @@ import numpy as np
 
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
+from contactstudy.elasticity.convolution import GeneralConvolution
+from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import slip_step

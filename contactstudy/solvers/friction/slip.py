@@ -5,7 +5,8 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
+from contactstudy.elasticity.convolution import GeneralConvolution
+from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.elasticity.transforms import TRANSFORMS
 
 

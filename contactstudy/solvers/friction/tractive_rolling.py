@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, on_cells
-from contactstudy.elasticity.tangential import GeneralConvolution, ShearResponse
+from contactstudy.elasticity.convolution import GeneralConvolution
+from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
 from contactstudy.solvers.friction.rolling_traction import (

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import Coefficients, Displacement
-from contactstudy.elasticity.tangential import SurfaceField
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
+from contactstudy.elasticity.tangential import CerrutiCoefficients
 from contactstudy.elasticity.viscoelastic import RetardedCoefficients
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.rolling import solve_rolling
@@ -87,8 +87,8 @@ def test_a_wave_in_full_contact_slides_against_the_complex_modulus(speed: float)
 @pytest.mark.parametrize("length", [0.01, 0.3, 20.0])
 @pytest.mark.parametrize(
     ("name", "inner"),
-    [(name, Displacement(1.0)) for name in ("cell", "row", "lattice")]
-    + [("row", SurfaceField("xy", 1.0)), ("lattice", SurfaceField("x", 1.0))],
+    [(name, BoussinesqCoefficients(1.0)) for name in ("cell", "row", "lattice")]
+    + [("row", CerrutiCoefficients("xy", 1.0)), ("lattice", CerrutiCoefficients("x", 1.0))],
 )
 def test_trailing_coefficients_are_their_integral(
     name: str, inner: Coefficients, length: float
@@ -120,11 +120,11 @@ def test_trailing_coefficients_are_their_integral(
 
 def test_an_odd_trail_is_odd_in_every_padding() -> None:
     """The map that is lagged: antisymmetric, so a pressure does no work on its own lagged displacement."""
-    from contactstudy.elasticity.convolution import antisymmetric
+    from contactstudy.elasticity.convolution import odd_convolution
 
     generator = np.random.default_rng(0)
     grid = cs.Grid((24, 12), (1.0, 0.6))
-    odd = {RetardedCoefficients(Displacement(0.1), 0.2, -1): 1.0}
+    odd = {RetardedCoefficients(BoussinesqCoefficients(0.1), 0.2, -1): 1.0}
     for padding in (
         (cs.ZeroPadding(), cs.ZeroPadding()),
         EXACT,
@@ -132,7 +132,7 @@ def test_an_odd_trail_is_odd_in_every_padding() -> None:
         (cs.CircularSuperposition(1), EXACT),
         (EXACT, cs.ZeroPadding()),
     ):
-        lagged = antisymmetric(odd, grid, padding)
+        lagged = odd_convolution(odd, grid, padding)
         one, other = generator.random((2, 24, 12))
         scale = np.abs(lagged(one)).max() * other.sum()
         assert abs((lagged(one) * other + lagged(other) * one).sum()) < 1e-11 * scale

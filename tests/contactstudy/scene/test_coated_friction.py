@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coating import CoatingShear
+from contactstudy.elasticity.coating import CoatingShearCoefficients
 from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_shear import Part, ShearWaves
+from contactstudy.elasticity.kernels.layer_shear import ShearWaves, Subtracted
 from contactstudy.elasticity.kernels.layer_stress import LayerStress
 from contactstudy.elasticity.tangential import general_convolution
 from tests.conftest import STEEL
@@ -25,15 +25,15 @@ FIELDS = ["xx", "yy", "xy", "x", "y"]
 def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerResponse) -> None:
     """By the stress s_xx at the surface, which is 2 under shear and -1 under pressure without a substrate."""
     k = np.linspace(0.05, 6, 40)
-    along = ShearWaves(layer, Part.ALL).plane_amplitude("xx", k)
+    along = ShearWaves(layer, Subtracted.NONE).plane_amplitude("xx", k)
     pressed, sheared = LayerStress(layer, 0.0).plane(k)[:, 2]
     nu, m = layer.coating_poisson_ratio, layer.shear_ratio
     np.testing.assert_allclose(along, 2 * np.pi / k * (sheared / 2 - 1), atol=1e-12)
-    coupling = ShearWaves(layer, Part.ALL).plane_amplitude("x", k)
+    coupling = ShearWaves(layer, Subtracted.NONE).plane_amplitude("x", k)
     # by reciprocity, the displacement along the surface under pressure
     expected = -(1 - nu) * pressed - nu - (1 - 2 * nu)
     np.testing.assert_allclose(coupling, -2j * np.pi / k * expected, atol=1e-12)
-    across = ShearWaves(layer, Part.ALL).plane_amplitude("yy", k)
+    across = ShearWaves(layer, Subtracted.NONE).plane_amplitude("yy", k)
     antiplane = (m + np.tanh(k)) / (1 + m * np.tanh(k)) - 1
     np.testing.assert_allclose(across, 2 * np.pi / k * antiplane / (1 - nu), atol=1e-12)
 
@@ -44,7 +44,7 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
 def test_a_row_is_the_sum_of_its_cells(layer: LayerResponse, name: str) -> None:
     """Two methods: waves in a strip, and closed forms with a short-ranged rest."""
     thickness, dx, dy, nx, ny = 0.3, 0.1, 0.15, 12, 4
-    field, x = CoatingShear(layer, thickness, name, 1.0), np.arange(nx) * dx
+    field, x = CoatingShearCoefficients(layer, thickness, name, 1.0), np.arange(nx) * dx
     row = field.row(x[:, None], np.arange(ny) * dy, dx, dy, ny * dy)
     images = 400
     alone = field.cell(x[:, None], np.arange(images * ny) * dy, dx, dy)
@@ -65,11 +65,11 @@ def test_a_lattice_answers_a_wave_by_its_amplitude(name: str) -> None:
     layer, thickness, n, width = MATERIALS[0], 0.2, 64, 1.0
     grid = cs.Grid((n, n), (width, width))
     convolution = general_convolution(
-        CoatingShear(layer, thickness, name, 1.0), grid, (EXACT, EXACT)
+        CoatingShearCoefficients(layer, thickness, name, 1.0), grid, (EXACT, EXACT)
     )
     qx, qy = 2 * np.pi / width * np.array([3, 2])
     phase = qx * grid.x[:, None] + qy * grid.y
-    waves = ShearWaves(layer, Part.ALL)
+    waves = ShearWaves(layer, Subtracted.NONE)
     kx, ky = np.array([[qx * thickness]]), np.array([[qy * thickness]])
     amplitude = thickness * complex(waves.amplitudes(kx, ky)[name][0, 0])
     # piecewise constant cells have the mean of the wave, and add what is aliased: below 1e-3 of it

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import Displacement
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.evolution.evolve import evolve
 from contactstudy.scene.bodies import contact_modulus, instantaneous, response
 from tests.conftest import STEEL, LineContact
@@ -228,15 +228,17 @@ def test_a_body_gives_way_by_its_plane_modulus(body: cs.Body, modulus: float) ->
     if modulus == math.inf:
         assert weights == {}
     else:
-        assert list(weights) == [Displacement(0.5)]
-        assert weights[Displacement(0.5)] == pytest.approx(1 / (math.pi * modulus), rel=1e-15)
+        assert list(weights) == [BoussinesqCoefficients(0.5)]
+        assert weights[BoussinesqCoefficients(0.5)] == pytest.approx(
+            1 / (math.pi * modulus), rel=1e-15
+        )
 
 
 def test_compliances_and_responses_add_up() -> None:
     both = 1 / (1 / 80e9 + 1 / 75e9)
     assert contact_modulus((FIRST, SECOND)) == pytest.approx(both, rel=1e-15)
     weights = response((FIRST, SECOND), 0.5)
-    assert weights[Displacement(0.5)] == pytest.approx(1 / (math.pi * both), rel=1e-15)
+    assert weights[BoussinesqCoefficients(0.5)] == pytest.approx(1 / (math.pi * both), rel=1e-15)
 
 
 def test_of_a_sudden_load_bodies_are_elastic() -> None:

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.grid import Grid
+from contactstudy.elasticity.eigenstrain.half_space_wave import Components
 from contactstudy.elasticity.eigenstrain.periodic import AntiplaneOperator, PeriodicOperator
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.spectral_block import Waves
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
-from contactstudy.elasticity.eigenstrain.wave import Components
-from contactstudy.elasticity.eigenstrain.waves import Waves
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.kernels.stress_periodic import stress_cell_periodic
 

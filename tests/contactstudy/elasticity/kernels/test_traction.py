@@ -5,20 +5,20 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 
 from contactstudy.elasticity.kernels.displacement import boussinesq_cell
-from contactstudy.elasticity.kernels.stress_cell import Component, stress_cell
+from contactstudy.elasticity.kernels.stress_cell import CellKernel, stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
 from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG, SURFACE
-from contactstudy.elasticity.tangential import SurfaceField
+from contactstudy.elasticity.tangential import CerrutiCoefficients
 
 STRESSES = {one.name: one for family in (CERRUTI_ACROSS, CERRUTI_ALONG) for one in family.values()}
 DX, DY, DEPTH, NU, PERIOD = 0.5, 0.4, 0.6, 0.3, 3.0
 X, Y = np.array([[0.0], [0.7], [5.0]]), np.array([0.0, 0.4, 1.1])
 
 
-def by_quadrature(one: Component, x: float, y: float, z: float, dx: float, dy: float) -> float:
+def by_quadrature(one: CellKernel, x: float, y: float, z: float, dx: float, dy: float) -> float:
     nodes, weights = leggauss(60)
     u, v = x + dx / 2 * nodes[:, None], y + dy / 2 * nodes
     r = np.sqrt(u * u + v * v + z * z)
@@ -63,7 +63,7 @@ def test_far_from_a_row_nothing_is_left_of_the_period(name: str) -> None:
 @pytest.mark.parametrize("family", [CERRUTI_ACROSS, CERRUTI_ALONG], ids=["across", "along"])
 @pytest.mark.parametrize("extent", [(2.0, 5.0)])
 def test_a_lattice_is_in_equilibrium_and_turns_with_its_axes(
-    family: dict[str, Component], extent: tuple[float, float]
+    family: dict[str, CellKernel], extent: tuple[float, float]
 ) -> None:
     """Below the surface the mean shear is what acts on it; all other means vanish."""
     cells = 2, 3
@@ -94,13 +94,13 @@ def test_fields_on_the_surface_are_integrals_of_point_loads(name: str) -> None:
             * DY
             / 4
         )
-        found = SurfaceField(name, 1.0).cell(np.array(x), np.array(y), DX, DY)
+        found = CerrutiCoefficients(name, 1.0).cell(np.array(x), np.array(y), DX, DY)
         assert float(found) == pytest.approx(wanted, rel=1e-12)
 
 
 def test_both_moments_add_up_to_the_loaded_cell() -> None:
     x, y = np.arange(5)[:, None] * DX, np.arange(4) * DY
-    both = sum(SurfaceField(name, 2.0).cell(x, y, DX, DY) for name in ("xx", "yy"))
+    both = sum(CerrutiCoefficients(name, 2.0).cell(x, y, DX, DY) for name in ("xx", "yy"))
     np.testing.assert_allclose(both, boussinesq_cell(x, y, DX, DY), rtol=1e-13)
 
 
@@ -113,7 +113,7 @@ def test_a_lattice_of_surface_fields_has_their_transforms(
     cells, aliases = (16, 20), 60
     dx, dy = (a / n for a, n in zip(extent, cells, strict=True))
     x, y = np.arange(cells[0])[:, None] * dx, np.arange(cells[1]) * dy
-    found = np.fft.fft2(SurfaceField(name, 1.0).lattice(x, y, dx, dy, *extent))
+    found = np.fft.fft2(CerrutiCoefficients(name, 1.0).lattice(x, y, dx, dy, *extent))
     for wave in ((1, 0), (0, 2), (3, 5), (2, -1)):
         total = 0.0
         for i in range(-aliases, aliases + 1):

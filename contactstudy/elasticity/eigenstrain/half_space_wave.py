@@ -45,7 +45,11 @@ class Sources:
 
     @classmethod
     def from_strain(cls, strain: Tensor, moduli: Moduli) -> "Sources":
-        """Return the sources of a plastic `strain`."""
+        """Return the sources of a plastic `strain`.
+
+        At the sides of a layer the waves make traction and displacement along the normal n and z continuous: `f` takes
+        up the stress s_zz of the layer, half of it on either side, `g` its misfit nn - zz and `h` its misfit nz.
+        """
         nn, tt, zz, nz, nt, tz = strain
         nu, shear, half = moduli.poisson_ratio, moduli.shear, moduli.plane_strain / 2
         f = -half * (zz + nu * tt)
@@ -63,7 +67,7 @@ class Sources:
 
 
 @dataclass(frozen=True, eq=False)
-class Layer:
+class CellLayer:
     """Propagation of waves through a layer.
 
     `ratio` (waves,) is the wave number q times the thickness; `decay` and `means` are ``exp(-ratio)`` and the
@@ -75,7 +79,7 @@ class Layer:
     means: tuple[Array, Array]
 
     @classmethod
-    def from_ratio(cls, ratio: Array) -> "Layer":
+    def from_ratio(cls, ratio: Array) -> "CellLayer":
         """Return the layer with this `ratio` of its thickness to 1 / q, (waves,)."""
         return cls(ratio, np.exp(-ratio), means(ratio))
 
@@ -91,7 +95,7 @@ def reflected(up: Array) -> Array:
     return np.stack((-up[0], up[1] - 2 * up[0], up[2]))
 
 
-def layer_stresses(sources: Sources, layers: Sequence[Layer], nu: float) -> Tensor:
+def layer_stresses(sources: Sources, layers: Sequence[CellLayer], nu: float) -> Tensor:
     """Return the means of the stress over each of the `layers` (layers, ..., waves) by plastic strain in all of them.
 
     The layers are in order from the surface on. One sweep up and one down: the work grows with the number of layers, not
@@ -116,7 +120,7 @@ def layer_stresses(sources: Sources, layers: Sequence[Layer], nu: float) -> Tens
     return _layer_stress(sources, down, up, layers, nu)
 
 
-def self_stress(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor:
+def self_stress(sources: Sources, top: Array, layer: CellLayer, nu: float) -> Tensor:
     """Return the means of the stress over a `layer` by its own plastic strain, (any, waves).
 
     `top` is q times the depth of its upper side.
@@ -126,7 +130,7 @@ def self_stress(sources: Sources, top: Array, layer: Layer, nu: float) -> Tensor
 
 
 def stress_of_other_layer(
-    sources: Sources, layers: tuple[Layer, Layer], tops: tuple[Array, Array], nu: float
+    sources: Sources, layers: tuple[CellLayer, CellLayer], tops: tuple[Array, Array], nu: float
 ) -> Tensor:
     """Return the means of the stress over the second of two `layers` by plastic strain in the first, above or below it.
 
@@ -142,7 +146,7 @@ def stress_of_other_layer(
     return _wave_stress(down, up, layer.means, nu)
 
 
-def _reflection(sources: Sources, source: Layer, begin: Array, end: Array) -> Array:
+def _reflection(sources: Sources, source: CellLayer, begin: Array, end: Array) -> Array:
     """Return the amplitudes at a depth `end` of the waves that a layer sends up and the surface reflects.
 
     `begin` is the depth of the upper side of that layer, the `source`; depths are times q.
@@ -158,7 +162,7 @@ def _through(amplitudes: Array, ratio: Array) -> Array:
     return after
 
 
-def stress_under_pressure(top: Array, layer: Layer, nu: float) -> Tensor:
+def stress_under_pressure(top: Array, layer: CellLayer, nu: float) -> Tensor:
     """Return the means of the stress over a `layer` under a wave of unit pressure (waves,).
 
     `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, summed to a wave.
@@ -171,7 +175,7 @@ def stress_under_pressure(top: Array, layer: Layer, nu: float) -> Tensor:
 
 
 def stress_under_shear(
-    top: Array, layer: Layer, nu: float, direction: tuple[Array, Array]
+    top: Array, layer: CellLayer, nu: float, direction: tuple[Array, Array]
 ) -> Tensor:
     """Return the means of the stress over a `layer` under a wave of unit shear along x (waves,), divided by i.
 
@@ -187,7 +191,7 @@ def stress_under_shear(
 
 
 def _layer_stress(
-    sources: Sources, down: Array, up: Array, layers: Sequence[Layer], nu: float
+    sources: Sources, down: Array, up: Array, layers: Sequence[CellLayer], nu: float
 ) -> Tensor:
     """Return the means of the stress over each layer, by waves and by the layer's own strain.
 

@@ -15,10 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.elasticity.eigenstrain.wave import (
+from contactstudy.elasticity.eigenstrain.half_space_wave import (
+    CellLayer,
     Components,
-    Layer,
     Sources,
     Tensor,
     WaveDirection,
@@ -28,6 +27,7 @@ from contactstudy.elasticity.eigenstrain.wave import (
     stress_under_pressure,
     stress_under_shear,
 )
+from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Number of orders of short waves that are summed one by one; shorter waves are summed together.
 ORDERS = 2
@@ -47,7 +47,7 @@ class SurfaceLoad(Enum):
     #: Shear along x, whose waves' stress is divided by i.
     SHEAR = "shear"
 
-    def stress(self, direction: WaveDirection, top: float, layer: Layer, nu: float) -> Tensor:
+    def stress(self, direction: WaveDirection, top: float, layer: CellLayer, nu: float) -> Tensor:
         """Return the means of the stress over a `layer`, whose upper side is at the depth `top` [m], by a unit of it."""
         depth = direction.q * top
         if self is SurfaceLoad.PRESSURE:
@@ -56,7 +56,7 @@ class SurfaceLoad(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Coupling:
+class LayerCoupling:
     """Stress in `layers` by strain in as many `sources`: `blocks` (components, 5, waves) [Pa] for each pair."""
 
     layers: slice
@@ -102,12 +102,12 @@ class Aliases:
             if top >= DEEP * max(volume.grid.cell_size):
                 break
             for direction in self._directions():
-                layer = Layer.from_ratio(direction.q * volume.thicknesses[number])
+                layer = CellLayer.from_ratio(direction.q * volume.thicknesses[number])
                 tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
                 total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
         return total
 
-    def couplings(self, components: Components) -> Iterator[Coupling]:
+    def couplings(self, components: Components) -> Iterator[LayerCoupling]:
         """Yield the stress in each layer by strain in itself and in layers near to it, by short waves."""
         edges = self.volume.edges
         thicknesses = rounded(self.volume.thicknesses)
@@ -129,21 +129,21 @@ class Aliases:
             blocks = self._self_stress(*key, components)
             for begin, end in _runs(numbers):
                 group = slice(begin, end)
-                yield Coupling(group, group, blocks)
+                yield LayerCoupling(group, group, blocks)
         for (steps, top, upper, gap, lower), numbers in pairs.items():
             lower_top = top + upper + gap
             down = self._stress_of_other_layer((upper, lower), (top, lower_top), components)
             up = self._stress_of_other_layer((lower, upper), (lower_top, top), components)
             for begin, end in _runs(numbers):
                 above, beneath = slice(begin, end), slice(begin + steps, end + steps)
-                yield Coupling(beneath, above, down)
-                yield Coupling(above, beneath, up)
+                yield LayerCoupling(beneath, above, down)
+                yield LayerCoupling(above, beneath, up)
 
     def _self_stress(self, thickness: float, top: float, components: Components) -> Array:
         """Return the stress (components, 5, waves) in a layer by its own unit strains."""
         total = np.zeros((len(components.value), 5, len(self.x)))
         for direction in self._directions():
-            layer = Layer.from_ratio(direction.q * thickness)
+            layer = CellLayer.from_ratio(direction.q * thickness)
             total += direction.weight * own_stress(direction, layer, top, self.moduli, components)
         return total
 
@@ -157,7 +157,9 @@ class Aliases:
         total = np.zeros((len(components.value), 5, len(self.x)))
         nu = self.moduli.poisson_ratio
         for direction in self._directions():
-            source, layer = (Layer.from_ratio(direction.q * thickness) for thickness in thicknesses)
+            source, layer = (
+                CellLayer.from_ratio(direction.q * thickness) for thickness in thicknesses
+            )
             begin, end = (direction.q * top for top in tops)
             sources = _unit_strains(direction, self.moduli)
             tensor = stress_of_other_layer(sources, (source, layer), (begin, end), nu)
@@ -182,7 +184,7 @@ class Aliases:
 
 
 def own_stress(
-    direction: WaveDirection, layer: Layer, top: float, moduli: Moduli, components: Components
+    direction: WaveDirection, layer: CellLayer, top: float, moduli: Moduli, components: Components
 ) -> Array:
     """Return the stress (components, 5, waves) in a `layer` by each of its own unit strains.
 
@@ -311,14 +313,14 @@ class Waves:
         return self._short.alias(0, 0)
 
     @cached_property
-    def _layers(self) -> tuple[Layer, ...]:
+    def _layers(self) -> tuple[CellLayer, ...]:
         """Layers of the volume; layers of equal thickness are one object."""
         thicknesses, q = rounded(self.volume.thicknesses), self._direction.q
-        layers = {thickness: Layer.from_ratio(q * thickness) for thickness in set(thicknesses)}
+        layers = {thickness: CellLayer.from_ratio(q * thickness) for thickness in set(thicknesses)}
         return tuple(layers[thickness] for thickness in thicknesses)
 
     @cached_property
-    def _couplings(self) -> "_OnRequest[Components, tuple[Coupling, ...]]":
+    def _couplings(self) -> "_OnRequest[Components, tuple[LayerCoupling, ...]]":
         """Couplings of layers by short waves, by components."""
         return _OnRequest(lambda components: tuple(self._short.couplings(components)))
 

@@ -1,4 +1,4 @@
-"""Potential of a loaded cell at a distance from its plane: of one cell, of a row, of a lattice of images."""
+"""Potential of a cell buried below the surface: of one cell, of a row, of a lattice of periodic images."""
 
 from collections.abc import Callable
 from itertools import pairwise
@@ -19,16 +19,16 @@ from contactstudy.elasticity.kernels.displacement import (
     STRIPS,
     STRIPS_END,
     further_images,
-    gauss,
     harmonics_along,
-    line,
+    mean_gauss_rule,
+    segment_integral,
 )
 
 # Beyond FAR_DISTANCE cells a line's field is analytic in a Bernstein ellipse of rho >= 160: 4 Gauss points suffice.
 FAR_DISTANCE, FAR_POINTS = 40.0, 4
 
 
-def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -> Array:
+def buried_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -> Array:
     """Return the integral of ``1 / sqrt(r^2 + depth^2)`` over a rectangular cell: its potential at a depth.
 
     The error is below 1e-14 of the result at the origin, and below 1e-14 of the result itself beyond the cell.
@@ -62,9 +62,9 @@ def image_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -
 def _lines(x: Array, y: Array, half_x: float, half_y: float, depth: float, points: int) -> Array:
     """Return the integral over a cell by Gauss `points` across it, each a line along it."""
     total = np.zeros(x.shape)
-    for node, weight in gauss(points):
+    for node, weight in mean_gauss_rule(points):
         aside = np.hypot(x + node * half_x, depth)
-        total += weight * line(aside, y, np.full(y.shape, half_y))
+        total += weight * segment_integral(aside, y, np.full(y.shape, half_y))
     return 2 * half_x * total
 
 
@@ -77,7 +77,7 @@ def _corners(x: Array, y: Array, half_x: float, half_y: float, depth: float) -> 
     for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):
         for outward in (1, -1):
             distance = u + outward * half_u
-            side = line(np.hypot(distance, depth), v, np.full(v.shape, half_v))
+            side = segment_integral(np.hypot(distance, depth), v, np.full(v.shape, half_v))
             total += outward * distance * side
             for end in (1, -1):
                 w = v + end * half_v
@@ -91,8 +91,8 @@ def _corners(x: Array, y: Array, half_x: float, half_y: float, depth: float) -> 
     return total
 
 
-def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
-    """Return :func:`image_cell` repeated with `period` along y, less its divergent shift; x is a column and y a row.
+def buried_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
+    """Return :func:`buried_cell` repeated with `period` along y, less its divergent shift; x is a column and y a row.
 
     The mean over a period is ``-(dx dy / L) mean ln(x^2 + depth^2)``. Source: that of
     :func:`~contactstudy.kernels.boussinesq_cell_periodic`, with the distance from the axis in place of x.
@@ -100,11 +100,13 @@ def image_row(x: Array, y: Array, dx: float, dy: float, period: float, depth: fl
     across, along = np.abs(x).ravel(), np.fmod(np.abs(y.ravel()), period)
     along = np.minimum(along, period - along)
     mean = -(dx * dy / period) * log_mean(across, dx / 2, depth)
-    return mean[:, None] + image_harmonics(across, along, dx, dy, period, depth)
+    return mean[:, None] + buried_harmonics(across, along, dx, dy, period, depth)
 
 
-def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, depth: float) -> Array:
-    """Return the part of :func:`image_row` that varies along y (x, y).
+def buried_harmonics(
+    x: Array, y: Array, dx: float, dy: float, period: float, depth: float
+) -> Array:
+    """Return the part of :func:`buried_row` that varies along y (x, y).
 
     `x` and `y` are flat, x at least 0 and y up to half a period.
     """
@@ -120,7 +122,7 @@ def image_harmonics(x: Array, y: Array, dx: float, dy: float, period: float, dep
                 low, high = max(x[row] - dx / 2, start), min(x[row] + dx / 2, end)
                 if low < high:
                     middle = np.array([abs(low + high) / 2])
-                    result[row] += image_harmonics(middle, y, high - low, dy, period, depth)[0]
+                    result[row] += buried_harmonics(middle, y, high - low, dy, period, depth)[0]
         return result
     forms: dict[Callable[..., Array], NDArray[np.bool_]] = {
         _fourier: varies & (inner >= FOURIER_START),
@@ -151,7 +153,7 @@ def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: floa
     images = max(1, int(np.ceil(reach / IMAGE_RATIO)) - 1)
     total = np.zeros((x.size, y.size))
     for m in range(-images, images + 1):
-        total += image_cell(x[:, None], y + m * period, dx, dy, depth)
+        total += buried_cell(x[:, None], y + m * period, dx, dy, depth)
     terms = int(np.log(QUADRATURE_ERROR) / (2 * np.log(reach / (images + 1)))) + 1
     powers_x = _even_powers(x, dx / 2, depth, period, terms)
     powers_y = _even_powers(y, dy / 2, 0.0, period, terms)
@@ -163,26 +165,26 @@ def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: floa
 def _even_powers(x: Array, half: float, depth: float, period: float, terms: int) -> Array:
     """Return ``((x^2 + depth^2) / L^2)^k`` averaged over segments about each x, shape (x, k)."""
     total = np.zeros((x.size, terms))
-    for node, weight in gauss(terms):
+    for node, weight in mean_gauss_rule(terms):
         square = ((x + node * half) ** 2 + depth**2) / period**2
         total += weight * np.vander(square, terms, increasing=True)
     return total
 
 
-def image_lattice(
+def buried_lattice(
     x: Array, y: Array, dx: float, dy: float, width: float, period: float, depth: float
 ) -> Array:
-    """Return :func:`image_cell` repeated along both axes, counted from its mean; x is a column and y a row."""
+    """Return :func:`buried_cell` repeated along both axes, counted from its mean; x is a column and y a row."""
     if period > width:
         swapped = y.reshape(-1, 1), x.reshape(1, -1)
-        return image_lattice(*swapped, dy, dx, period, width, depth).T
+        return buried_lattice(*swapped, dy, dx, period, width, depth).T
     across, along = (np.fmod(np.abs(a.ravel()), length) for a, length in ((x, width), (y, period)))
     across, along = np.minimum(across, width - across), np.minimum(along, period - along)
     total = -(dx * dy / period) * _log_mean_periodic(across, dx / 2, depth, width)[:, None]
     rows = int(np.ceil(FOURIER_END * period / width)) + 1
     for m in range(-rows, rows + 1):
         distance = np.abs(across + m * width)
-        total = total + image_harmonics(distance, along, dx, dy, period, depth)
+        total = total + buried_harmonics(distance, along, dx, dy, period, depth)
     return np.asarray(total)
 
 
@@ -220,7 +222,7 @@ def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Arr
     near += log_mean(width + x, half, depth)
     # the sine without its nearest zeros is smooth: the next ones lie two widths away
     smooth = np.zeros(x.shape)
-    for node, weight in gauss(24):
+    for node, weight in mean_gauss_rule(24):
         w = (x + node * half + 1j * depth) / width
         smooth += weight * 2 * np.log(np.abs(2 * np.sin(np.pi * w) / (w * (1 - w) * (1 + w))))
     return np.asarray(near + smooth - 6 * np.log(width) - 2 * np.pi * depth / width)
@@ -230,4 +232,4 @@ def _points(x: Array, half: float, depth: float) -> tuple[tuple[float, float], .
     """Return Gauss points on segments for a field that is singular at ``+-i depth`` from the axis."""
     away = (x + 1j * depth) / half
     radius = np.abs(away + np.sqrt(away - 1) * np.sqrt(away + 1)).min()
-    return gauss(1 + int(np.log(QUADRATURE_ERROR) / (-2 * np.log(radius))))
+    return mean_gauss_rule(1 + int(np.log(QUADRATURE_ERROR) / (-2 * np.log(radius))))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from mpmath import asinh, atan, mp, mpf, sqrt
 
+from contactstudy.elasticity.kernels.buried_potential import buried_cell, buried_lattice, buried_row
 from contactstudy.elasticity.kernels.displacement import boussinesq_cell, boussinesq_cell_periodic
-from contactstudy.elasticity.kernels.layer_image import image_cell, image_lattice, image_row
 from tests.fifty_digits import stored
 
 
@@ -35,16 +35,16 @@ def test_a_cell_is_its_closed_form_at_any_aspect_depth_and_distance() -> None:
         x, y = x * dx * chance.choice([0, 1, 1]), y * chance.choice([0, 1, 1])
         wanted = float(exact(x, y, dx, 1.0, depth))
         # the error that is stated
-        assert float(image_cell(x, y, dx, 1.0, depth)) == pytest.approx(wanted, rel=1e-14)
+        assert float(buried_cell(x, y, dx, 1.0, depth)) == pytest.approx(wanted, rel=1e-14)
 
 
 def test_without_depth_it_is_the_loaded_cell_itself() -> None:
     x, y = np.arange(6.0)[:, None] * 0.7, np.arange(7.0) * 1.3
     loaded = boussinesq_cell(x, y, 0.7, 1.3)
-    np.testing.assert_allclose(image_cell(x, y, 0.7, 1.3, 1e-30), loaded, rtol=1e-14)
+    np.testing.assert_allclose(buried_cell(x, y, 0.7, 1.3, 1e-30), loaded, rtol=1e-14)
     period = 12 * 1.3
     row = boussinesq_cell_periodic(x, y, 0.7, 1.3, period)
-    images = image_row(x, y, 0.7, 1.3, period, 1e-30)
+    images = buried_row(x, y, 0.7, 1.3, period, 1e-30)
     np.testing.assert_allclose(images, row, atol=1e-13 * np.abs(row).max())
 
 
@@ -67,7 +67,7 @@ def test_a_lattice_is_its_fourier_sum(
     wanted = (
         np.cos(np.multiply.outer(x, waves[0])) @ spectrum @ np.cos(np.multiply.outer(waves[1], y))
     )
-    found = image_lattice(x[:, None], y, dx, dy, width, period, depth)
+    found = buried_lattice(x[:, None], y, dx, dy, width, period, depth)
     # of the lattice of the same cells on the surface: the rounding of its sums
     scale = dx * dy / min(extent)
     np.testing.assert_allclose(found, wanted, atol=1e-12 * max(scale, np.abs(wanted).max()))
@@ -77,8 +77,8 @@ def test_a_row_is_its_lattice_beside_far_neighbours() -> None:
     """Rows W apart are felt as lines: their logarithm is ``-ln |2 sin(pi (x + i c) / W)|^2``."""
     depth, period, width, dx, dy = 0.3, 1.0, 900.0, 0.25, 0.125
     x, y = np.arange(5)[:, None] * dx, np.arange(5) * dy
-    lattice = image_lattice(x, y, dx, dy, width, period, depth)
-    row = image_row(x, y, dx, dy, period, depth)
+    lattice = buried_lattice(x, y, dx, dy, width, period, depth)
+    row = buried_row(x, y, dx, dy, period, depth)
     lines = (
         -2 * np.log(2 * np.abs(np.sin(np.pi * (x + 1j * depth) / width)))
         + 2 * np.pi * depth / width

@@ -51,24 +51,29 @@ def applied(grid: cs.Grid, padding: cs.Padding | cs.Paddings) -> np.ndarray:
     return np.stack([operator(unit).ravel() for unit in units], axis=1)
 
 
-@pytest.mark.parametrize("images", [0, 1, 4])
-def test_superposition_is_equation_five(images: int) -> None:
-    expected = dense(GRID, Images(range(-images, images + 1)))
-    found = applied(GRID, cs.Superposition(images))
-    assert_allclose(found, expected, rtol=0, atol=roundings(expected))
+def around(images: int, *, of_observer: bool = False) -> Images:
+    return Images(range(-images, images + 1), of_observer)
 
 
-@pytest.mark.parametrize("images", [0, 1, 4])
-def test_circular_superposition_is_counted_from_the_observer(images: int) -> None:
-    expected = dense(GRID, Images(range(-images, images + 1), of_observer=True))
-    found = applied(GRID, cs.CircularSuperposition(images))
-    assert_allclose(found, expected, rtol=0, atol=roundings(expected))
-
-
-def test_images_across_and_along_multiply() -> None:
-    expected = dense(GRID, Images(range(-2, 3)), Images(range(-1, 2), of_observer=True))
-    found = applied(GRID, (cs.CircularSuperposition(1), cs.Superposition(2)))
-    assert_allclose(found, expected, rtol=0, atol=roundings(expected))
+@pytest.mark.cases(3)
+@pytest.mark.parametrize(
+    ("padding", "along", "across"),
+    [
+        *((cs.Superposition(n), around(n), NONE) for n in (0, 1, 4)),
+        *((cs.CircularSuperposition(n), around(n, of_observer=True), NONE) for n in (0, 1, 4)),
+        (
+            (cs.CircularSuperposition(1), cs.Superposition(2)),
+            around(2),
+            around(1, of_observer=True),
+        ),
+    ],
+    ids=str,
+)
+def test_superposition_is_equation_five_counted_from_the_domain_or_from_the_observer(
+    padding: cs.Padding | cs.Paddings, along: Images, across: Images
+) -> None:
+    expected = dense(GRID, along, across)
+    assert_allclose(applied(GRID, padding), expected, rtol=0, atol=roundings(expected))
 
 
 @pytest.mark.parametrize("images", [4, 10])

@@ -1,6 +1,7 @@
 """Subsurface stress of a solved contact: textbook values, images, and only when asked."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -189,16 +190,14 @@ def test_stress_takes_the_ratio_of_the_body_it_is_in(line_contact: LineContact) 
         assert_allclose(yy, ratio * (xx + zz), rtol=1e-12)
 
 
-@pytest.mark.parametrize("depths", [(), 1e-4, None, (-1e-5,), (1e-4, float("nan")), ("1 mm",)])
-def test_depths_that_are_none_are_refused(depths: object) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^SubsurfaceStress\.depths.* is .*: give a "):
-        cs.SubsurfaceStress(depths=depths)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("solid", [2, -1, True, 0.5])
-def test_a_body_that_is_not_there_is_refused(solid: object) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^SubsurfaceStress\.solid is .*: give 0 or 1"):
-        cs.SubsurfaceStress(depths=(1e-4,), solid=solid)  # type: ignore[arg-type]
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [({"depths": one}, "depths.* is .*: give a ") for one in ((), 1e-4, None, (-1e-5,), (1e-4, float("nan")), ("1 mm",))]
+    + [({"solid": one}, "solid is .*: give 0 or 1") for one in (2, -1, True, 0.5)],
+)  # fmt: skip
+def test_depths_and_bodies_that_are_none_are_refused(named: dict[str, Any], said: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=rf"^SubsurfaceStress\.{said}"):
+        cs.SubsurfaceStress(**{"depths": (1e-4,), **named})
 
 
 def test_stress_in_a_rigid_body_is_refused(line_contact: LineContact) -> None:

@@ -335,7 +335,8 @@ def _rule(size: float, length: float) -> tuple[Array, Array]:
     are modified spherical Bessel functions (DLMF 10.54.2).
     """
     nodes, gauss = np.polynomial.legendre.leggauss(POINTS)
-    half = max(size / (2 * length), 1e-12)
+    # at the limits the weights are those of a mean and of the near end; Bessel functions overflow beyond
+    half = min(max(size / (2 * length), 1e-12), 1e8)
     orders = np.arange(POINTS)
     moments = (-1.0) ** orders * np.sqrt(np.pi / (2 * half)) * ive(orders + 0.5, half)
     shapes = np.array([eval_legendre(n, nodes) for n in orders])

@@ -13,7 +13,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.convolution import odd_convolution, superposed
+from contactstudy.elasticity.convolution import by_symmetry, odd_convolution, superposed
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import creeps, instantaneous, response
 from contactstudy.scene.inelastic import rolling_bodies
@@ -173,8 +173,7 @@ def solve_rolling(
     problem = elastic.problem(grid, padding)
     datum = problem.scales.length
     weights = response(rolling_bodies(scene.solids, (speed, speed)), datum)
-    symmetric_weights = {kind: w for kind, w in weights.items() if kind.parity == (1, 1)}
-    antisymmetric_weights = {kind: w for kind, w in weights.items() if kind.parity != (1, 1)}
+    symmetric_weights, antisymmetric_weights = by_symmetry(weights)
 
     def rolling(problem: Problem) -> Problem:
         friction, paddings = scene.friction, problem.paddings

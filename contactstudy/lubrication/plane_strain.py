@@ -22,12 +22,12 @@ class DirectStep:
 
     @classmethod
     def for_equation(cls, equation: FilmEquation) -> "DirectStep":
-        """Return the solver for ``equation``, whose deflection depends on the distance of cells only."""
+        """Return the solver for ``equation``, whose deflection depends on the offset between cells only."""
         first = np.zeros(equation.gap.shape)
         first[0] = 1
-        column = equation.deflection(first)[:, 0]
-        index = np.arange(len(column))
-        return cls(column[np.abs(index[:, None] - index)])
+        behind, ahead = (equation.deflection(end)[:, 0] for end in (first, first[::-1]))
+        index = np.arange(len(behind))
+        return cls(np.concatenate((ahead[:-1], behind))[len(behind) - 1 + index[:, None] - index])
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float

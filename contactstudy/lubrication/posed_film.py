@@ -12,16 +12,17 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import readable
-from contactstudy.elasticity.convolution import Convolution, superposed
+from contactstudy.elasticity.convolution import Convolution, asymmetric
 from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.plane_strain import DirectStep
 from contactstudy.lubrication.pseudo_time import FilmIteration, StepSolver
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import response
+from contactstudy.scene.bodies import contact_modulus, creeps, instantaneous, response
+from contactstudy.scene.inelastic import rolling_bodies
 from contactstudy.scene.load import ConstantLoad
-from contactstudy.scene.scene import Scene
+from contactstudy.scene.scene import MODULUS_ITERATIONS, Scene
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Length of the outlet in half-widths, and its growth over sqrt(2 H).
@@ -50,7 +51,12 @@ def lubricated_scales(scene: Scene) -> FilmScales:
         raise NotDefined(
             "Scene.shapes have no curvature, so that no inlet draws lubricant in: give a Cylinder."
         )
-    return FilmScales(scene.hertz, scene.lubrication)
+    hertz = scene.hertz
+    if any(map(creeps, scene.solids)):
+        bodies = rolling_bodies(scene.solids, scene.lubrication.contact_speeds)
+        for _ in range(MODULUS_ITERATIONS):
+            hertz = replace(hertz, contact_modulus=contact_modulus(bodies, hertz.half_width))
+    return FilmScales(hertz, scene.lubrication)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +64,7 @@ class PosedFilm:
     """A film equation in Hertz units on an ``upstream`` grid: beyond it the outlet is cavitated throughout.
 
     ``x`` are its rows over a, ``operator_on`` makes the deflection on another grid, ``problem`` is the dry contact
-    on the whole grid.
+    on the whole grid, without what bodies that creep add to its ``displacement`` [m] under a pressure [Pa] oddly across.
     """
 
     equation: FilmEquation
@@ -68,6 +74,7 @@ class PosedFilm:
     scales: FilmScales
     operator_on: Callable[[Grid], Convolution]
     problem: Problem
+    displacement: Convolution
 
     @property
     def is_crowned(self) -> bool:
@@ -141,7 +148,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             f"give {readable(2 * MIN_WIDTH * bearing)} at the least, or take film_grid(scene)."
         )
     assert isinstance(scene.load, ConstantLoad)
-    problem = replace(scene, lubrication=None, outputs=()).problem(grid, paddings)
+    sudden = instantaneous(scene.solids)
+    problem = replace(scene, lubrication=None, outputs=(), solids=sudden).problem(grid, paddings)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
     if opening > EDGE * scales.film:
         raise InvalidInput(
@@ -152,10 +160,13 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     outlet = max(OUTLET, 1 + OUTLET_GROWTH * sqrt(2 * scales.expected_film)) * hertz.half_width
     rows = min(LEVELS * ceil(np.count_nonzero(grid.x < outlet) / LEVELS), grid.cells[0])
     oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
-    weights = response(scene.solids, problem.scales.length)
+    bodies = rolling_bodies(scene.solids, scales.lubrication.contact_speeds)
+    weights = response(bodies, problem.scales.length)
+    displacement = asymmetric(weights, grid, paddings)
+    problem = replace(problem, operator=displacement.symmetric)
 
     def operator_on(upstream: Grid) -> Convolution:
-        operator = superposed(weights, upstream, paddings)
+        operator = asymmetric(weights, upstream, paddings)
         return operator.scaled(peak / scales.film, Precision.DOUBLE)
 
     def log_viscosity(pressure: Array) -> tuple[Array, Array]:
@@ -182,14 +193,14 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         supply=inf if supply is None else supply / scales.film,
     )
     x = grid.x[:rows] / hertz.half_width
-    return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem)
+    return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem, displacement)
 
 
 def step_solver(posed: PosedFilm) -> StepSolver:
     """Return how steps are solved: directly in plane strain, else by GMRES."""
     if posed.upstream.cells[1] == 1:
         return DirectStep.for_equation(posed.equation)
-    return KrylovStep(posed.deflection)
+    return KrylovStep(posed.deflection.symmetric)
 
 
 def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:

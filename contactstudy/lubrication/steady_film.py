@@ -211,7 +211,7 @@ def contact_of(
         asperities = np.zeros(grid.cells)
         asperities[:rows] = last.film.contact * scales.hertz.peak_pressure
     separation = last.film.separation * scales.film
-    film = separation + posed.problem.undeformed_gap + posed.problem.operator(pressure)
+    film = separation + posed.problem.undeformed_gap + posed.displacement(pressure)
     # downstream of the last balance streamers carry what left it
     filled = np.zeros(grid.cells)
     filled[: rows - 1] = equation.filled(last.film)[:-1]

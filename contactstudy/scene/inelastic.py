@@ -131,6 +131,11 @@ class RollingHalfSpace:
         """Compliance for a sudden load, (1 - nu^2) / E(0) [1/Pa]."""
         return self.body.compliance
 
+    def compliance_at(self, half_width: float) -> float:
+        """Return the compliance [1/Pa] for waves of the length of a contact of `half_width` [m]."""
+        ratios = ((size, self.speed * time / half_width) for size, time in self.body.creep.terms)
+        return self.compliance + sum(size / (1 + ratio**2) for size, ratio in ratios)
+
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return coefficients of the normal displacement under pressure, even and odd along x, with weights [1/Pa]."""
         total = Counter(self.body.response(datum))

@@ -43,6 +43,11 @@ class Flooded(BodyContext, Protocol):
         """Dry friction, or None."""
         ...
 
+    @property
+    def changing(self) -> str | None:
+        """Name of a field that changes in time, or None."""
+        ...
+
 
 @runtime_checkable
 class ViscosityLaw(Protocol):
@@ -543,36 +548,46 @@ class Lubrication:
         for present, field, reason in (
             (
                 scene.wear is not None,
-                "wear",
+                "Scene.wear",
                 "a full film keeps the bodies apart, so that nothing wears",
             ),
             (
                 scene.rolling is not None,
-                "rolling",
+                "Scene.rolling",
                 "Lubrication.mean_speed moves the surfaces already",
             ),
             (
                 scene.friction is not None,
-                "friction",
+                "Scene.friction",
                 "the lubricant's own shear law gives the friction",
             ),
             (
                 scene.hardness != inf,
-                "hardness",
+                "Scene.hardness",
                 "a limit to the pressure would break the balance of flow",
             ),
             (
-                any(map(creeps, scene.solids)),
-                "solids",
-                "the film is steady, and a creeping body is not",
+                any(map(creeps, scene.solids)) and scene.changing is not None,
+                scene.changing,
+                "a body creeps below a steady film only",
             ),
-            (any(map(yields, scene.solids)), "solids", "the linearised film has no plastic strain"),
+            (
+                any(map(yields, scene.solids)),
+                "Scene.solids",
+                "the linearised film has no plastic strain",
+            ),
         ):
             if present:
                 raise InvalidInput(
-                    f"Scene.{field} is not supported together with Scene.lubrication, since {reason}: "
+                    f"{field} is not supported together with Scene.lubrication, since {reason}: "
                     "leave one of them out."
                 )
+
+    @property
+    def contact_speeds(self) -> tuple[float, float]:
+        """Speed [m/s] along x of the contact over each body, at the largest mean speed: against that of its surface."""
+        mean, slide = self.largest_speed, self.slide_roll_ratio / 2
+        return -mean * (1 + slide), -mean * (1 - slide)
 
     @property
     def largest_speed(self) -> float:

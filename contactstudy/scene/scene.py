@@ -475,9 +475,10 @@ class Scene:
             return "Scene.wear"
         if getattr(self.friction, "times", None) is not None:
             return "Scene.friction"
-        drives = self.rolling is None and self.rolls
+        # what rolls or passes through a film steadily has crept
+        steady = self.lubrication is not None or (self.rolling is None and self.rolls)
         for number, solid in enumerate(self.solids):
-            if yields(solid) or (creeps(solid) and not drives):
+            if yields(solid) or (creeps(solid) and not steady):
                 return f"Scene.solids[{number}]"
         if self.lubrication is None:
             return None

@@ -35,8 +35,9 @@ from contactstudy.evolution.steps import (
 )
 from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import instantaneous, is_layered, response, yields
+from contactstudy.scene.bodies import instantaneous, response, yields
 from contactstudy.scene.fretting import Fretting
+from contactstudy.scene.friction import gives_way_alike
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
@@ -236,6 +237,7 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
     fretting, paddings = scene.friction, problem.paddings
     assert isinstance(fretting, Fretting)
     assert paddings is not None
+    gap = problem.undeformed_gap
     return ShearState(
         coefficient=fretting.coefficient,
         wear=0.0 if scene.wear is None else scene.wear.coefficient,
@@ -245,7 +247,9 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
         period=inf if fretting.period is None else fretting.period,
         cell_compliance=least_compliance(scene.contact_modulus, min(problem.grid.cell_size)),
         gap_scale=problem.scales.gap,
-        coated=any(map(is_layered, scene.solids)),
+        alike=gives_way_alike(
+            scene.solids, varies=bool((gap != gap[:, :1]).any()), paddings=paddings
+        ),
         creep=_relative_creep(scene, problem.scales.length),
         grid=problem.grid,
         tolerance=options.tolerance,

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import product
-from math import inf, isinf, log
+from math import inf, log
 from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields, suggest_fields
@@ -260,20 +260,22 @@ class PartialSlip:
     @staticmethod
     def superposes(scene: FrictionContact, *, varies: bool, paddings: Paddings) -> bool:
         """Return whether two normal contacts make up the shear exactly."""
-        elastic = [
-            solid
-            for solid in scene.solids
-            if isinstance(solid, HalfSpace) and not isinf(solid.youngs_modulus)
-        ]
-        if (
-            scene.hardness != inf
-            or scene.adhesion is not None
-            or any(map(is_layered, scene.solids))
-        ):
-            return False  # a pressure that is capped or attracted is no difference of two contacts
-        if all(solid.poisson_ratio == 0 for solid in elastic):
-            return True
-        return not varies and paddings[1].window is None
+        # a pressure that is capped or attracted is no difference of two contacts
+        is_elastic = scene.hardness == inf and scene.adhesion is None
+        return is_elastic and gives_way_alike(scene.solids, varies=varies, paddings=paddings)
+
+
+def gives_way_alike(solids: tuple[Body, ...], *, varies: bool, paddings: Paddings) -> bool:
+    """Return whether shear along x displaces the surface as the pressure does along z, up to a factor.
+
+    That is so of bodies without coating in plane strain, and for a Poisson's ratio of 0.
+    """
+    if any(map(is_layered, solids)):
+        return False
+    materials = (material for solid in solids for material in _materials(solid))
+    if all(material.compliance * material.poisson_ratio == 0 for material in materials):
+        return True
+    return not varies and paddings[1].window is None
 
 
 def dundurs(solids: tuple[Body, ...]) -> float:

@@ -269,3 +269,53 @@ def test_fretting_of_bodies_that_creep_is_within_its_error_by_the_steps() -> Non
     coarse, fine = (fretted(friction, np.linspace(0, 2, n + 1), scene).frames[-1] for n in (8, 32))
     error = np.abs(fine.shear - coarse.shear).sum() / np.abs(fine.shear).sum()
     assert error <= coarse.error.l1.by_cause["steps"] < 0.05
+
+
+FREE = cs.ZeroPadding(), cs.ZeroPadding()
+WAVES = cs.Roughness(0.08, hurst=0.8, roll_off=1.0, cut_off=0.4, seed=3)
+
+
+@pytest.mark.parametrize(
+    ("shapes", "paddings"),
+    [
+        ((*LINE.shapes, cs.FiniteLength(1.6)), FREE),
+        ((*LINE.shapes, WAVES), EXACT),
+        ((cs.Sphere(pi / 4),), FREE),
+    ],
+)
+def test_load_and_force_that_both_change_leave_the_shear_of_many_steps_within_the_error(
+    shapes: tuple[object, ...], paddings: object
+) -> None:
+    """In three dimensions surfaces give way to shear otherwise than to pressure, and slip turns."""
+    times = (0.0, 1.0, 2.0, 3.0)
+    scene = replace(
+        LINE,
+        shapes=shapes,
+        load=cs.LoadHistory(times, (0.3, 1.0, 0.6, 1.0)),
+        friction=cs.Fretting(MU, (0.0, 0.15, -0.05, 0.2), times=times),
+    )
+    grid = cs.Grid((32, 16), (2.4, 2.4))
+    coarse, fine = (
+        cs.solve(scene, grid, paddings, times=np.linspace(0, 3, 3 * n + 1), tolerance=1e-6)
+        for n in (1, 24)
+    )
+    for one, other in zip(coarse.frames[1:], fine.frames[24::24], strict=True):
+        error = np.abs(one.shear - other.shear).sum() / np.abs(other.shear).sum()
+        assert 1e-3 < error < one.error.l1.by_cause["steps"] < 1
+
+
+def test_a_punch_that_a_rising_load_widens_carries_the_force_as_a_rigid_displacement() -> None:
+    """What sticks moves as one, also where the shear is not in proportion to the pressure."""
+    scene = replace(
+        LINE,
+        shapes=(*LINE.shapes, cs.FiniteLength(1.6)),
+        load=cs.LoadHistory((0.0, 1.0), (0.9, 1.0)),
+        friction=cs.Fretting(0.9, (0.0, 0.01), times=(0.0, 1.0)),
+    )
+    grid = cs.Grid((32, 16), (2.4, 2.4))
+    steps = cs.TimeSteps(times=(0.0, 1.0), step_error=cs.StepError.NONE)
+    first, last = cs.solve(scene, grid, FREE, times=steps, tolerance=1e-9).frames
+    response = scene.friction.response(scene, grid, FREE, last.problem.scales.length)
+    moved = response(last.shear)[0]
+    stuck = (first.pressure > 0) & last.stick
+    assert np.ptp(moved[stuck]) < 1e-6 * moved.max()

@@ -14,22 +14,17 @@ from contactstudy.io.materials import materials
 EXAMPLES = Path(__file__).parents[3] / "examples"
 GOOD = """
 hardness = "2.5 GPa"
-
 [load]
 per_length = "100 N/mm"
-
 [[solids]]
 youngs_modulus = "210 GPa"
 poisson_ratio = 0.3
-
 [[solids]]
 youngs_modulus = inf
 poisson_ratio = 0.25
-
 [[shapes]]
 kind = "Cylinder"
 radius = "10 mm"
-
 [[shapes]]
 kind = "Roughness"
 rms = {slope = 0.01}
@@ -37,20 +32,16 @@ hurst = 0.8
 roll_off = "0.1 mm"
 cut_off = "30 um"
 extent = ["0.4 mm", "0.4 mm"]
-
 [[shapes]]
 kind = "Texture"
 pitch = ["50 um", "50 um"]
 feature = {kind = "Dimple", depth = "0.1 um", diameter = "20 um", profile = "Cosine"}
-
 [grid]
 cells = [64, 32]
 extent = ["0.4 mm", "0.4 mm"]
-
 [padding]
 kind = "Superposition"
 images = 3
-
 [solve]
 tolerance = 1e-6
 solver = "PolonskyKeer"

@@ -69,34 +69,26 @@ MARCH = """
 kind = "LoadHistory"
 times = ["0 us", "50 us", "0.1 ms"]
 per_length = ["100 N/mm", "100 N/mm", "120 N/mm"]
-
 [[solids]]
 material = "steel"
-
 [[solids]]
 material = "steel"
-
 [[shapes]]
 kind = "Cylinder"
 radius = "10 mm"
-
 [[shapes]]
 kind = "MovingShape"
 body = 1
 shape = {kind = "Waviness", amplitude = "10 nm", across = "0.2 mm", along = "inf"}
-
 [lubrication]
 mean_speed = {times = ["0 us", "80 us"], mean_speed = ["100 mm/s", "1 m/s"]}
 cavitation = {kind = "ElrodAdams"}
-
 [lubrication.lubricant]
 viscosity = "40 mPa*s"
 pressure_viscosity = "20 1/GPa"
-
 [grid]
 cells = [100, 1]
 extent = ["1.2 mm", "1 mm"]
-
 [evolve]
 instants = 3
 error = 0.01
@@ -125,7 +117,7 @@ def test_a_file_may_carry_a_measured_surface(tmp_path: Path) -> None:
     shape = (
         '{kind = "MeasuredSurface", file = "heights.txt", extent = ["1.2 mm", "1 mm"], unit = "m"}'
     )
-    wave = MARCH[MARCH.index("shape = ") : MARCH.index("\n\n[lubrication]")]
+    wave = MARCH[MARCH.index("shape = ") : MARCH.index("\n[lubrication]")]
     (tmp_path / "march.toml").write_text(MARCH.replace(wave, f"shape = {shape}"))
     carried = cs.read_scene(tmp_path / "march.toml").scene.shapes[1]
     assert isinstance(carried, cs.MovingShape)

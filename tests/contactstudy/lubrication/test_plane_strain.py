@@ -106,10 +106,6 @@ def test_films_agree_with_the_formula_of_moes_within_its_five_percent() -> None:
         assert film == pytest.approx(formula, rel=0.05)
 
 
-def test_the_thick_limit_of_the_formula_of_moes_is_that_of_martin() -> None:
-    assert cs.analytic.moes_film(1e-3, 0) == pytest.approx(3e3, rel=1e-5)
-
-
 def test_laws_without_their_effect_are_the_simpler_ones() -> None:
     simple = solve_lubricated(by_moes(20, 5), grid(100, 4.5))
     same = solve_lubricated(

@@ -7,19 +7,15 @@ import pytest
 SMOOTH = """
 [load]
 per_length = "100 N/mm"
-
 [[solids]]
 youngs_modulus = "210 GPa"
 poisson_ratio = 0.3
-
 [[solids]]
 youngs_modulus = "210 GPa"
 poisson_ratio = 0.3
-
 [[shapes]]
 kind = "Cylinder"
 radius = "10 mm"
-
 [plan]
 error = 1e-2
 """
@@ -34,7 +30,6 @@ hurst = 0.8
 roll_off = "120 um"
 cut_off = "60 um"
 seed = 3
-
 [plan]""",
 ).replace("1e-2", '0.2\nperiod = "0.48 mm"')
 

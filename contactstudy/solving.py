@@ -105,8 +105,8 @@ def solve(
     grid, padding
         Where to solve; chosen for the `error` if None. ``grid`` alone keeps the grid.
     error
-        Relative L1 error of the pressure to keep, of cells and steps together (of a film: of its thickness), such as
-        ``1e-2`` or ``"1 %"``, the default without a grid. The answer says whether its bound meets it.
+        Relative L1 error of the pressure not to exceed, of cells and steps together (of a film: of its thickness), such
+        as ``1e-2`` or ``"1 %"``, the default without a grid. The answer says whether its bound meets it.
     period
         Length [m] of the grid that is chosen.
     times
@@ -208,7 +208,7 @@ class _Request:
 
     @property
     def requested(self) -> float | None:
-        """Relative error to keep: the requested one, or the default without a grid."""
+        """Relative error not to exceed: the requested one, or the default without a grid."""
         from contactstudy.planning.plan import DEFAULT_ERROR
 
         return DEFAULT_ERROR if self.error is None and self.grid is None else self.error
@@ -258,7 +258,7 @@ class _Request:
         tolerance, report = self.options.tolerance, self.progress
         assert report is not None
 
-        def see(residual: float, pressure: Array) -> None:
+        def report_residual(residual: float, pressure: Array) -> None:
             first.append(max(residual, 10 * tolerance))
             fraction = 0.0
             if isfinite(residual) and residual > 0:
@@ -267,7 +267,7 @@ class _Request:
             field = np.array(pressure, dtype=np.float64) * problem.scales.pressure
             report(Progress(min(max(fraction, 0.0), 1.0), text, field, problem.grid))
 
-        return see
+        return report_residual
 
     def contact(self) -> Contact:
         """Solve a static contact."""
@@ -299,17 +299,17 @@ class _Request:
 
     @property
     def _grid_reporter(self) -> "Callable[[BoundedSolution], None] | None":
-        """Function of the solution on a grid that reports it as progress; None if nobody asks."""
+        """Function of the solution on a grid that reports it as progress; None without `progress`."""
         report, requested = self.progress, self.requested
         if report is None or requested is None:
             return None
 
-        def show(level: "BoundedSolution") -> None:
+        def report_level(level: "BoundedSolution") -> None:
             fraction, bound = min(requested / level.bound, 1.0), f"{100 * level.bound:.2g} % in L1"
             text = f"{' x '.join(map(str, level.grid.cells))} cells: {bound}"
             report(Progress(fraction, text, level.solution.pressure, level.grid))
 
-        return show
+        return report_level
 
     def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""
@@ -385,15 +385,15 @@ class _Request:
 
     @property
     def _time_reporter(self) -> Callable[[float, float], None] | None:
-        """Function of the time reached and the last time [s] that reports them as progress; None if nobody asks."""
+        """Function of the time reached and the last time [s] that reports them as progress; None without `progress`."""
         report = self.progress
         if report is None:
             return None
 
-        def show(time: float, end: float) -> None:
+        def report_time(time: float, end: float) -> None:
             report(Progress(time / end if end else 1.0, f"{time:.3g} s of {end:.3g} s"))
 
-        return show
+        return report_time
 
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""

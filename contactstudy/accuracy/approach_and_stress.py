@@ -95,17 +95,17 @@ def stress_errors(
     decay = np.pi * depths / min(_cells(solution))
     local = _finite(estimate.peak_pressure) * (1 + decay) * np.exp(-decay)
     usual = max(change, STRESS_ERROR * (estimate.l1.discretisation or 0.0)) + between / peak
-    highest = largest * (1 + usual + local)
-    cells = float(highest.max() / peak - 1)
+    upper_stress = largest * (1 + usual + local)
+    cells = float(upper_stress.max() / peak - 1)
     reason = next(iter(estimate.warnings), NO_COARSER) if cells == inf else ""
     stress = ErrorParts(images, cells, residual, reason=reason)
     if len(depths) == 1:
         return stress, ErrorParts(0.0, 0.0, 0.0)
-    near = np.flatnonzero(highest >= (1 - usual) * peak)
+    near = np.flatnonzero(upper_stress >= (1 - usual) * peak)
     # the depth may lie up to the neighbouring ones
-    lowest, highest = max(near[0] - 1, 0), min(near[-1] + 1, len(depths) - 1)
+    first, last = max(near[0] - 1, 0), min(near[-1] + 1, len(depths) - 1)
     depth = float(depths[level])
-    away = max(depth - depths[lowest], depths[highest] - depth) / depth if depth else inf
+    away = max(depth - depths[first], depths[last] - depth) / depth if depth else inf
     why = "" if away < inf else "No bound for the depth: the largest stress lies at the surface."
     return stress, ErrorParts(0.0, float(away), 0.0, reason=why)
 

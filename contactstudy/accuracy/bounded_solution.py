@@ -6,7 +6,7 @@ from math import inf, log, sqrt
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import change, halved
+from contactstudy.accuracy.coarser import change_between_grids, halved
 from contactstudy.accuracy.contact_edge import edge_error_of_means
 from contactstudy.accuracy.discretisation import around_contact, with_ends
 from contactstudy.accuracy.estimate import error_estimate
@@ -95,7 +95,7 @@ class BoundedSolution:
 
     @property
     def bound(self) -> float:
-        """Upper estimate of the relative L1 error of the pressure."""
+        """Bound of the relative L1 error of the pressure, as calibrated: it is not proven."""
         return self.estimate.l1.total
 
     @property
@@ -175,7 +175,7 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
             )
         )
         if remaining < 1:
-            last_change = change(fine.solution, coarser[number]).l1
+            last_change = change_between_grids(fine.solution, coarser[number]).l1
             errors.append((remaining, last_change * remaining / sqrt(1 - remaining**2)))
         if remaining <= CONSTANTS.max_remaining_error:
             return errors[-1][1]
@@ -184,7 +184,7 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
 
 def _convergence_order(fine: BoundedSolution, coarser: Sequence[Solution]) -> float:
     """Return the order of convergence from one or two `coarser` grids to the finest."""
-    changes = [change(fine.solution, solution).l1 for solution in coarser]
+    changes = [change_between_grids(fine.solution, solution).l1 for solution in coarser]
     by_cell_errors = [sum(cell_errors(coarser[-1])), sum(fine.cell_errors)]
     areas = [solution.problem.grid.cell_area for solution in coarser]
     orders = [CONSTANTS.min_order]

@@ -70,7 +70,7 @@ def coarser_problem(problem: Problem) -> Problem | None:
     return replace(coarse, undeformed_gap=gap)
 
 
-def change(fine: Solution, coarse: Solution) -> DiscretisationErrors:
+def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErrors:
     """Return the relative changes from `coarse`, the same contact on larger cells, to `fine`."""
     means = on_cells(fine.pressure, coarse.pressure.shape)
     areas = [float((solution.pressure > 0).mean()) for solution in (fine, coarse)]

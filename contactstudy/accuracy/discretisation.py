@@ -1,5 +1,7 @@
 """Discretisation errors of cells of constant pressure, from the pressure found on them."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,11 +9,34 @@ from contactstudy.accuracy.contact_edge import edge_error, edge_position
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings, axis_first
 
-# Change of a maximum over its second difference with the places of the edges in their cells: 1/16 between two
-# straight edges that fall alike; a third more for edges that are neither straight nor alike.
-EDGE_EFFECT = 1 / 12
-# The same where the maximum lies within two cells of an edge, where no parabola holds.
-EDGE_EFFECT_BESIDE = 1 / 3
+
+@dataclass(frozen=True)
+class DiscretisationConstants:
+    """Constants of the errors by the cells.
+
+    Attributes
+    ----------
+    edge_effect
+        Change of a maximum over its second difference with the places of the edges in their cells: 1/16 in closed form
+        between two straight edges that fall alike; a third more for edges that are neither straight nor alike.
+    edge_effect_beside
+        The same where the maximum lies within two cells of an edge, where no parabola holds.
+    edge_uncertainty
+        Uncertainty, in cells, of the position of each edge, which may lie anywhere in its cell.
+    mean_edge_uncertainty
+        That of the mean position of all edges.
+    plateau_uncertainty
+        That of the end of a plateau, which lies anywhere in its cell.
+    """
+
+    edge_effect: float = 1 / 12
+    edge_effect_beside: float = 1 / 3
+    edge_uncertainty: float = 0.35
+    mean_edge_uncertainty: float = 0.1
+    plateau_uncertainty: float = 0.65
+
+
+CONSTANTS = DiscretisationConstants()
 
 
 def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
@@ -41,7 +66,7 @@ def around_contact(pressure: Array) -> slice:
     return slice(int(touching[0]) - 1, int(touching[-1]) + 2)
 
 
-def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
+def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 that the cells cause.
 
     The maximum is off a cell's centre, above it by the parabola through three cells, and the cell's pressure is a
@@ -80,10 +105,13 @@ def discretisation(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, fl
         l1 += np.minimum(plateau, level - plateau).sum()
         index = highest[::-1] if axis else highest
         slope, curvature = float(after[index] - before[index]) / 2, float(second_difference[index])
-        # the parabola's vertex is slope / bent cells away
+        # the parabola's vertex is slope / curvature cells away
         beside += slope**2 / curvature / 2 - curvature / 24 if curvature > 0 else 0.0
         around = touching[max(index[0] - 1, 0) : index[0] + 4, index[1]]
-        edges = max(edges, (EDGE_EFFECT if around.all() else EDGE_EFFECT_BESIDE) * curvature)
+        edges = max(
+            edges,
+            (CONSTANTS.edge_effect if around.all() else CONSTANTS.edge_effect_beside) * curvature,
+        )
     return (abs(beside) + edges) / level, float(l1 / pressure.sum())
 
 
@@ -96,10 +124,6 @@ def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
     along, before, after = padded[1:-1], padded[:-2], padded[2:]
     ends = np.concatenate([along[first], along[last]])
     return ends, np.concatenate([after[first], before[last]])
-
-
-# Uncertainty of the position of an edge in cells: of each one, of the mean of all, and at the end of a plateau.
-EDGE_UNCERTAINTY, MEAN_EDGE_UNCERTAINTY, PLATEAU_UNCERTAINTY = 0.35, 0.1, 0.65
 
 
 def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
@@ -128,9 +152,9 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
         ends = int(np.count_nonzero(smooth))
         beyond = float((0.5 - edge_position(last[smooth], second[smooth])).sum())
         uncertain = (
-            MEAN_EDGE_UNCERTAINTY * ends
-            + EDGE_UNCERTAINTY * ends**0.5
-            + PLATEAU_UNCERTAINTY * (len(last) - ends)
+            CONSTANTS.mean_edge_uncertainty * ends
+            + CONSTANTS.edge_uncertainty * ends**0.5
+            + CONSTANTS.plateau_uncertainty * (len(last) - ends)
         )
         excess = max(excess, abs(beyond) + uncertain)
     fraction = excess / cells

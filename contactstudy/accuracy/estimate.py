@@ -5,14 +5,19 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import DiscretisationErrors, change, coarse_solution
+from contactstudy.accuracy.coarser import (
+    DiscretisationErrors,
+    change_between_grids,
+    coarse_solution,
+)
 from contactstudy.accuracy.discretisation import (
     around_contact,
     contact_area,
-    discretisation,
+    discretisation_errors,
 )
 from contactstudy.accuracy.image_errors import image_errors
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
+from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.accuracy.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
 from contactstudy.accuracy.two_grids import (
     PEAK_WITHOUT_LIMIT,
@@ -21,13 +26,10 @@ from contactstudy.accuracy.two_grids import (
     range_errors,
 )
 from contactstudy.domain.checks import InvalidInput, NotDefined
-from contactstudy.domain.device import Precision
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
-from contactstudy.domain.fields import MIN_COMPILED_CELLS, Array, in_blocks, inner
 from contactstudy.domain.grid import axis_first
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.domain.units import readable
-from contactstudy.problem.constraint import cell_violation
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import is_layered
 from contactstudy.scene.scene import PosedScene
@@ -50,8 +52,6 @@ class EstimateConstants:
 
     Attributes
     ----------
-    inverse_margin
-        Largest error of the approximate inverse, as a factor; it occurs where the padding is a short window.
     smooth_ratio
         Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed.
     hidden_error
@@ -82,7 +82,6 @@ class EstimateConstants:
         adhesion.
     """
 
-    inverse_margin: float = 2.0
     smooth_ratio: float = 0.25
     hidden_error: float = 0.8
     max_l1: float = 2.0
@@ -108,6 +107,11 @@ def error_estimate(
     confidence: float = CONFIDENCE,
 ) -> ErrorEstimate:
     """Estimate the errors of `solution`.
+
+    By cause: images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
+    (:mod:`~contactstudy.accuracy.residual_errors`), and the cells (:mod:`~contactstudy.accuracy.discretisation`,
+    :mod:`~contactstudy.accuracy.subcell`), to which the edges of a stiff coating add. Adhesion in the JKR limit adds its
+    range.
 
     Where heights and edges are smooth, the solution alone determines them. Otherwise the same contact is solved once
     more on cells of twice the size, with its heights sampled again, and the heights are examined inside the cells. The
@@ -164,7 +168,7 @@ def error_estimate(
     peak_images, l1_images = 0.0, 0.0
     if problem.source is None or not problem.source.ends_along:
         peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings)
-    peak_residual, l1_residual = _residual(solution)
+    peak_residual, l1_residual = residual_errors(solution)
     if (
         solution.adhesion is not None
     ):  # the change of the attraction that counts as much as this residual
@@ -208,16 +212,69 @@ def error_estimate(
     )
 
 
-def _is_pull_off(solution: Solution) -> bool:
-    """Return whether the solution is the last stable state before pull-off."""
-    return solution.adhesion is not None and solution.adhesion.first_unstable_load is not None
-
-
-def _at_pull_off(solution: Solution, load: float | None) -> ErrorParts | None:
-    """Return the error of the pull-off load; None where it was not sought."""
-    if load is None or not _is_pull_off(solution):
-        return None
-    return pull_off_error(solution, load)
+def _cells(
+    solution: Solution, coarse: Solution | None, heights: SubgridHeights | None, confidence: float
+) -> DiscretisationErrors:
+    """Return the errors that the cells cause."""
+    problem = solution.problem
+    pressure = solution.pressure[around_contact(solution.pressure)]
+    assert problem.paddings is not None
+    wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
+    if reason := _cut_off(solution) or _unresolved_length(problem):
+        return DiscretisationErrors.unbounded(reason)
+    if solution.adhesion is not None or problem.control.approach is not None:
+        errors = compare_grids(solution, coarse)
+        load_is_result = problem.control.approach is not None or _is_pull_off(solution)
+        return errors if load_is_result else replace(errors, load=None)
+    heights = heights or SubgridHeights.from_problem(problem, confidence)
+    if heights is None:
+        return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS)
+    inside = heights.effect_under(problem, solution.pressure)
+    if inside.protrudes:
+        return DiscretisationErrors.unbounded(PROTRUDING)
+    peak, l1 = discretisation_errors(pressure, wraps)
+    area = contact_area(pressure, wraps)
+    at_hardness = _at_hardness(solution)
+    ends = problem.source is not None and problem.source.ends_along
+    regular = (
+        not (at_hardness or (ends and pressure[:, [0, -1]].any()))
+        and _contact_width(pressure, wraps) >= CONSTANTS.min_cells_across
+    )
+    if (
+        regular
+        and inside.hidden_load <= CONSTANTS.smooth_ratio * l1
+        and inside.corner_rise <= CONSTANTS.sharp_rise
+    ):
+        changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
+    else:
+        coarse = coarse or coarse_solution(problem, solution.pressure)
+        if coarse is None or coarse.status.is_failure:
+            reason = "No bound for the discretisation error: no solution on cells of twice the size to compare with."
+            return DiscretisationErrors.unbounded(reason)
+        changes = change_between_grids(solution, coarse)
+    isolated = _has_isolated_cells(pressure)
+    hidden_error = CONSTANTS.hidden_error * inside.hidden_load
+    l1 = CONSTANTS.max_l1 if isolated else min(CONSTANTS.max_l1, max(l1, changes.l1, hidden_error))
+    reason = ""
+    if at_hardness:  # the peak pressure is the hardness
+        peak = 0.0
+    elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
+        peak = inf
+    else:
+        peak = max(peak, changes.peak_pressure, inside.peak_rise) + inside.kink_rise
+    return _with_reasons(
+        DiscretisationErrors(
+            l1,
+            peak,
+            max(
+                area,
+                changes.contact_area,
+                _relative_loss(CONSTANTS.hidden_error * inside.area_loss),
+            ),
+            _gap_error(solution, l1, changes.mean_gap, inside.mean_height),
+            warnings=(reason,) if reason else (),
+        )
+    )
 
 
 def _edge_rise(problem: Problem) -> tuple[float, float, str]:
@@ -245,80 +302,6 @@ def _edge_rise(problem: Problem) -> tuple[float, float, str]:
     return pressure, width, reason
 
 
-def _cells(
-    solution: Solution, coarse: Solution | None, heights: SubgridHeights | None, confidence: float
-) -> DiscretisationErrors:
-    """Return the errors that the cells cause."""
-    problem = solution.problem
-    pressure = solution.pressure[around_contact(solution.pressure)]
-    assert problem.paddings is not None
-    wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
-    if reason := _cut_off(solution) or _unresolved_length(problem):
-        return DiscretisationErrors.unbounded(reason)
-    if solution.adhesion is not None or problem.control.approach is not None:
-        errors = compare_grids(solution, coarse)
-        load_is_result = problem.control.approach is not None or _is_pull_off(solution)
-        return errors if load_is_result else replace(errors, load=None)
-    heights = heights or SubgridHeights.from_problem(problem, confidence)
-    if heights is None:
-        return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS)
-    inside = heights.effect_under(problem, solution.pressure)
-    if inside.protrudes:
-        return DiscretisationErrors.unbounded(PROTRUDING)
-    peak, l1 = discretisation(pressure, wraps)
-    area = contact_area(pressure, wraps)
-    at_hardness = _at_hardness(solution)
-    ends = problem.source is not None and problem.source.ends_along
-    regular = (
-        not (at_hardness or (ends and pressure[:, [0, -1]].any()))
-        and _contact_width(pressure, wraps) >= CONSTANTS.min_cells_across
-    )
-    if (
-        regular
-        and inside.hidden_load <= CONSTANTS.smooth_ratio * l1
-        and inside.corner_rise <= CONSTANTS.sharp_rise
-    ):
-        changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
-    else:
-        coarse = coarse or coarse_solution(problem, solution.pressure)
-        if coarse is None or coarse.status.is_failure:
-            reason = "No bound for the discretisation error: no solution on cells of twice the size to compare with."
-            return DiscretisationErrors.unbounded(reason)
-        changes = change(solution, coarse)
-    isolated = _has_isolated_cells(pressure)
-    hidden_error = CONSTANTS.hidden_error * inside.hidden_load
-    l1 = CONSTANTS.max_l1 if isolated else min(CONSTANTS.max_l1, max(l1, changes.l1, hidden_error))
-    reason = ""
-    if at_hardness:  # the peak pressure is the hardness
-        peak = 0.0
-    elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
-        peak = inf
-    else:
-        peak = max(peak, changes.peak_pressure, inside.peak_rise) + inside.kink_rise
-    return _with_reasons(
-        DiscretisationErrors(
-            l1,
-            peak,
-            max(
-                area,
-                changes.contact_area,
-                _relative_loss(CONSTANTS.hidden_error * inside.area_loss),
-            ),
-            _gap_error(solution, l1, changes.mean_gap, inside.mean_height),
-            warnings=(reason,) if reason else (),
-        )
-    )
-
-
-def _cut_off(solution: Solution) -> str:
-    """Return a sentence if the contact is cut off at the edge of the grid, else an empty string."""
-    if solution.status is not Status.CONTACT_AT_EDGE:
-        return ""
-    return (
-        "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."
-    )
-
-
 def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> float:
     """Return the relative error of the mean gap; infinite where that is no more than the residual of the iteration.
 
@@ -341,49 +324,38 @@ def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> f
     return max(change, shift / gap) + hidden / gap
 
 
-def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
-    """Return `cells`, with the reasons if the contact area or the mean gap has no bound."""
-    reasons = list(cells.warnings)
-    if cells.contact_area == inf:
-        reasons.append(
-            "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more "
-            "cells."
-        )
-    if cells.mean_gap == inf:
-        reasons.append(
-            "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
-        )
-    return replace(cells, warnings=tuple(reasons))
+def _is_pull_off(solution: Solution) -> bool:
+    """Return whether the solution is the last stable state before pull-off."""
+    return solution.adhesion is not None and solution.adhesion.first_unstable_load is not None
 
 
-def _has_isolated_cells(pressure: np.ndarray) -> bool:
-    """Return whether along an axis no two cells in contact are neighbours, so that their edges are unknown."""
-    touching = pressure > 0
-    return any(
-        len(along) > 1 and not (along[1:] & along[:-1]).any() for along in (touching, touching.T)
+def _at_pull_off(solution: Solution, load: float | None) -> ErrorParts | None:
+    """Return the error of the pull-off load; None where it was not sought."""
+    if load is None or not _is_pull_off(solution):
+        return None
+    return pull_off_error(solution, load)
+
+
+def _cut_off(solution: Solution) -> str:
+    """Return a sentence if the contact is cut off at the edge of the grid, else an empty string."""
+    if solution.status is not Status.CONTACT_AT_EDGE:
+        return ""
+    return (
+        "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."
     )
 
 
-def _relative_loss(fraction: float) -> float:
-    """Return the relative error of a quantity that may have lost or gained the given fraction of itself."""
-    return fraction / (1 - fraction) if fraction < 1 else inf
-
-
-def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
-    """Return the number of adjacent cells in contact through the peak pressure, along the axis with the fewest."""
-    peak = np.unravel_index(np.argmax(pressure), pressure.shape)
-    fewest = pressure.size
-    for axis, is_periodic in enumerate(wraps):
-        row = axis_first(pressure, axis)[:, peak[1 - axis]] > 0
-        if len(row) > 1 and not row.all():
-            row = np.roll(row, len(row) // 2 - int(peak[axis])) if is_periodic else row
-            middle = len(row) // 2 if is_periodic else int(peak[axis])
-            gaps = np.flatnonzero(~row)
-            before, after = gaps[gaps < middle], gaps[gaps > middle]
-            first = before[-1] if before.size else -1
-            last = after[0] if after.size else len(row)
-            fewest = min(fewest, int(last - first - 1))
-    return fewest
+def _unresolved_length(problem: Problem) -> str:
+    """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
+    finest = problem.source.finest if problem.source is not None else (inf, inf)
+    for axis, (cell, length) in enumerate(zip(problem.grid.cell_size, finest, strict=True)):
+        if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
+            count = int(np.ceil(2 * problem.grid.extent[axis] / length))
+            return (
+                f"No bound for the discretisation error: Grid.cells[{axis}] is {problem.grid.cells[axis]}, "
+                f"whose cells of {readable(cell)} do not resolve lengths of {readable(length)}, give {count} or more."
+            )
+    return ""
 
 
 def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
@@ -411,17 +383,19 @@ def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
     return f"No bound for the peak pressure: {reason}." if reason else ""
 
 
-def _unresolved_length(problem: Problem) -> str:
-    """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
-    finest = problem.source.finest if problem.source is not None else (inf, inf)
-    for axis, (cell, length) in enumerate(zip(problem.grid.cell_size, finest, strict=True)):
-        if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
-            count = int(np.ceil(2 * problem.grid.extent[axis] / length))
-            return (
-                f"No bound for the discretisation error: Grid.cells[{axis}] is {problem.grid.cells[axis]}, "
-                f"whose cells of {readable(cell)} do not resolve lengths of {readable(length)}, give {count} or more."
-            )
-    return ""
+def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
+    """Return `cells`, with the reasons if the contact area or the mean gap has no bound."""
+    reasons = list(cells.warnings)
+    if cells.contact_area == inf:
+        reasons.append(
+            "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more "
+            "cells."
+        )
+    if cells.mean_gap == inf:
+        reasons.append(
+            "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
+        )
+    return replace(cells, warnings=tuple(reasons))
 
 
 def _at_hardness(solution: Solution) -> bool:
@@ -443,39 +417,31 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
     )
 
 
-def _residual(solution: Solution) -> tuple[float, float]:
-    """Return the errors of peak pressure and pressure in L1 by the remaining gap: the pressure that would close it."""
-    pressure, gap, scales = solution.pressure, solution.gap, solution.problem.scales
-    scale = scales.pressure / scales.gap
-    operator = solution.problem.operator.scaled(scale, Precision.DOUBLE)
-    compliance = operator.self_compliance
-    # single precision takes half the time
-    inverse = operator.approximate_inverse(
-        Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None
+def _has_isolated_cells(pressure: np.ndarray) -> bool:
+    """Return whether along an axis no two cells in contact are neighbours, so that their edges are unknown."""
+    touching = pressure > 0
+    return any(
+        len(along) > 1 and not (along[1:] & along[:-1]).any() for along in (touching, touching.T)
     )
-    cells = solution.problem.constraint.free(pressure).astype(inverse.real, copy=False)
-    correction, level = np.empty_like(cells), 0.0
 
-    def of_cells(height: Array, gap: Array, cells: Array) -> None:
-        np.multiply(gap / scales.gap, cells, out=height, casting="same_kind")
 
-    in_blocks(of_cells, correction, gap, cells)
-    if count := np.count_nonzero(cells):  # not where all pressures are at a limit
-        extension = inverse.extension(cells)
-        correction = extension.pressure(extension(correction))
-        level = inner(correction, cells) / count
+def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
+    """Return the number of adjacent cells in contact through the peak pressure, along the axis with the fewest."""
+    peak = np.unravel_index(np.argmax(pressure), pressure.shape)
+    fewest = pressure.size
+    for axis, is_periodic in enumerate(wraps):
+        row = axis_first(pressure, axis)[:, peak[1 - axis]] > 0
+        if len(row) > 1 and not row.all():
+            row = np.roll(row, len(row) // 2 - int(peak[axis])) if is_periodic else row
+            middle = len(row) // 2 if is_periodic else int(peak[axis])
+            gaps = np.flatnonzero(~row)
+            before, after = gaps[gaps < middle], gaps[gaps > middle]
+            first = before[-1] if before.size else -1
+            last = after[0] if after.size else len(row)
+            fewest = min(fewest, int(last - first - 1))
+    return fewest
 
-    def errors_in_block(
-        pressure: Array, gap: Array, cells: Array, correction: Array
-    ) -> tuple[float, ...]:
-        # cells at a limit that should not be there, and the pressure that closes the others
-        pressure_error = cell_violation(pressure, gap, cells) / (scales.gap * compliance)
-        pressure_error += np.abs((correction - level) * cells)
-        pressure_error *= CONSTANTS.inverse_margin * scales.pressure
-        return float(pressure_error.sum()), float((pressure + pressure_error).max())
 
-    sums, peaks = zip(*in_blocks(errors_in_block, pressure, gap, cells, correction), strict=True)
-    l1 = float(sum(sums) / pressure.sum())
-    # the peak may be in another cell; the inverse, which takes a free length for a periodic one, is more accurate for
-    # the sum than for a single cell
-    return max(float(max(peaks) / pressure.max()) - 1, l1), l1
+def _relative_loss(fraction: float) -> float:
+    """Return the relative error of a quantity that may have lost or gained the given fraction of itself."""
+    return fraction / (1 - fraction) if fraction < 1 else inf

@@ -1,14 +1,22 @@
-"""Heights inside the cells, which a pressure on the grid does not resolve, and their effect on the contact."""
+"""Heights inside the cells, which a pressure on the grid does not resolve, and their effect on the contact.
+
+1. The gap is sampled at points inside the cells, on lines through their centres along each axis. A cubic through the
+   centres is what the cells resolve; what it misses is hidden.
+2. Where a shape names no length scales, points between the lines are sampled too, so many that a feature is found with
+   the requested confidence.
+3. Under a pressure, hidden heights count as the pressure that would flatten them; a corner raises the pressure at each
+   halving of the cells.
+"""
 
 from dataclasses import dataclass
-from functools import cache, cached_property
 from math import ceil, log, pi, prod
 
 import numpy as np
 
 from contactstudy.accuracy.discretisation import around_contact, with_ends
+from contactstudy.accuracy.sampled_heights import SampledHeights, cubics, extended_by_two
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.domain.fields import BLOCK_CELLS, Array, product
+from contactstudy.domain.fields import BLOCK_CELLS, Array
 from contactstudy.domain.grid import Grid, axis_first, on_cells
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.problem.problem import Problem, Source
@@ -18,8 +26,6 @@ CONFIDENCE = 0.95
 # Steps of a two-dimensional sequence of low discrepancy to which points can be added one by one:
 # Roberts (2018), "The unreasonable effectiveness of quasirandom sequences".
 STEPS = 0.7548776662466927, 0.5698402909980532
-# The cubic through the last four points of a row, at the second and the first place beyond them.
-BEYOND = np.array([[10.0, -20.0, 15.0, -4.0], [4.0, -6.0, 4.0, -1.0]])
 
 
 @dataclass(frozen=True)
@@ -45,13 +51,6 @@ class SubgridConstants:
         cells and of one, and pi / 2 for a bump ``exp(-r^2 / dx^2)``.
     resolved_fraction
         Largest interpolation error of a feature that the centres resolve, over their second difference.
-    corner_fraction
-        Fraction of the slope change between two neighbouring points that their neighbours do not have, from which it
-        is a corner.
-    smooth_power
-        Power n - 1 of a height ``|x|^n`` from which a bend counts as smooth.
-    min_power
-        Least such power that is not a corner.
     """
 
     points: int = 4
@@ -62,9 +61,6 @@ class SubgridConstants:
     feature_area: float = 0.03
     pressure_rise: float = 2.5
     resolved_fraction: float = 0.5
-    corner_fraction: float = 0.7
-    smooth_power: float = 0.95
-    min_power: float = 0.1
 
 
 CONSTANTS = SubgridConstants()
@@ -74,9 +70,9 @@ CONSTANTS = SubgridConstants()
 class SubgridEffect:
     """Effect of the heights inside the cells on a contact.
 
-    A cell hides the heights beyond a cubic through the centres, as the pressure that would flatten them, at most the
-    pressure there. A corner that points out of the body by a slope S raises the pressure by
-    ``E* S / (2 pi) ln 2`` each time the cell is halved, and so without limit.
+    Heights that a cubic through the centres misses are hidden. They count by the pressure that would flatten them, at
+    most the pressure there. A corner that points out of the body by a slope S raises the pressure by ``E* S / (2 pi) ln
+    2`` each time the cell is halved, and so without limit.
 
     Attributes
     ----------
@@ -106,38 +102,6 @@ class SubgridEffect:
 
 
 @dataclass(frozen=True, eq=False)
-class _HiddenHeights:
-    """Heights hidden inside the cells along one `axis`, examined on some lines (across, along).
-
-    `missed` is the interpolation error of cubics through the centres and `protrusion` the height above all centres about
-    a cell, both [m]; `corner` and `kink` are slopes; `mean` is the mean height of the points below that of the centres
-    [m]. The `kink` is None for shapes that name their length scales.
-    """
-
-    axis: int
-    mean: float
-    missed: Array
-    corner: Array
-    protrusion: Array
-    kink: Array | None = None
-
-    def in_rows(self, heights: Array, rows: slice, cells: tuple[int, ...]) -> Array:
-        """Return `heights` of the lines in some `rows` of all `cells` (across, along)."""
-        if self.axis == 0:
-            return on_cells(heights[rows], (len(range(cells[0])[rows]), cells[1]))
-        return on_cells(heights, (cells[0], cells[1]))[rows]
-
-    def largest(self, slopes: Array, pressure: Array, rows: slice, cells: tuple[int, ...]) -> float:
-        """Return the largest of the `slopes` on the lines where a `pressure` acts, which is zero but in some `rows`."""
-        if not slopes.any():
-            return 0.0
-        everywhere = np.zeros(cells)
-        everywhere[rows] = pressure
-        lines = slopes.shape[0], slopes.shape[1]
-        return float(np.where(on_cells(everywhere, lines) > 0, slopes, 0.0).max())
-
-
-@dataclass(frozen=True, eq=False)
 class SubgridHeights:
     """Heights inside the cells of a grid, which are the same under any pressure.
 
@@ -149,7 +113,7 @@ class SubgridHeights:
         Heights off these lines, see :func:`_between_lines`, if a shape names no length scales.
     """
 
-    along: tuple[_HiddenHeights, ...]
+    along: "tuple[_HiddenHeights, ...]"
     between_lines: tuple[Array, Array, Array, Array] | None
 
     @classmethod
@@ -221,6 +185,38 @@ class SubgridHeights:
         return SubgridEffect(hides, corner / peak, protrudes, rise, kink / peak, area_loss, mean)
 
 
+@dataclass(frozen=True, eq=False)
+class _HiddenHeights:
+    """Heights hidden inside the cells along one `axis`, examined on some lines (across, along).
+
+    `missed` is the interpolation error of cubics through the centres and `protrusion` the height above all centres about
+    a cell, both [m]; `corner` and `kink` are slopes; `mean` is the mean height of the points below that of the centres
+    [m]. The `kink` is None for shapes that name their length scales.
+    """
+
+    axis: int
+    mean: float
+    missed: Array
+    corner: Array
+    protrusion: Array
+    kink: Array | None = None
+
+    def in_rows(self, heights: Array, rows: slice, cells: tuple[int, ...]) -> Array:
+        """Return `heights` of the lines in some `rows` of all `cells` (across, along)."""
+        if self.axis == 0:
+            return on_cells(heights[rows], (len(range(cells[0])[rows]), cells[1]))
+        return on_cells(heights, (cells[0], cells[1]))[rows]
+
+    def largest(self, slopes: Array, pressure: Array, rows: slice, cells: tuple[int, ...]) -> float:
+        """Return the largest of the `slopes` on the lines where a `pressure` acts, which is zero but in some `rows`."""
+        if not slopes.any():
+            return 0.0
+        everywhere = np.zeros(cells)
+        everywhere[rows] = pressure
+        lines = slopes.shape[0], slopes.shape[1]
+        return float(np.where(on_cells(everywhere, lines) > 0, slopes, 0.0).max())
+
+
 def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHeights | None:
     """Return the heights hidden inside the cells along an `axis`, or None where they do not vary along it.
 
@@ -264,28 +260,6 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
     return hidden
 
 
-def mean_height(source: Source, grid: Grid, gap: Array) -> float:
-    """Return the mean of a `gap` (x, y) [m] on a grid, over the length of the bodies."""
-    lengths = getattr(source, "row_lengths", lambda _: None)(grid)
-    rows = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
-    return float(np.average(rows, weights=lengths))
-
-
-@dataclass(frozen=True)
-class _ShiftedGrid(Grid):
-    """A grid whose points are shifted from the cell centres by fractions of a cell (across, along)."""
-
-    shift: tuple[float, float]
-
-    @property
-    def x(self) -> Array:
-        return super().x + self.shift[0] * self.cell_size[0]
-
-    @property
-    def y(self) -> Array:
-        return super().y + self.shift[1] * self.cell_size[1]
-
-
 def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
     """Return interpolation errors of cubics off their lines [m], the protrusion [m], its width in cells, and the
     hidden heights.
@@ -309,15 +283,15 @@ def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, A
     if heights(grid).shape[1] == 1:  # a profile, which the lines across have examined
         return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]
-    beside = _extended(centres, wraps=wraps[0])
+    beside = extended_by_two(centres, wraps=wraps[0])
     count = ceil(log(1 - confidence) / log(1 - CONSTANTS.feature_area))
     for number in range(count):
         across, along = ((0.5 + number * step) % 1 - 0.5 for step in STEPS)
         points = np.broadcast_to(
             heights(_ShiftedGrid(grid.cells, grid.extent, (across, along))), grid.cells
         )
-        smooth = _cubics(beside, (across,))[0]
-        smooth = _cubics(_extended(smooth.T, wraps=wraps[1]), (along,))[0].T
+        smooth = cubics(beside, (across,))[0]
+        smooth = cubics(extended_by_two(smooth.T, wraps=wraps[1]), (along,))[0].T
         np.maximum(missed, np.abs(points - smooth), out=missed)
         squares += (points - smooth) ** 2
         np.minimum(lowest, points, out=lowest)
@@ -328,7 +302,7 @@ def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, A
     fraction = np.divide(squares, largest, out=np.ones(grid.cells), where=largest > 0)
     shown = np.zeros(grid.cells)
     for axis, is_periodic in enumerate(wraps):
-        padded = _extended(axis_first(centres, axis), wraps=is_periodic)[1:-1]
+        padded = extended_by_two(axis_first(centres, axis), wraps=is_periodic)[1:-1]
         np.maximum(shown, axis_first(np.abs(np.diff(padded, n=2, axis=0)), axis), out=shown)
     return (
         missed,
@@ -338,36 +312,19 @@ def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, A
     )
 
 
-def _cubics(extended: Array, positions: tuple[float, ...]) -> Array:
-    """Return the cubics through four neighbouring points, at `positions` in cells from each centre (places, n, lines).
+@dataclass(frozen=True)
+class _ShiftedGrid(Grid):
+    """A grid whose points are shifted from the cell centres by fractions of a cell (across, along)."""
 
-    The points (n + 4, lines) are the centres, `extended` by two at either end.
-    """
-    count = len(extended) - 4
-    nodes = np.stack([extended[node : node + count] for node in range(5)])
-    weights = np.array([_weights(position) for position in positions])
-    return product(weights, nodes.reshape(5, -1)).reshape(len(positions), *nodes.shape[1:])
+    shift: tuple[float, float]
 
+    @property
+    def x(self) -> Array:
+        return super().x + self.shift[0] * self.cell_size[0]
 
-@cache
-def _weights(position: float) -> tuple[float, ...]:
-    """Return the weights of a centre and two more on either side in the cubic at a `position`; one of five is zero."""
-    nodes = range(-1, 3) if position > 0 else range(-2, 2)
-    return tuple(
-        prod((position - near) / (node - near) for near in nodes if near != node)
-        if node in nodes
-        else 0.0
-        for node in range(-2, 3)
-    )
-
-
-def _extended(centres: Array, *, wraps: bool) -> Array:
-    """Return `centres` (n, lines) with two more at either end: those of a closed axis, or of the last cubic."""
-    padded = with_ends(centres, 2, wraps=wraps)
-    if not wraps:
-        for side in (padded, padded[::-1]):
-            side[:2] = product(BEYOND, side[2:6])
-    return padded
+    @property
+    def y(self) -> Array:
+        return super().y + self.shift[1] * self.cell_size[1]
 
 
 def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
@@ -378,6 +335,13 @@ def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
         cells[1 - axis], max(CONSTANTS.lines, cells[1 - axis] // CONSTANTS.sparse)
     )
     return counts[0], counts[1]
+
+
+def mean_height(source: Source, grid: Grid, gap: Array) -> float:
+    """Return the mean of a `gap` (x, y) [m] on a grid, over the length of the bodies."""
+    lengths = getattr(source, "row_lengths", lambda _: None)(grid)
+    rows = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
+    return float(np.average(rows, weights=lengths))
 
 
 def _with_neighbours(pressure: Array, problem: Problem) -> Array:
@@ -401,114 +365,3 @@ def _modulus(problem: Problem, axis: int) -> float:
         wave = across[:, None] * along
         energy = float((problem.operator(wave) * wave).sum())
     return 2 * problem.grid.cell_size[axis] * prod(problem.grid.cells) / (pi * energy)
-
-
-@dataclass(frozen=True)
-class SampledHeights:
-    """Heights inside the cells along one axis, of shapes (n, ...) for n cells.
-
-    Attributes
-    ----------
-    missed
-        What a cubic through the centres misses in each cell [m].
-    slope_changes
-        Change of the slope at each point (n points, ...), above zero where it points out of the body.
-    wraps
-        Whether the axis wraps.
-    padded
-        Heights at the centres, and at two more at either end (n + 4, ...) [m].
-    heights
-        Heights inside the cells (n, points, ...) [m].
-    """
-
-    missed: Array
-    slope_changes: Array
-    wraps: bool
-    padded: Array
-    heights: Array
-
-    @classmethod
-    def from_heights(
-        cls, centres: Array, inside: Array, step: float, *, wraps: bool
-    ) -> "SampledHeights":
-        """Return what heights (n, ...) at the centres, and (n points, ...) inside cells of width `step`, show [m]."""
-        count = len(centres)
-        points = len(inside) // count
-        padded = np.ascontiguousarray(_extended(centres, wraps=wraps))
-        inside = np.ascontiguousarray(inside)  # along the length they are not, which takes longer
-        heights = inside.reshape(count, points, -1)
-        missed = _cubics(padded, tuple((point + 0.5) / points - 0.5 for point in range(points)))
-        missed -= heights.swapaxes(0, 1)
-        missed = np.abs(missed, out=missed).max(axis=0)
-        slope_changes = np.diff(with_ends(inside, 1, wraps=wraps), n=2, axis=0)
-        rounding = 8 * np.finfo(float).eps * max(inside.max(), -inside.min())
-        slope_changes[np.abs(slope_changes) < rounding] = 0.0
-        slope_changes *= points / step
-        if not wraps:
-            slope_changes[[0, -1]] = 0.0
-        return cls(missed, slope_changes, wraps, padded, heights)
-
-    @property
-    def protrusion(self) -> Array:
-        """Heights above the centres of a cell and its neighbours (n, ...) [m]; a step between centres is not hidden."""
-        lowest = np.minimum(np.minimum(self.padded[1:-3], self.padded[2:-2]), self.padded[3:-1])
-        return np.asarray(np.maximum(lowest - self.heights.min(axis=1), 0))
-
-    @cached_property
-    def _outward(self) -> Array:
-        """Slope changes that point out of the body (n points, ...); zero elsewhere."""
-        return np.maximum(self.slope_changes, 0)
-
-    @cached_property
-    def _in_cells(self) -> tuple[Array, Array]:
-        """Outward slope changes of pairs of neighbours (n points, ...), and the same by cells (n, points, ...)."""
-        slope_changes = self._outward
-        pairs = np.empty_like(slope_changes)
-        np.add(slope_changes[:-1], slope_changes[1:], out=pairs[:-1])
-        np.add(slope_changes[-1], slope_changes[0], out=pairs[-1])
-        return pairs, pairs.reshape(len(self.missed), -1, *pairs.shape[1:])
-
-    def corner(self) -> Array:
-        """Return the slope of the corner in each cell (n, ...), 0 where its bend is that of a smooth surface.
-
-        A corner bends between two neighbouring points alone, and more than the mean of its cell; a smooth surface bends
-        as much on either side.
-        """
-        all_pairs, pairs = self._in_cells
-        slope_changes = np.abs(self.slope_changes)
-        slope = all_pairs - np.roll(slope_changes, 1, axis=0) - np.roll(slope_changes, -2, axis=0)
-        slope[slope <= CONSTANTS.corner_fraction * all_pairs] = 0.0
-        steepest = slope.reshape(pairs.shape).max(axis=1)
-        usual = slope_changes.reshape(pairs.shape).mean(axis=1)
-        return np.where(steepest > usual, steepest, 0.0)
-
-    def kink(self) -> Array:
-        """Return the slope of all rises to come at a height ``|x|^n`` in each cell (n, ...), 0 where there is none.
-
-        It has the fraction ``(w / W)^(n - 1)`` of the slope change over a cell W within w about its apex, which tells
-        n. The pressure there rises with the power n - 1 of the cell: all rises to come are that of a corner of the same
-        bend in a cell, over ``1 - 2^(1 - n)``.
-        """
-        from scipy import ndimage  # imported late, since it is slow
-
-        all_pairs, pairs = self._in_cells
-        points = pairs.shape[1]
-        strongest = pairs.max(axis=1)
-        # the bend within half a cell to either side of each pair
-        sums = np.cumsum(with_ends(self._outward, points // 2, wraps=self.wraps), axis=0)
-        around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])
-        apex = pairs.argmax(axis=1)[:, None]
-        about = np.take_along_axis(around[: len(all_pairs)].reshape(pairs.shape), apex, axis=1)[
-            :, 0
-        ]
-        fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
-        power = np.maximum(
-            np.log(np.maximum(fraction, 1 / points)) / log(2 / points), CONSTANTS.min_power
-        )
-        # an apex bends more than all about it; where a bend begins, half of the window is straight
-        highest = ndimage.maximum_filter1d(all_pairs, points + 1, axis=0, mode="nearest")
-        window_peak = np.take_along_axis(highest.reshape(pairs.shape), apex, axis=1)[:, 0]
-        is_apex = (strongest > 0) & (strongest >= window_peak) & (power < CONSTANTS.smooth_power)
-        if not self.wraps:
-            is_apex[[0, -1]] = False
-        return np.where(is_apex, about / (1 - 2**-power), 0.0)

@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.accuracy.coarser import (
     ADHESIVE_TOLERANCE,
     DiscretisationErrors,
-    change,
+    change_between_grids,
     coarse_solution,
     halved,
 )
@@ -51,7 +51,7 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
         why = "there is no solution" if coarse is None else "the bodies do not touch"
         reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
         return DiscretisationErrors.unbounded(reason, load=inf)
-    changes = change(solution, coarse)
+    changes = change_between_grids(solution, coarse)
     assert changes.load is not None
     return DiscretisationErrors(
         FIRST_ORDER_MARGIN * changes.l1,

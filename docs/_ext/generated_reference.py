@@ -65,7 +65,7 @@ INNER = (
     "accuracy.estimate.error_estimate",
     "answers.answer.Answer",
     "accuracy.contact_edge.edge_error",
-    "accuracy.discretisation.discretisation",
+    "accuracy.discretisation.discretisation_errors",
     "accuracy.image_errors.image_errors",
     "domain.device.Device",
     "domain.device.Namespace",

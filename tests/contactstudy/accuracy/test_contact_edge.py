@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.contact_edge import MIN_TOUCHING, corrected_pressure, half_widths
+from contactstudy.accuracy.contact_edge import CONSTANTS, corrected_pressure, half_widths
 from tests.conftest import STEEL, LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -73,7 +73,7 @@ def test_edge_of_a_sphere_is_found_where_it_runs_along_the_cells() -> None:
     true = np.sqrt(np.clip(a**2 - grid.y**2, 0, None))
     # an edge of radius a is straight to one part in a / step
     assert np.abs(halves - true)[np.abs(grid.y) < step].max() < step**2 / a
-    inner = touching[MIN_TOUCHING:-MIN_TOUCHING]
+    inner = touching[CONSTANTS.min_touching : -CONSTANTS.min_touching]
     assert np.abs(halves - true)[inner].max() < 1.5 * step
 
 

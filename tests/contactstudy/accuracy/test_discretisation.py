@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.coarser import coarser_problem
 from contactstudy.accuracy.contact_edge import edge_error
-from contactstudy.accuracy.discretisation import discretisation
+from contactstudy.accuracy.discretisation import discretisation_errors
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -33,15 +33,15 @@ def test_edge_error_is_that_of_a_solved_contact_or_of_one_a_little_aside(
 
 
 def test_uniform_pressure_without_an_edge_has_no_error() -> None:
-    assert discretisation(np.ones((6, 5)), (True, True)) == (0.0, 0.0)
-    assert discretisation(np.ones((6, 5)), (False, True)) == (0.0, 0.0)
+    assert discretisation_errors(np.ones((6, 5)), (True, True)) == (0.0, 0.0)
+    assert discretisation_errors(np.ones((6, 5)), (False, True)) == (0.0, 0.0)
 
 
 def test_within_the_contact_a_cell_s_mean_is_a_12th_of_the_second_difference_aside() -> None:
     """Of a wave without an edge: ``2 - 2 cos(2 pi / n)`` of its height, whose mean size is 2 / pi."""
     cells = 64
     wave = 3 + np.cos(2 * np.pi * np.arange(cells) / cells)[:, None]
-    _, l1 = discretisation(wave, (True, True))
+    _, l1 = discretisation_errors(wave, (True, True))
     bend = 2 - 2 * np.cos(2 * np.pi / cells)
     # the mean over cells is the integral's up to the square of a cell
     assert l1 == pytest.approx(bend * 2 / np.pi / 12 / 3, rel=1 / cells)

@@ -114,9 +114,7 @@ class Bumps:
     def gap(self, grid: cs.Grid) -> np.ndarray:
         across, along = (
             ((points / cell - place + 2) % 4 - 2) / self.width
-            for points, cell, place in zip(
-                (grid.x, grid.y), self.cell_size, self.place, strict=True
-            )
+            for points, cell, place in zip((grid.x, grid.y), self.cell, self.place, strict=True)
         )
         return -self.height * np.exp(-(across[:, None] ** 2) - along**2)
 

@@ -163,20 +163,13 @@ class Convolution:
         On the processor it shares the work arrays of this operator where both have the same precision.
         """
         spectrum = np.multiply(self.spectrum, factor, dtype=self.spectrum.dtype)
-        is_real = spectrum.dtype.kind == "f"
-        kind = precision.real if is_real else np.result_type(precision.real, np.complex64)
-        scaled = replace(self, spectrum=device().to_device(spectrum.astype(kind, copy=False)))
+        scaled = replace(
+            self, spectrum=device().to_device(spectrum.astype(precision.real, copy=False))
+        )
         on_processor = isinstance(scaled.spectrum, np.ndarray)
         if on_processor and scaled.spectrum.dtype == self.spectrum.dtype:
             scaled.__dict__["_work_arrays"] = self._work_arrays
         return scaled
-
-    @property
-    def symmetric(self) -> "Convolution":
-        """The symmetric part, that of coefficients which are even: the real part of the spectrum."""
-        if self.spectrum.dtype.kind == "f":
-            return self
-        return replace(self, spectrum=self.spectrum.real.copy())
 
     @property
     def blocks(self) -> tuple[int, int]:
@@ -363,19 +356,6 @@ def by_symmetry(
     """Return the coefficients of `response` that are even along both axes, and those that are odd along one."""
     even = {kind: weight for kind, weight in response.items() if kind.parity == (1, 1)}
     return even, {kind: weight for kind, weight in response.items() if kind not in even}
-
-
-def asymmetric(
-    response: Mapping[Coefficients, float], grid: Grid, padding: Padding | Paddings
-) -> Convolution:
-    """Return the convolution with a weighted sum of coefficients that are even or odd; see :func:`superposed`."""
-    even, odd = by_symmetry(response)
-    symmetric = superposed(even, grid, padding)
-    if not odd:
-        return symmetric
-    return replace(
-        symmetric, spectrum=symmetric.spectrum + odd_convolution(odd, grid, padding).spectrum
-    )
 
 
 def weighted_sum(

@@ -1,6 +1,6 @@
 """A scene as a film equation in Hertz units, on nested grids, and films to start from."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import ceil, inf, sqrt
 from typing import Literal
@@ -12,7 +12,14 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
 from contactstudy.domain.units import readable
-from contactstudy.elasticity.convolution import Convolution, asymmetric
+from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.elasticity.convolution import (
+    Convolution,
+    GeneralConvolution,
+    by_symmetry,
+    odd_convolution,
+    superposed,
+)
 from contactstudy.lubrication.along_length import KrylovStep
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -60,21 +67,45 @@ def lubricated_scales(scene: Scene) -> FilmScales:
 
 
 @dataclass(frozen=True, eq=False)
+class Deflection:
+    """Displacement under a pressure, by the coefficients that are ``even`` across and by the ``odd`` ones of creep."""
+
+    even: Convolution
+    odd: GeneralConvolution | None
+
+    @classmethod
+    def on(
+        cls, grid: Grid, paddings: Paddings, response: Mapping[Coefficients, float], factor: float
+    ) -> "Deflection":
+        """Return the displacement on a grid by a ``response``, times a ``factor``."""
+        even, odd = by_symmetry(response)
+        return cls(
+            superposed(even, grid, paddings).scaled(factor, Precision.DOUBLE),
+            odd_convolution(odd, grid, paddings).times(factor) if odd else None,
+        )
+
+    def __call__(self, pressure: Array) -> Array:
+        """Return the displacement (x, y) under a pressure (x, y)."""
+        displacement = self.even(pressure)
+        return displacement if self.odd is None else displacement + self.odd(pressure)
+
+
+@dataclass(frozen=True, eq=False)
 class PosedFilm:
     """A film equation in Hertz units on an ``upstream`` grid: beyond it the outlet is cavitated throughout.
 
     ``x`` are its rows over a, ``operator_on`` makes the deflection on another grid, ``problem`` is the dry contact
-    on the whole grid, without what bodies that creep add to its ``displacement`` [m] under a pressure [Pa] oddly across.
+    on the whole grid by the even part of its ``displacement`` [m] under a pressure [Pa].
     """
 
     equation: FilmEquation
-    deflection: Convolution
+    deflection: Deflection
     upstream: Grid
     x: Array
     scales: FilmScales
-    operator_on: Callable[[Grid], Convolution]
+    operator_on: Callable[[Grid], Deflection]
     problem: Problem
-    displacement: Convolution
+    displacement: Deflection
 
     @property
     def is_crowned(self) -> bool:
@@ -162,12 +193,11 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
     bodies = rolling_bodies(scene.solids, scales.lubrication.contact_speeds)
     weights = response(bodies, problem.scales.length)
-    displacement = asymmetric(weights, grid, paddings)
-    problem = replace(problem, operator=displacement.symmetric)
+    displacement = Deflection.on(grid, paddings, weights, 1.0)
+    problem = replace(problem, operator=displacement.even)
 
-    def operator_on(upstream: Grid) -> Convolution:
-        operator = asymmetric(weights, upstream, paddings)
-        return operator.scaled(peak / scales.film, Precision.DOUBLE)
+    def operator_on(upstream: Grid) -> Deflection:
+        return Deflection.on(upstream, paddings, weights, peak / scales.film)
 
     def log_viscosity(pressure: Array) -> tuple[Array, Array]:
         value, slope = oil.viscosity_law.log_ratio(peak * pressure, oil.pressure_viscosity)
@@ -200,7 +230,7 @@ def step_solver(posed: PosedFilm) -> StepSolver:
     """Return how steps are solved: directly in plane strain, else by GMRES."""
     if posed.upstream.cells[1] == 1:
         return DirectStep.for_equation(posed.equation)
-    return KrylovStep(posed.deflection.symmetric)
+    return KrylovStep(posed.deflection.even)
 
 
 def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:

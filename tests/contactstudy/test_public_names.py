@@ -62,9 +62,7 @@ class Foundation:
         return {Springs(): 1 / self.stiffness}
 
 
-def test_a_shape_of_ones_own_gives_the_contact_of_the_shape_it_copies(
-    line_contact: LineContact,
-) -> None:
+def test_an_own_shape_gives_the_contact_of_the_shape_it_copies(line_contact: LineContact) -> None:
     grid = line_contact.grid((32, 4), 1.2)
     own = replace(line_contact.scene, shapes=(Parabola(0.01),))
     pressures = [

@@ -30,9 +30,7 @@ def peak(padding: cs.Padding, period: float) -> float:
     ],
     ids=str,
 )  # fmt: skip
-def test_any_number_of_images_leaves_what_lies_beyond_them(
-    padding: cs.Padding, period: float
-) -> None:
+def test_any_number_of_images_leaves_what_is_beyond(padding: cs.Padding, period: float) -> None:
     law = image_error(1.0, padding.reach(period))
     found = peak(padding, period) - peak(cs.ExactPeriodicity(), period)
     # leading term; the next is of the order of its square

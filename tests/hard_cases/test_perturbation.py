@@ -29,9 +29,7 @@ def test_a_nudge_of_heights_is_allowed_little() -> None:
 @pytest.mark.parametrize(
     ("name", "padding"), [("moved by whole cells", "superposed"), ("twice the period", "circular")]
 )
-def test_a_truncated_window_does_tell_what_exact_periodicity_does_not(
-    name: str, padding: str
-) -> None:
+def test_a_truncated_window_tells_what_exact_periodicity_does_not(name: str, padding: str) -> None:
     case = replace(CASES[name], paddings=(padding,))
     assert padding not in CASES[name].paddings
     solution = case.solve(case.scene.problem(case.grid, PADDINGS[padding]), cs.PreconditionedCG())

@@ -50,9 +50,7 @@ def test_a_study_without_a_figure_is_drawn(tmp_path: Path) -> None:
     assert [float(x) for x in ax.lines[0].get_xdata()] == pytest.approx([10, 20])  # mm
 
 
-def test_the_revision_is_that_of_the_program(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_revision_is_the_program_s(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # installed below a repository of the user's: what git says there is not asked
     inside = tmp_path / "lib" / "studies" / "store" / "provenance.py"
     monkeypatch.setattr(provenance, "__file__", str(inside))

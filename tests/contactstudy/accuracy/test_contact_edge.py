@@ -23,9 +23,7 @@ def errors(line_contact: LineContact, cells: int, width: float) -> tuple[float, 
     return abs(half / hertz.half_width - 1), *(float(one) / hertz.peak_pressure for one in missed)
 
 
-def test_half_width_at_128_cells_is_known_to_a_hundred_thousandth(
-    line_contact: LineContact,
-) -> None:
+def test_half_width_at_128_cells_is_known_to_1e_5(line_contact: LineContact) -> None:
     assert max(errors(line_contact, 128, width)[0] for width in WIDTHS) < 1e-5
 
 

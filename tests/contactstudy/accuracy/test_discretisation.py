@@ -14,7 +14,7 @@ from tests.conftest import LineContact
 EXACT = cs.ExactPeriodicity()
 
 
-def test_edge_error_is_that_of_a_solved_contact_or_of_one_a_little_aside(
+def test_edge_error_is_that_of_a_contact_or_of_one_a_little_aside(
     line_contact: LineContact,
 ) -> None:
     """The law holds to the order of cell over half-width, 1 / 100; its leap makes it larger, not smaller."""
@@ -47,9 +47,7 @@ def test_within_the_contact_a_cell_s_mean_is_a_12th_of_the_second_difference_asi
     assert l1 == pytest.approx(bend * 2 / np.pi / 12 / 3, rel=1 / cells)
 
 
-def test_heights_added_to_a_problem_are_averaged_over_the_larger_cells(
-    line_contact: LineContact,
-) -> None:
+def test_heights_of_a_problem_are_averaged_over_larger_cells(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid((16, 8), 1.2), cs.ExactPeriodicity())
     added = np.random.default_rng(0).normal(scale=1e-7, size=(16, 8))
     rough = replace(problem, undeformed_gap=problem.undeformed_gap + added)

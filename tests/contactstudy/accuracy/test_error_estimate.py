@@ -191,9 +191,7 @@ def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineCo
     assert 0 < error_estimate(solution).l1.total < 2 / 32
 
 
-def test_the_law_of_the_cells_holds_in_the_mean_over_places_of_the_edge(
-    line_contact: LineContact,
-) -> None:
+def test_the_law_of_the_cells_holds_in_the_mean_over_edges(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     found, expected = [], []
     for width in np.linspace(2.4, 2.47, 20):

@@ -85,9 +85,7 @@ def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> No
 
 
 @pytest.mark.parametrize("along", [60, 120])
-def test_pressure_that_reaches_a_sharp_end_has_no_highest(
-    along: int, line_contact: LineContact
-) -> None:
+def test_pressure_at_a_sharp_end_has_no_highest(along: int, line_contact: LineContact) -> None:
     """Lundberg's profile has a finite drop: pressure there grows without limit on finer cells."""
     length = 4 * line_contact.hertz.half_width
     profile = cs.LundbergProfile.for_load(
@@ -172,9 +170,7 @@ def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> No
 
 @pytest.mark.parametrize("rows", [12, 16, 33])
 @pytest.mark.parametrize("beyond", [0.05, 0.3, 0.45, 0.6, 0.9])
-def test_a_roller_may_end_anywhere_in_a_cell(
-    beyond: float, rows: int, line_contact: LineContact
-) -> None:
+def test_a_roller_may_end_in_a_cell(beyond: float, rows: int, line_contact: LineContact) -> None:
     length = 10 * line_contact.hertz.half_width
     grid = cs.Grid((30, rows), (0.34 * length, length * rows / (rows - 2 * beyond)))
     roller = cs.FiniteLength(length)
@@ -205,9 +201,7 @@ def test_a_wave_of_few_cells_is_seen_between_the_centres(
 
 
 @pytest.mark.parametrize("length", [0.1, 0.3, 0.9])
-def test_a_roller_shorter_than_a_cell_leaves_no_bound(
-    length: float, line_contact: LineContact
-) -> None:
+def test_a_roller_within_a_cell_leaves_no_bound(length: float, line_contact: LineContact) -> None:
     grid = line_contact.grid((48, 16), 1.0, width=3.0)
     roller = cs.FiniteLength(length * grid.cell_size[1])
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, roller))

@@ -41,18 +41,14 @@ def test_a_modulus_in_gigapascals_is_noticed() -> None:
     assert "is a modulus given in GPa or MPa as if it were Pa?" in warning
 
 
-def test_a_load_in_newtons_per_millimetre_times_a_thousand_is_noticed(
-    line_contact: LineContact,
-) -> None:
+def test_a_load_a_thousand_times_too_large_is_noticed(line_contact: LineContact) -> None:
     scene = replace(line_contact.scene, load=cs.LineLoad(3e3 * line_contact.scene.load.largest))
     half_width: Any = scene.hertz.half_width  # type: ignore[union-attr]
     (warning,) = warned(scene, cs.Grid((64, 1), (2.4 * half_width, 1.0)))
     assert "is the load or a radius given in another unit" in warning
 
 
-def test_a_grid_a_thousand_times_wider_than_its_contact_is_noticed(
-    line_contact: LineContact,
-) -> None:
+def test_a_grid_a_thousand_times_wider_than_contact_is_noticed(line_contact: LineContact) -> None:
     (warning,) = warned(line_contact.scene, line_contact.grid((4096, 1), 1.0, width=2500.0))
     assert "times as wide as the contact" in warning
 

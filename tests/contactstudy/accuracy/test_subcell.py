@@ -35,9 +35,7 @@ def test_the_modulus_is_that_of_a_half_space_to_what_its_cells_are_stiffer(
 EXACT = cs.ExactPeriodicity()
 
 
-def test_a_corner_raises_the_pressure_by_its_slope_at_each_halving(
-    line_contact: LineContact,
-) -> None:
+def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid((16, 1), 1.0), EXACT)
     pressure = np.zeros((16, 1))
     pressure[6:10] = 1e9

@@ -116,9 +116,7 @@ def test_single_precision_reaches_what_it_can(device: Device, line_contact: Line
 
 
 @on_every_device
-def test_a_warm_start_needs_no_more_than_its_pressure(
-    device: Device, line_contact: LineContact
-) -> None:
+def test_a_warm_start_needs_its_pressure_alone(device: Device, line_contact: LineContact) -> None:
     posed = problem(line_contact, 48, "80 %", BOTH)
     ours = cs.solve(posed, tolerance=1e-10)
     begin = ours.pressure.copy()
@@ -139,9 +137,7 @@ def test_polonsky_and_keer_s_scheme_is_the_same(device: Device, line_contact: Li
 
 
 @on_every_device
-def test_a_contact_with_friction_is_solved_there_too(
-    device: Device, line_contact: LineContact
-) -> None:
+def test_a_contact_with_friction_is_the_same(device: Device, line_contact: LineContact) -> None:
     scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 1.2e4))
     posed = scene.problem(line_contact.grid((64, 1), 2.4), cs.ExactPeriodicity())
     ours, other = (cs.solve(posed, on=on) for on in (cs.Cpu(), device))

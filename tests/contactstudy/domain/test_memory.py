@@ -30,9 +30,7 @@ def test_equal_keys_have_one_array_that_cannot_be_changed() -> None:
         first[0] = 1.0
 
 
-def test_linux_says_kibibytes_and_swap_counts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_linux_says_kib_and_swap_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     said = tmp_path / "meminfo"
     said.write_text("MemFree: 1 kB\nMemAvailable:  300 kB\nSwapFree: 50 kB\n")
     monkeypatch.setattr(memory, "Path", lambda _: said)
@@ -51,9 +49,7 @@ def test_a_container_has_its_limit_less_what_it_uses(
     assert memory._of_container() == float("inf")
 
 
-def test_a_process_has_its_limit_less_its_pages(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_process_has_a_limit_less_pages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     resource = SimpleNamespace(
         RLIMIT_AS=9, RLIM_INFINITY=-1, getrlimit=lambda _: (10_000, -1), getpagesize=lambda: 100
     )

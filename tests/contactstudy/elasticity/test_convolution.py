@@ -32,9 +32,7 @@ def two(cells: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
 @pytest.mark.parametrize("cells", CELLS, ids=str)
-def test_operator_is_self_adjoint(
-    cells: tuple[int, int], padding: cs.Padding | cs.Paddings
-) -> None:
+def test_operator_is_symmetric(cells: tuple[int, int], padding: cs.Padding | cs.Paddings) -> None:
     a, b = two(cells)
     apply = operator(cells, padding)
     scale = np.abs(apply(np.abs(a))).max() * np.abs(b).sum()

@@ -55,9 +55,7 @@ def test_the_work_lost_is_the_integral_of_the_load_over_the_approach(loop: cs.Ev
     assert loop.quantities["work_lost"].value == pytest.approx(by_hand, rel=1e-6)
 
 
-def test_the_dataset_of_a_history_has_the_attraction_and_its_picture_the_loop(
-    loop: cs.Evolution,
-) -> None:
+def test_the_dataset_has_the_attraction_and_the_picture_the_loop(loop: cs.Evolution) -> None:
     dataset = loop.to_dataset()
     assert dataset["attraction"].dims == ("time", "x", "y")
     assert float(dataset["load"][-1]) == pytest.approx(-2 * pi)
@@ -169,9 +167,7 @@ def test_contact_that_is_made_again_has_a_load_at_which_it_jumps_in() -> None:
     assert made.bound == pytest.approx(1.0 - history.at(2.5))
 
 
-def test_a_history_from_a_file_says_the_errors_of_its_approach_and_of_the_work(
-    tmp_path: Path,
-) -> None:
+def test_a_history_from_a_file_has_errors_of_its_approach_and_work(tmp_path: Path) -> None:
     text = Path("examples/gripper.toml").read_text(encoding="utf-8")
     history = 'kind = "LoadHistory"\ntimes = [0, 1]\nper_length = ["1 N/m", "3 N/m"]'
     text = text.replace('kind = "PullOff"\npreload = "5 N/m"', history)

@@ -67,9 +67,7 @@ class KilledError(Exception):
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("error", [5e-3, None], ids=["chosen steps", "given steps"])
-def test_a_march_that_was_killed_goes_on_to_the_same_bits(
-    tmp_path: Path, error: float | None
-) -> None:
+def test_a_killed_integration_goes_on_to_the_same_bits(tmp_path: Path, error: float | None) -> None:
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
     times = np.linspace(0, 1, 9)
     whole = evolve(scene, GRID, EXACT, times=times, error=error)

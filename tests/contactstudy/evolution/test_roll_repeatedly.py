@@ -133,9 +133,7 @@ def test_a_dataset_holds_passes_depths_and_the_window() -> None:
     ],
     ids=["no yielding body", "wear", "load"],
 )
-def test_scenes_that_do_not_roll_repeatedly_are_refused(
-    changes: dict[str, object], match: str
-) -> None:
+def test_what_does_not_roll_in_passes_is_refused(changes: dict[str, object], match: str) -> None:
     with pytest.raises(cs.InvalidInput, match=match):
         roll(replace(scene(4 * K), **changes), COARSE, EXACT, passes=1)  # type: ignore[arg-type]
 

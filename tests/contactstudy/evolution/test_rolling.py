@@ -35,9 +35,7 @@ def test_a_rolling_cylinder_has_its_known_shift_and_pressure(cells: int, shift: 
 
 
 @pytest.mark.parametrize(("speed", "peak"), [(0.0, 1 / 2.5**0.5), (inf, 1.0)])
-def test_at_no_speed_and_at_an_infinite_one_the_bodies_are_elastic(
-    speed: float, peak: float
-) -> None:
+def test_at_no_speed_and_at_an_infinite_one_bodies_are_elastic(speed: float, peak: float) -> None:
     grid = cs.Grid((128, 1), (0.6, 1.0))
     found = solve_rolling(rolling(SOLID, speed), grid, EXACT)
     assert found.lagged.outer_iterations == 1

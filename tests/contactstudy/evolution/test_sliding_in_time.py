@@ -148,9 +148,7 @@ def test_bodies_that_slide_with_much_friction_yield_first_at_the_surface() -> No
 
 
 @pytest.mark.parametrize("hardening", [0.0, 2e9])
-def test_friction_beyond_the_yield_stress_in_shear_needs_a_body_that_hardens(
-    hardening: float,
-) -> None:
+def test_friction_beyond_yield_in_shear_needs_a_body_that_hardens(hardening: float) -> None:
     """The stress xz at the surface is the friction; of a perfectly plastic body it is at most Y over the root of 3."""
     solid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 5e8, hardening)
     peaks = (
@@ -200,9 +198,7 @@ def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plast
         ({"rolling": cs.Rolling(passes=2)}, "has 2 passes together with Sliding"),
     ],
 )  # fmt: skip
-def test_what_sliding_does_not_support_is_refused(
-    changes: dict[str, object], sentence: str
-) -> None:
+def test_what_sliding_cannot_have_is_refused(changes: dict[str, object], sentence: str) -> None:
     with pytest.raises(cs.InvalidInput, match=sentence):
         replace(SCENE, **({"load": cs.LineLoad(LOAD)} | changes))
 

@@ -138,9 +138,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ("[load]", "[load", "is not valid TOML: Expected ']' at the end"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_used_is_named_by_its_key(
-    good: str, bad: str, said: str, tmp_path: Path
-) -> None:
+def test_what_is_wrong_is_named_by_its_key(good: str, bad: str, said: str, tmp_path: Path) -> None:
     assert good in GOOD
     with pytest.raises(cs.InvalidInput) as raised:
         read(GOOD.replace(good, bad), tmp_path)
@@ -292,9 +290,7 @@ def test_a_total_load_is_spread_over_the_roller_or_the_grid(
         ('"Cylinder"', '"LundbergProfile"\nlength = 1\namplitude = 1', "give amplitude and end_drop"),
     ],
 )  # fmt: skip
-def test_what_a_roller_cannot_have_is_refused(
-    old: str, new: str, sentence: str, tmp_path: Path
-) -> None:
+def test_a_wrong_roller_is_refused(old: str, new: str, sentence: str, tmp_path: Path) -> None:
     text = STEEL_ROLLER.replace(old, new)
     if "Cylinder" in old:
         text = text.replace('radius = "10 mm"', "")

@@ -82,9 +82,7 @@ def test_a_power_of_the_work_is_found() -> None:
         assert found.seconds(size) == pytest.approx(law(*size), rel=0.05)
 
 
-def test_a_crowned_roller_needs_cells_across_and_hardly_any_along(
-    line_contact: LineContact,
-) -> None:
+def test_a_crowned_roller_needs_cells_across_and_few_along(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     length = 60 * a
     shapes = (

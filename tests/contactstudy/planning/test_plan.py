@@ -40,9 +40,7 @@ def test_a_planned_smooth_contact_meets_its_error(error: float, line_contact: Li
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("fraction", [0.15, 0.6, 2.2])
-def test_a_planned_rough_contact_meets_its_error(
-    fraction: float, line_contact: LineContact
-) -> None:
+def test_a_rough_plan_meets_its_error(fraction: float, line_contact: LineContact) -> None:
     scene, error = rough(line_contact, fraction), 0.05
     plan = cs.plan(scene, error=error, period=2.4 * line_contact.hertz.half_width)
     finer = cs.Grid((4 * plan.grid.cells[0], 4 * plan.grid.cells[1]), plan.grid.extent)
@@ -214,9 +212,7 @@ def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked
     assert cs.solve(scene.problem(found.grid, found.padding)).status is cs.Status.CONVERGED
 
 
-def test_what_does_not_fit_in_memory_is_refused_before_it_is_made(
-    line_contact: LineContact,
-) -> None:
+def test_what_memory_does_not_hold_is_refused_before_it_is_made(line_contact: LineContact) -> None:
     grid = cs.Grid((2**22, 2**22), (1e-3, 1e-3))
     with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells is .* GB and this machine has "):
         line_contact.scene.problem(grid, cs.ExactPeriodicity())

@@ -27,9 +27,7 @@ def limit(constraint: Constraint) -> float:
     which=st.sampled_from(CONSTRAINTS),
     scale=st.sampled_from([1e-8, 1.0, 1e8, 1e40]),
 )
-def test_what_is_admitted_or_nearest_is_admissible(
-    seed: int, which: Constraint, scale: float
-) -> None:
+def test_projected_pressures_are_admissible(seed: int, which: Constraint, scale: float) -> None:
     trial = np.random.default_rng(seed).standard_normal((3, 4)) * scale
     trial[0, 0] = scale  # one cell at least bears
     for admitted in (which.scale_to_load(trial.copy(), TOTAL), which.project(trial.copy(), TOTAL)):

@@ -44,9 +44,7 @@ def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> No
         ),
     ],
 )
-def test_adhesion_is_refused_beside_effects_that_it_is_not_defined_with(
-    effect: Any, message: str
-) -> None:
+def test_adhesion_is_refused_beside_effects_undefined_with_it(effect: Any, message: str) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         replace(SCENE, **effect)
 

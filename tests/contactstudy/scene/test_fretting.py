@@ -68,9 +68,7 @@ def test_a_cycle_loses_the_energy_of_the_closed_form(fraction: float) -> None:
 
 @pytest.mark.parametrize("cells", [37, 90, 211])
 @pytest.mark.parametrize("fraction", [0.13, 0.37, 0.61, 0.86])
-def test_energy_and_largest_slip_of_a_cycle_are_within_their_bounds(
-    fraction: float, cells: int
-) -> None:
+def test_energy_and_largest_slip_of_a_cycle_are_within_bounds(fraction: float, cells: int) -> None:
     """Against the closed forms; of a slip zone of one cell there is none."""
     found = fretted(cs.Fretting.cycle(MU, fraction * MU), cs.Grid((cells, 1), (2.5, 1.0)))
     c = (1 - fraction) ** 0.5

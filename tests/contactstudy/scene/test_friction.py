@@ -159,9 +159,7 @@ MISES = ((0.0, 0.55751), (0.2, 0.58999), (0.3, 0.66663), (0.4, 0.81584))
 
 
 @pytest.mark.parametrize(("coefficient", "wanted"), MISES)
-def test_stress_under_a_sliding_cylinder_is_as_in_closed_form(
-    coefficient: float, wanted: float
-) -> None:
+def test_stress_below_sliding_is_as_in_closed_form(coefficient: float, wanted: float) -> None:
     a = scene(None).hertz.half_width
     depths = tuple(a * z for z in (1e-6, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75))
     below = cs.SubsurfaceStress(depths)

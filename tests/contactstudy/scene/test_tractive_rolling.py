@@ -65,9 +65,7 @@ def test_lateral_creepage_in_plane_strain_is_carters_with_the_compliance_along()
 
 
 @pytest.mark.parametrize(("across", "along"), [(0.815, 0.061), (0.63, 0.74), (0.0, 0.9)])
-def test_creepage_in_any_direction_takes_at_most_75_applications(
-    across: float, along: float
-) -> None:
+def test_any_creepage_takes_at_most_75_applications(across: float, along: float) -> None:
     """Shear turns in the cells that slip, so that both of its components are coupled there."""
     friction = rolling(longitudinal=across * SATURATION, lateral=along * SATURATION)
     assert solved(friction, (1024, 1)).traction.iterations <= 75
@@ -277,9 +275,7 @@ def test_pressing_unlike_bodies_shifts_the_creep_curve(part: float, fraction: fl
     ("coefficient", "free", "stick"),
     [(0.05, 0.8206, 0.383), (0.1, 0.7525, 0.607), (0.3, 0.6585, 0.943)],
 )
-def test_unlike_bodies_that_roll_freely_creep(
-    coefficient: float, free: float, stick: float
-) -> None:
+def test_unlike_bodies_rolling_freely_creep(coefficient: float, free: float, stick: float) -> None:
     """In units of ``beta a / R``; ``2 / pi`` where all sticks. The elastic body is stretched, and so falls behind."""
     unit = abs(dundurs(UNLIKE)) * WIDE / RADIUS
     for pair, creepage in ((UNLIKE, free), (UNLIKE[::-1], -free)):

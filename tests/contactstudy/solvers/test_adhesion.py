@@ -54,9 +54,7 @@ def test_a_cylinder_separates_at_the_pull_off_load_of_fine_grids(
 
 
 @pytest.mark.parametrize(("lam", "width", "limit"), [(0.1, 120.0, 0.39633), (0.2, 80.0, 0.56050)])
-def test_a_stiff_cylinder_nearly_separates_as_a_rigid_one(
-    lam: float, width: float, limit: float
-) -> None:
+def test_a_stiff_cylinder_separates_as_a_rigid_one(lam: float, width: float, limit: float) -> None:
     # w sqrt(2 pi R / rho), less by the deformation, of first order in lam
     found = pulled(cylinder(lam, 0.3), cs.Grid((1024, 1), (width, 1.0)), 1e-3)
     assert limit * (1 - 0.1 * lam) < -force(found) / UNIT < limit
@@ -70,9 +68,7 @@ def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui() -> None:
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(("zone", "fraction"), [(24, -0.0172), (12, -0.0074)])
-def test_a_wave_separates_as_johnson_says_in_the_limit_of_short_ranges(
-    zone: int, fraction: float
-) -> None:
+def test_a_wave_separates_as_johnson_says_of_short_ranges(zone: int, fraction: float) -> None:
     height, alpha, cells = 0.05, 0.3, 1024
     closing = pi * height
     work = (alpha * closing) ** 2 / 2

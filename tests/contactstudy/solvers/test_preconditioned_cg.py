@@ -129,9 +129,7 @@ def test_a_sphere_has_the_symmetries_of_the_grid_to_what_the_residual_leaves(
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("heights", list(ROUGH)[1:])
-def test_rough_contacts_take_a_fifth_of_the_convolutions(
-    heights: str, line_contact: LineContact
-) -> None:
+def test_rough_contacts_take_few_convolutions(heights: str, line_contact: LineContact) -> None:
     posed = problem(line_contact, 256, heights)
     ours, reference = cs.solve(posed), cs.solve(posed, solver=PolonskyKeer())
     assert max(ours.residual, reference.residual) <= 1e-8
@@ -152,9 +150,7 @@ def test_a_stall_hands_over_to_the_reference_and_says_so(line_contact: LineConta
 
 
 @pytest.mark.parametrize("solver", [PreconditionedCG(), PolonskyKeer(patience=60)], ids=str)
-def test_a_tolerance_below_rounding_ends_in_a_status(
-    solver: cs.Solver, line_contact: LineContact
-) -> None:
+def test_a_tolerance_below_rounding_is_said(solver: cs.Solver, line_contact: LineContact) -> None:
     solution = cs.solve(problem(line_contact, 64, "80 %"), tolerance=1e-17, solver=solver)
     assert solution.status is cs.Status.PRECISION_LIMIT
     assert solution.residual < 1e-12

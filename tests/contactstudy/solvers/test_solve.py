@@ -22,9 +22,7 @@ PADDINGS = [
 
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
-def test_solution_meets_the_contact_conditions(
-    padding: cs.Padding, line_contact: LineContact
-) -> None:
+def test_solution_meets_contact_conditions(padding: cs.Padding, line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid(32, 1.2), padding)
     solution = cs.solve(problem, tolerance=1e-9)
     scale = problem.scales.gap
@@ -110,9 +108,7 @@ def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact)
     assert "NOT_FINITE" in repr(solution)
 
 
-def test_a_folder_for_a_scene_without_frames_is_refused(
-    line_contact: LineContact, tmp_path: Path
-) -> None:
+def test_a_folder_without_frames_is_refused(line_contact: LineContact, tmp_path: Path) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^solve\.folder is given, and a static contact has"):
         cs.solve(line_contact.scene, folder=tmp_path)
 

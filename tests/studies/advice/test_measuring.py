@@ -66,9 +66,7 @@ def test_a_cylinder_is_judged_by_hertz_and_solved_with_one_cell_along(cylinder: 
     assert np.abs(solution.pressure - true).sum() <= 1e-2 * true.sum()
 
 
-def test_a_window_that_leaves_too_much_out_meets_the_request_on_no_grid(
-    cylinder: Comparison,
-) -> None:
+def test_a_window_too_short_meets_the_request_on_no_grid(cylinder: Comparison) -> None:
     # duplicated padding alone is 2.4 % wrong at a period of 2.4 half-widths
     alone = {repr(one.padding): one.l1 for one in cylinder.paddings}
     assert 0.02 < alone["DuplicatedPadding()"] < 0.03
@@ -127,9 +125,7 @@ def test_errors_are_over_the_norm_of_a_pressure_that_also_pulls() -> None:
     assert relative_l1(pulls + 0.4, pulls) == pytest.approx(0.2)
 
 
-def test_a_stored_comparison_is_that_of_its_scene_alone(
-    tmp_path: Path, cylinder: Comparison
-) -> None:
+def test_a_stored_comparison_is_of_its_scene_alone(tmp_path: Path, cylinder: Comparison) -> None:
     store(cylinder, paper_scene().key, tmp_path)
     assert stored(paper_scene().key, tmp_path) == cylinder
     assert stored(paper_scene(period=0.6).key, tmp_path) is None

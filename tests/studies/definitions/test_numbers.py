@@ -174,9 +174,7 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
         ({"precision": "half"}, "^precision is 'half': give 'single' or 'double'"),
     ],
 )
-def test_a_point_that_is_none_is_refused_with_a_remedy(
-    change: dict[str, object], message: str
-) -> None:
+def test_a_point_that_is_none_is_refused(change: dict[str, object], message: str) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         load("speed").case_at(POINT | change)
 

@@ -55,9 +55,7 @@ class FakeRun(DaskRun):
         return Future()
 
 
-def test_a_scheduler_without_workers_is_said_once_after_a_while(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_scheduler_without_workers_is_said_after_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [50.0]
     monkeypatch.setattr(cluster, "monotonic", lambda: now[0])
     flow = FakeRun(1, patience=10.0)

@@ -208,9 +208,7 @@ def interrupted(running: Process) -> str:
 
 
 @pytest.mark.whole
-def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(
-    start: Start, tmp_path: Path
-) -> None:
+def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(start: Start, tmp_path: Path) -> None:
     running = start(tmp_path / "log", 2, 30, 8)
     wait_until(lambda: journalled(tmp_path) == 8, running)
     out = interrupted(running)
@@ -220,9 +218,7 @@ def test_an_interrupt_keeps_what_is_done_and_says_how_to_go_on(
 
 
 @pytest.mark.skipif(METHOD != "forkserver", reason="processes are not forked")
-def test_an_interrupt_while_processes_start_is_shown_by_none_of_them(
-    start: Start, tmp_path: Path
-) -> None:
+def test_an_interrupt_while_processes_start_is_shown_by_none(start: Start, tmp_path: Path) -> None:
     running = start(tmp_path / "log", 2, 30, math.inf)
     wait_until(lambda: any(map(imports, psutil.Process(running.pid).children())), running)
     assert "0 of 30 cases are stored" in interrupted(running)

@@ -101,9 +101,7 @@ def study(how: str, where: str) -> Study:
 @pytest.mark.parametrize(
     ("how", "where", "workers"), [(how, "run", 1) for how in FORKS] + [("fork", "prepare", 2)]
 )
-def test_no_point_holds_the_number_of_another(
-    how: str, where: str, workers: int, tmp_path: Path
-) -> None:
+def test_each_point_has_its_own_number(how: str, where: str, workers: int, tmp_path: Path) -> None:
     options = RunOptions(workers=workers, repeats=0)
     dataset = run(study(how, where), tmp_path, options=options, log=quiet)
     good = dataset["case_status"] == CaseStatus.OK

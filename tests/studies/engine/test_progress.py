@@ -8,9 +8,7 @@ from studies.engine import progress
 from studies.engine.progress import progress_of
 
 
-def test_elsewhere_lines_say_how_many_how_fast_and_how_long_still(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_lines_say_how_many_how_fast_and_how_long_still(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "_is_terminal", lambda: False)
     said: list[str] = []
     with progress_of("mine", "solving", 100, "case", said.append) as bar:

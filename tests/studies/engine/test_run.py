@@ -62,9 +62,7 @@ def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
     assert "LineLoad(per_length=100000.0)" in dataset.attrs["first_case"]
 
 
-def test_stored_errors_are_those_of_a_solve_by_hand(
-    dataset: xr.Dataset, small_study: Study
-) -> None:
+def test_stored_errors_are_those_of_a_solve_alone(dataset: xr.Dataset, small_study: Study) -> None:
     a = HERTZ.half_width
     scene = cs.Scene(
         load=cs.LineLoad(1e5),
@@ -120,9 +118,7 @@ def test_nothing_is_written_when_a_point_is_bad(small_study: Study, tmp_path: Pa
 
 
 @pytest.mark.whole
-def test_a_case_that_another_study_in_the_folder_holds_is_not_computed_again(
-    tmp_path: Path,
-) -> None:
+def test_a_case_that_another_study_in_the_folder_has_is_not_computed_again(tmp_path: Path) -> None:
     axes = {"padding": "exact,zero", "images": "1", "period": "2.4"}
     lines: list[str] = []
     first = run(load("padding").override(axes | {"grid": "16,24"}), tmp_path, workers=0, repeats=1)

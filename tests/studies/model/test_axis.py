@@ -22,9 +22,7 @@ NAME = Axis("padding", ("zero",), "mode")
         (NAME, "zero,exact", ("zero", "exact")),
     ],
 )
-def test_values_are_read_as_a_person_writes_them(
-    axis: Axis, text: str, values: tuple[Value, ...]
-) -> None:
+def test_values_are_read_as_written(axis: Axis, text: str, values: tuple[Value, ...]) -> None:
     assert axis.override(text).values == values
     assert [type(v) for v in axis.override(text).values] == [axis.kind] * len(values)
 

@@ -24,9 +24,7 @@ def judged(case: HardCase, solution: cs.Solution) -> tuple[float, float]:
     return case.error_and_bound(solution, padding, solver)
 
 
-def test_a_pressure_is_judged_by_the_dense_answer_over_the_peak_pressure(
-    solution: cs.Solution,
-) -> None:
+def test_a_pressure_is_judged_by_the_dense_answer_over_the_peak(solution: cs.Solution) -> None:
     """A pressure that is wrong in one cell is wrong by that, and is not said to be right."""
     error, stated = judged(CASE, solution)
     assert error <= stated < 1e-7
@@ -43,9 +41,7 @@ def test_a_pressure_is_judged_by_the_dense_answer_over_the_peak_pressure(
     assert stated == pytest.approx(stated_error(solution, dense) * unit / highest, rel=1e-12)
 
 
-def test_a_pressure_is_judged_by_that_of_an_equivalent_form_converted_back(
-    solution: cs.Solution,
-) -> None:
+def test_a_pressure_is_judged_by_that_of_an_equivalent_form(solution: cs.Solution) -> None:
     mirrored = with_heights(ROUGH[::-1])
     equivalent = EquivalentForm(
         mirrored, CASE.grid, lambda pressure: pressure[::-1], tolerance=3e-6

@@ -162,9 +162,7 @@ def test_a_chapter_that_is_not_there_is_refused_with_a_remedy() -> None:
         chapters(("efects",))
 
 
-def test_a_chapter_is_run_and_drawn_with_a_line_a_study_and_later_drawn_by_itself(
-    tmp_path: Path,
-) -> None:
+def test_a_chapter_is_run_with_a_line_a_study_and_later_drawn_by_itself(tmp_path: Path) -> None:
     axes = {"padding": "exact,duplicated", "period": "0.6,2.4", "images": "1", "grid": "16"}
     chapter = Chapter("two", "Two studies", (Part("period", axes), Part("images", axes)))
     lines: list[str] = []

@@ -62,9 +62,7 @@ def test_stiffness_is_the_slope_of_the_load_over_the_approach(rough: Path) -> No
 
 
 @pytest.mark.parametrize("cells", [46, 73])
-def test_stiffness_and_area_on_coarse_cells_are_within_their_bounds(
-    smooth: Path, cells: int
-) -> None:
+def test_stiffness_and_area_on_coarse_cells_keep_to_their_bounds(smooth: Path, cells: int) -> None:
     text = smooth.read_text(encoding="utf-8").split("[plan]")[0]
     grid = f'[grid]\ncells = [{cells}, 1]\nextent = ["0.4 mm", "0.4 mm"]\n'
     smooth.write_text(text + grid, encoding="utf-8")

@@ -207,9 +207,7 @@ def test_a_common_grid_is_no_wider_than_the_narrowest_measured_surface(smooth: P
     assert "a measured surface is" not in " ".join(alone.notes)
 
 
-def test_a_common_grid_is_no_larger_than_the_machine(
-    rough: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_common_grid_fits_the_machine(rough: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     vary = {"load.per_length": "20,100 N/mm"}
     padding = cs.ExactPeriodicity()
     needed = memory(scenes(studies.study_of(rough, vary))[0].grid, padding)

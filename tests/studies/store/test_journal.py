@@ -138,9 +138,7 @@ def test_cases_of_another_context_are_kept_apart(tmp_path: Path) -> None:
     assert now.history == ["now", "later"]
 
 
-def test_a_journal_that_was_removed_or_replaced_while_it_was_written_is_said(
-    tmp_path: Path,
-) -> None:
+def test_a_journal_removed_or_replaced_while_it_was_written_is_said(tmp_path: Path) -> None:
     path = tmp_path / "x.journal.jsonl"
     journal = opened(tmp_path)
     with suppress(InvalidInput), journal:

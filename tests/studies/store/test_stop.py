@@ -52,9 +52,7 @@ with Stop():
 @pytest.mark.parametrize(
     ("times", "code", "said"), [(2, 128 + signal.SIGTERM, "alive\n"), (3, -signal.SIGTERM, "")]
 )
-def test_who_asks_a_third_time_is_obeyed_wherever_the_process_is(
-    times: int, code: int, said: str
-) -> None:
+def test_who_asks_a_third_time_is_obeyed_anywhere(times: int, code: int, said: str) -> None:
     done = subprocess.run(
         [sys.executable, "-c", PATIENT, str(times)],
         cwd=ROOT,

@@ -106,9 +106,7 @@ def test_both_moments_add_up_to_the_loaded_cell() -> None:
 
 @pytest.mark.parametrize("name", [*SURFACE, "yy"])
 @pytest.mark.parametrize("extent", [(4.0, 3.0), (2.0, 5.0)])
-def test_a_lattice_of_surface_fields_has_their_transforms(
-    name: str, extent: tuple[float, float]
-) -> None:
+def test_a_lattice_of_fields_has_their_transforms(name: str, extent: tuple[float, float]) -> None:
     """Wave by wave on the grid: aliases of the cells' own waves fall like the cube of their number."""
     cells, aliases = (16, 20), 60
     dx, dy = (a / n for a, n in zip(extent, cells, strict=True))

@@ -33,9 +33,7 @@ def test_colours_follow_the_scale_of_newton() -> None:
 
 
 @pytest.mark.parametrize(("wavelength", "index"), [(546e-9, 1.5), (633e-9, 1.6)])
-def test_fringes_of_one_wavelength_are_half_of_it_in_oil_apart(
-    wavelength: float, index: float
-) -> None:
+def test_fringes_are_half_a_wavelength_in_oil_apart(wavelength: float, index: float) -> None:
     fringe = wavelength / (2 * index)
     dark = interference_colours(np.arange(4) * fringe, index, (wavelength,))
     bright = interference_colours((np.arange(4) + 0.5) * fringe, index, (wavelength,))

@@ -160,9 +160,7 @@ def test_a_roller_longer_than_the_grid_has_no_end(line_contact: LineContact) -> 
     np.testing.assert_array_equal(ended.pressure, solved(line_contact, 64, 8.0).pressure)
 
 
-def test_a_roller_ends_in_the_middle_of_a_grid_as_at_the_end_of_one(
-    line_contact: LineContact,
-) -> None:
+def test_a_roller_ends_within_a_grid_as_at_the_end_of_one(line_contact: LineContact) -> None:
     """Both stop at a residual of 1e-9, whose error is no more than its root."""
     length = 8 * line_contact.hertz.half_width
     own = solved(line_contact, 64, 8.0)

@@ -71,9 +71,7 @@ def test_coordinates_that_fall_are_turned_to_rise() -> None:
         (labelled().assign_attrs(units="nm"), "heights has the units 'nm': convert to m"),
     ],
 )  # fmt: skip
-def test_labels_that_do_not_say_sizes_in_metres_are_refused(
-    heights: xr.DataArray, message: str
-) -> None:
+def test_labels_without_sizes_in_metres_are_refused(heights: xr.DataArray, message: str) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         measurement(heights)
 
@@ -157,9 +155,7 @@ def test_points_are_written_at_the_middle_of_their_cells(tmp_path: Path) -> None
     assert extent == pytest.approx((6e-6, 8e-6), rel=1e-14)
 
 
-def test_without_the_library_its_extra_is_named(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_missing_library_names_its_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     with pytest.raises(ModuleNotFoundError, match=r"pip install 'contactstudy\[measured\]'"):
         read(tmp_path / "surface.x3p")

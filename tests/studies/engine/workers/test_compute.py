@@ -55,9 +55,7 @@ class Sharing(Square):
         return float(cached_array("number", lambda: np.array(self.number)))
 
 
-def test_cases_share_arrays_and_timed_runs_compute_their_own(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_cases_share_arrays_and_timed_runs_make_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compute, "SHARED_ARRAYS", ArrayCache(100))
     squares = [compute.compute(Sharing(number), WORK).variables["square"] for number in (2.0, 3.0)]
     assert [float(square) for square in squares] == [4.0, 4.0]

@@ -79,9 +79,7 @@ def study(numbers: list[int]) -> Study:
 
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", [0, 1])
-def test_the_answer_of_a_case_does_not_depend_on_the_cases_before_it(
-    workers: int, tmp_path: Path
-) -> None:
+def test_an_answer_does_not_depend_on_the_cases_before_it(workers: int, tmp_path: Path) -> None:
     orders = [[0, 1, 2, 3, 4, 5], [5, 3, 1, 0, 4, 2], [3]]
     answers = [
         run(study(numbers), tmp_path / str(place), options=RunOptions(workers=workers), log=quiet)

@@ -73,9 +73,7 @@ def test_every_case_of_a_batch_is_answered_in_its_order(worker: Worker, tmp_path
 
 
 @POSIX
-def test_of_a_case_that_ends_its_own_process_the_exit_code_is_said(
-    worker: Worker, tmp_path: Path
-) -> None:
+def test_the_exit_code_of_a_case_is_said(worker: Worker, tmp_path: Path) -> None:
     log = tmp_path / "log"
     outcomes = outcomes_of(worker, Leaving(1.0, log=str(log)), Trouble(2.0))
     assert squares(outcomes) == [KILLED, 4]
@@ -125,9 +123,7 @@ def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: P
 @pytest.mark.cases(1)
 @pytest.mark.skipif(module.METHOD != "forkserver", reason="processes are not forked")
 @pytest.mark.parametrize("signal_name", ["SIGKILL", "SIGTERM"])
-def test_the_end_of_the_process_that_forks_workers_ends_no_run(
-    worker: Worker, signal_name: str
-) -> None:
+def test_the_end_of_the_process_that_forks_ends_no_run(worker: Worker, signal_name: str) -> None:
     assert squares(outcomes_of(worker, Trouble(2.0))) == [4]
     (server,) = (
         process

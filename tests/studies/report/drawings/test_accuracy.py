@@ -57,9 +57,7 @@ def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Datas
     assert DRAWING.tables(made_up)[1].rows[0] == ("c", "pressure in L1", "0.02", "0.01")
 
 
-def test_contacts_on_which_margins_are_set_are_not_counted_in_the_finding(
-    made_up: xr.Dataset,
-) -> None:
+def test_contacts_on_which_margins_are_set_do_not_count_in_the_finding(made_up: xr.Dataset) -> None:
     made_up["use"][2] = 0
     (finding,) = DRAWING.findings(made_up)
     assert "100.0 % of 3 contacts" in finding.claim

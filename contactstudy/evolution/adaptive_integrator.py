@@ -117,11 +117,11 @@ class AdaptiveIntegrator:
                     continue
             if not self.arrived:
                 self.arrived = True
-                if point.records == 2:
+                if point.times_recorded == 2:
                     self._record()
             if point.jumps and not self._jump(point.after):
                 return
-            if point.records or (self.records_all and point.jumps):
+            if point.times_recorded or (self.records_all and point.jumps):
                 self._record()
             self.breakpoint, self.arrived = self.breakpoint + 1, False
             self._save()
@@ -140,7 +140,12 @@ class AdaptiveIntegrator:
         synchronised = self.coarse.time == self.fine.time
         after = self.breakpoints[self.breakpoint + 1] if point is not self.breakpoints[-1] else None
         # without load both integrations have the same pressure: end the doubled step there
-        ends_double_step = point.breaks or after is None or point.records == 2 or after.before == 0
+        ends_double_step = (
+            point.is_discontinuity
+            or after is None
+            or point.times_recorded == 2
+            or after.before == 0
+        )
         if self.step_doubling and synchronised and ends_double_step:
             half = (self.fine.time + point.time) / 2
             self.fine, _ = self._advance(self.fine, half, self.stepper.load.at(half), MAX_HALVINGS)
@@ -221,8 +226,8 @@ class AdaptiveIntegrator:
     def _jump(self, load: float) -> bool:
         """Change the load of both integrations at once; return False if there is no solution to go on from.
 
-        Where a state depends on the path of the load, it changes by parts: twice as many as those of the doubled steps,
-        and as many as the allowed error asks for.
+        Where a state depends on the path of the load, it is applied in increments: twice as many as in the doubled
+        steps, and as many as the allowed error requires.
         """
         increments = 1 if self.stepper.coupled is None else 2 * INCREMENTS
         max_halvings = MAX_HALVINGS if self.step_doubling else 0

@@ -60,7 +60,7 @@ class Checkpoint:
 
         def refuse(holder: str) -> None:
             raise InvalidInput(
-                f"evolve.folder is {str(self.folder)!r}; {holder}: run again when it has ended, or give another folder."
+                f"solve.folder is {str(self.folder)!r}; {holder}: run again when it has ended, or give another folder."
             )
 
         with locked(self.folder / ".integration.lock", refuse):
@@ -70,7 +70,7 @@ class Checkpoint:
                 self._check_identity(identity)
             elif any(not entry.name.startswith(".") for entry in self.folder.iterdir()):
                 raise InvalidInput(
-                    f"evolve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
+                    f"solve.folder is {str(self.folder)!r}, which holds other files: give an empty folder."
                 )
             else:
                 write_with_checksum(path, json.dumps(identity, indent=1).encode())
@@ -87,7 +87,7 @@ class Checkpoint:
             what = "the integration of another scene, grid or request"
         if stored_identity != list(identity.values()):
             raise InvalidInput(
-                f"evolve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
+                f"solve.folder is {str(self.folder)!r}, which holds {what}: give another folder."
             )
 
     @contextmanager
@@ -97,7 +97,7 @@ class Checkpoint:
             yield
         except (OSError, LookupError, TypeError, ValueError, EOFError, BadZipFile) as error:
             raise InvalidInput(
-                f"evolve.folder is {str(self.folder)!r}, which is damaged ({type(error).__name__}): remove it, or give "
+                f"solve.folder is {str(self.folder)!r}, which is damaged ({type(error).__name__}): remove it, or give "
                 "another folder."
             ) from None
 
@@ -163,7 +163,7 @@ class IntegrationState:
 
 def _converter(arrays: dict[str, Array]) -> Any:
     """Return a converter between dataclasses and values for JSON; arrays are replaced by their names in `arrays`."""
-    converter = import_for("evolve.folder", "cattrs").Converter(detailed_validation=False)
+    converter = import_for("solve.folder", "cattrs").Converter(detailed_validation=False)
 
     def put(values: Array) -> str:
         name = f"array_{len(arrays)}"

@@ -115,7 +115,7 @@ class Trajectory:
     rejected
         Number of pairs of steps that were rejected as too long.
     restarts
-        Number of times that the integration was started again, because its steps added up to too large an error.
+        Number of restarts, because the errors of the steps accumulated beyond the allowed one.
     description
         The scene, grid and padding.
     coupled

@@ -97,7 +97,7 @@ def coupled_state_variable(
     across, along = paddings
     if not problem.open_edges or along.window is not None:
         raise InvalidInput(
-            f"evolve.padding is {across!r} across and {along!r} along: plastic strain is supported below a "
+            f"solve.padding is {across!r} across and {along!r} along: plastic strain is supported below a "
             "surface that is infinite across and periodic along, give ExactPeriodicity()."
         )
     friction = getattr(scene.friction, "coefficient", 0.0)
@@ -122,8 +122,8 @@ def evolve(
     The error by the steps is the difference of two integrations, one with steps twice as long. It estimates the error
     of the longer steps, so it is an upper estimate for the shorter ones, which are recorded. It is relative to the
     pressure at the same instant. Where bodies yield, steps are of first order: the error is 1.5 times the difference,
-    relative to the pressure under the largest load, as is the error by the grid, and a load that jumps is applied by
-    parts.
+    relative to the pressure under the largest load, as is the error by the grid, and a load jump is applied in
+    increments.
 
     Parameters
     ----------
@@ -161,7 +161,9 @@ def evolve(
         another integration.
     """
     if times is None and error is None:
-        raise InvalidInput("evolve.times and evolve.error are None: give one of them, or both.")
+        raise InvalidInput(
+            "solve.times has no instants and no error: give TimeSteps.times, TimeSteps.error, or both."
+        )
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, padding, times)
     breakpoints = schedule(load, times)
@@ -258,7 +260,7 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
 
 
 def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
-    """Return the creep of both bodies, which are alike in shear, over their response to a sudden shear."""
+    """Return the creep of both bodies, which are elastically similar, over their instantaneous response to shear."""
     total = sum(body.compliance for body in scene.solids)
     creeps = [
         body.creep.times(1 / total)
@@ -279,7 +281,7 @@ def _load(
     if isinstance(scene.load, ChangingLoad):
         return scene.load
     if times is None:
-        raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
+        raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
     moments = np.asarray(times, dtype=np.float64)
     start = np.min(moments, initial=0.0, where=np.isfinite(moments))
     return LoadHistory((float(start),), (scene.mean_load(grid, padding),))

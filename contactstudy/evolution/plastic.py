@@ -97,7 +97,7 @@ def first_volume(
     return replace(volume, first=max(first - margin, 0), last=min(last + margin, grid.cells[0]))
 
 
-def enlarged(volume: Volume, length: float, flows: NDArray[np.bool_]) -> Volume:
+def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volume:
     """Return `volume` with more margin on every side where plastic flow reaches its edge, within its grid.
 
     Parameters
@@ -106,14 +106,14 @@ def enlarged(volume: Volume, length: float, flows: NDArray[np.bool_]) -> Volume:
         Cells that could yield.
     length
         Length of the contact [m], for which layers are made.
-    flows
-        Whether a cell flowed (layers, x, y).
+    yielded
+        Whether a cell yielded (layers, x, y).
     """
     margin = int(np.ceil(GROWTH * (volume.last - volume.first)))
-    first = max(volume.first - margin, 0) if flows[:, 0].any() else volume.first
-    last = min(volume.last + margin, volume.grid.cells[0]) if flows[:, -1].any() else volume.last
+    first = max(volume.first - margin, 0) if yielded[:, 0].any() else volume.first
+    last = min(volume.last + margin, volume.grid.cells[0]) if yielded[:, -1].any() else volume.last
     edges = volume.edges
-    if flows[-1].any():
+    if yielded[-1].any():
         edges = layers(volume.grid, length, (1 + GROWTH) * edges[-1])
     return Volume(volume.grid, first, last, edges)
 
@@ -244,8 +244,8 @@ class PlasticState:
         equivalents = bodies.split(equivalent + step.flow)
 
         # rounding may put a cell that is on the yield surface beyond it
-        yields = step.flow > tolerance * bodies.yield_strain
-        integral = float((step.flow * yields * bodies.volumes).sum())
+        yielded_cells = step.flow > tolerance * bodies.yield_strain
+        integral = float((step.flow * yielded_cells * bodies.volumes).sum())
         after: dict[str, Array] = {"flow": state["flow"] + integral if integral else np.zeros(1)}
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
         for body, operator, strain, hardened in parts:
@@ -270,15 +270,15 @@ class PlasticState:
     ) -> ElastoplasticStep:
         """Return pressure and plastic strain at the end of a step.
 
-        Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous pass,
-        until it changes by less than the tolerance.
+        Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous
+        iteration, until it changes by less than the tolerance.
         """
         if not self.friction:
             return solve_elastoplastic_step(
                 bodies, contact, self._tangent, before, equivalent, tolerance
             )
         contacts = [contact(bodies.residual_displacement(before))]
-        shear, passes = self._stress_of_friction(bodies, contacts[0].pressure), 0
+        shear, outer_iterations = self._stress_of_friction(bodies, contacts[0].pressure), 0
         while True:
             step = solve_elastoplastic_step(
                 bodies, contact, self._tangent, before, equivalent, tolerance, shear
@@ -286,14 +286,18 @@ class PlasticState:
             contacts += step.contacts
             last, shear = shear, self._stress_of_friction(bodies, step.solution.pressure)
             change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))
-            passes += 1
-            if change <= tolerance or passes == PASSES or not np.isfinite(change):
+            outer_iterations += 1
+            if (
+                change <= tolerance
+                or outer_iterations == MAX_OUTER_ITERATIONS
+                or not np.isfinite(change)
+            ):
                 break
         residual = max(step.residual, change)
         return replace(step, contacts=tuple(contacts), residual=residual)
 
     def _stress_of_friction(self, bodies: YieldingBodies, pressure: Array) -> Array:
-        """Return the stress (C, cells) [Pa] by the shear that a `pressure` (x, y) [Pa] has while it slides."""
+        """Return the stress (C, cells) [Pa] by the friction of full sliding under a `pressure` (x, y) [Pa]."""
         parts = zip(self.bodies, self.operators, strict=True)
         return bodies.concatenated(
             [self._stress_of_shear(body, part, pressure) for body, part in parts]
@@ -418,10 +422,10 @@ class PlasticState:
             equivalents.append(body_equivalent)
         return strains, equivalents
 
-    def _grown(self, flows: Sequence[Array]) -> bool:
+    def _grown(self, yielded: Sequence[Array]) -> bool:
         """Enlarge each volume in which plastic flow reaches the edge, and return whether there was one."""
         any_grown = False
-        for number, (body, flow) in enumerate(zip(self.bodies, flows, strict=True)):
+        for number, (body, flow) in enumerate(zip(self.bodies, yielded, strict=True)):
             volume = self.operators[number].volume
             new_volume = enlarged(volume, self._length, flow > 0)
             if new_volume != volume:
@@ -433,8 +437,8 @@ class PlasticState:
 # Yield sets in where a step adds more than this multiple of the plastic strain before it. A step that doubles the load
 # adds about 3 times the plastic strain.
 ABRUPT = 4.0
-# Passes over the shear of a step while bodies slide.
-PASSES = 50
+# Largest number of iterations of the lagged stress of friction in a step.
+MAX_OUTER_ITERATIONS = 50
 # Statuses of a contact that stopped before its tolerance.
 STOPPED_EARLY = (Status.PRECISION_LIMIT, Status.STALLED, Status.ITERATION_LIMIT)
 # At the edge of the contact the stress has a logarithmic or stronger peak below the size of any cell.
@@ -505,7 +509,7 @@ def step_solution(step: ElastoplasticStep, tolerance: float) -> Solution:
     last = step.solution
     status, note = last.status, last.note
     if status in STOPPED_EARLY and last.residual <= tolerance:
-        status = Status.CONVERGED  # the contact was asked for a smaller residual than the step
+        status = Status.CONVERGED  # the contact has a smaller tolerance than the step
     if not step.residual <= tolerance:
         status = Status.NOT_CONVERGED
         note = (

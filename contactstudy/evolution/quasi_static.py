@@ -88,8 +88,8 @@ def follow_load(
                 rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
                 last = rolling.solution
             else:
-                last = _solved(_posed(largest, scene, value, law), last, options)
-            records = times is None or point.records > len(loads) - 1 - number
+                last = _next_solution(_problem_under(largest, scene, value, law), last, options)
+            records = times is None or point.times_recorded > len(loads) - 1 - number
             if records:
                 frames.append(_frame(point.time, value, last, rolling))
         if progress is not None:
@@ -105,7 +105,9 @@ def _under(scene: Scene, load: float) -> Scene:
     return replace(scene, load=LineLoad(load), adhesion=adhesion)
 
 
-def _posed(problem: Problem, scene: Scene, load: float, law: AdhesiveSolver | None) -> Problem:
+def _problem_under(
+    problem: Problem, scene: Scene, load: float, law: AdhesiveSolver | None
+) -> Problem:
     """Return `problem` under a `load` [N/m], with the heights, the operator and the law that all instants share."""
     posed = problem.description
     assert isinstance(posed, PosedScene)
@@ -119,8 +121,8 @@ def _posed(problem: Problem, scene: Scene, load: float, law: AdhesiveSolver | No
     )
 
 
-def _solved(problem: Problem, last: Solution | None, options: SolveOptions) -> Solution:
-    """Return the solution that follows from the `last` one, or the first."""
+def _next_solution(problem: Problem, last: Solution | None, options: SolveOptions) -> Solution:
+    """Return the solution that continues from the `last` one, or the first solution."""
     start = last.pressure if last is not None and last.pressure.any() else None
     if isinstance(problem.adhesion, AdhesiveSolver) and last is not None:
         problem = replace(problem, adhesion=problem.adhesion.after(last))

@@ -71,15 +71,15 @@ class RepeatedRolling:
         The passes, in order.
     track
         The half-space in the window of the last pass.
-    removed
-        The half-space after the contact of the last pass has been lifted off.
+    unloaded
+        The half-space after the last pass, with the load removed.
     description
         The scene, grid and padding.
     """
 
     passes: tuple[RollingPass, ...]
     track: Track
-    removed: Track
+    unloaded: Track
     description: PosedScene
 
     @property
@@ -117,12 +117,12 @@ class RepeatedRolling:
         return stress
 
     @property
-    def yielding(self) -> Array:
+    def plastic_strain_increment(self) -> Array:
         """Largest equivalent plastic strain (pass,) that each pass adds; 0 where nothing yields any more."""
         return np.asarray(self._added_per_pass(self.equivalent_plastic_strain).max(axis=-1))
 
     @property
-    def shear(self) -> Array:
+    def shear_strain_increment(self) -> Array:
         """Shear strain ``2 e_xz`` (pass, z) that each pass adds."""
         return 2 * self._added_per_pass(self.plastic_strain[:, XZ])
 
@@ -130,10 +130,10 @@ class RepeatedRolling:
     def forward_displacement(self) -> Array:
         """Distance (pass,) [m] by which each pass moves the surface over deep material, against the direction of travel.
 
-        The integral of :attr:`shear` over depth. On a disc that turns below a contact that stays in place, it is
-        forwards (Crook 1957, Proc. Inst. Mech. Eng. 171).
+        The integral of :attr:`shear_strain_increment` over depth. On a disc that turns below a contact that stays in
+        place, it is forwards (Crook 1957, Proc. Inst. Mech. Eng. 171).
         """
-        return self.shear @ self.track.operator.volume.thicknesses
+        return self.shear_strain_increment @ self.track.operator.volume.thicknesses
 
     @property
     def peak_pressure(self) -> Array:
@@ -141,9 +141,9 @@ class RepeatedRolling:
         return np.array([each_pass.solution.pressure.max() for each_pass in self.passes])
 
     @property
-    def shaken_down(self) -> int | None:
+    def shakedown_pass(self) -> int | None:
         """Number of the first pass, counted from 1, from which on nothing yields; None if the last pass still yields."""
-        still = np.flatnonzero(self.yielding > 0)
+        still = np.flatnonzero(self.plastic_strain_increment > 0)
         last = int(still[-1]) + 1 if still.size else 0
         return None if last == len(self.passes) else last + 1
 

@@ -22,7 +22,7 @@ from contactstudy.solvers.lagged import LaggedSolution, solve_with_mixing
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Fine cells per cell, and the largest number of fine cells, for the delayed displacement under the pressure.
+# Fine cells per cell, and the largest number of fine cells, for the retarded displacement under the pressure.
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
 # Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
 # pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
@@ -131,12 +131,12 @@ def solve_rolling(
     *,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     change: float = 1e-6,
-    max_passes: int = 100,
+    max_outer: int = 100,
 ) -> SteadyRolling:
     """Solve `scene` moving at its speed of rolling or tractive rolling, in the frame of the contact.
 
-    The delayed displacement is a convolution with coefficients that extend infinitely far behind the contact, so that no
-    wake is cut off. Their symmetric part is in the operator, their antisymmetric part is lagged from pass to pass.
+    The retarded displacement is a convolution with coefficients that extend infinitely far behind the contact, so that
+    no wake is cut off. Their symmetric part is in the operator, their antisymmetric part is lagged.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def solve_rolling(
     change
         Relative L1 change of the pressure below which passes end, see
         :func:`~contactstudy.solvers.lagged.solve_with_mixing`.
-    max_passes
+    max_outer
         Largest number of passes.
 
     Returns
@@ -199,7 +199,7 @@ def solve_rolling(
         odd_convolution(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
         options,
         change=change,
-        max_outer=max_passes,
+        max_outer=max_outer,
     )
     if law is not None and not is_coupled:
         last = lagged.solution
@@ -214,6 +214,6 @@ def solve_rolling(
         padding=padding,
         options=coarse,
         change=COARSE_CHANGE,
-        max_passes=max_passes,
+        max_outer=max_outer,
     )
     return SteadyRolling(lagged, antisymmetric_weights, solve_on, -1 if speed < 0 else 1)

@@ -53,12 +53,12 @@ class ShearState:
     cell_compliance
         Least displacement over pressure of any pressure on cells that touch [m/Pa].
     gap_scale
-        Size of the gap [m] that its errors are compared with.
+        Scale of the gap [m], to which its errors are relative.
     creep
-        Creep of the surface under shear over its response to a sudden one; None of elastic bodies. It also keeps the
+        Creep of the surface under shear over its instantaneous response; None of elastic bodies. It also keeps the
         delayed pressure, under which a rising one locks shear in.
     alike
-        Whether the surfaces give way to shear as to pressure, up to a factor.
+        Whether the tangential compliance is proportional to the normal one.
     grid
         Grid of the contact.
     tolerance, max_applications
@@ -91,7 +91,7 @@ class ShearState:
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """Return the depth worn so far as a gap, and what the step wears by the slip that it is guessed to have."""
+        """Return the depth worn so far as a gap, and the wear of the step by the slip of the last iterate."""
         if not self.wear:
             return Contribution()
         worn = self.wear * self._half_cycles(step) * state["slip_iterate"]
@@ -102,7 +102,7 @@ class ShearState:
         )
 
     def next_iterate(self, state: State, found: State, tolerance: float) -> State:
-        """Return `state` with the slip that a step found as its guess, or itself if both wear alike."""
+        """Return `state` with the slip that a step found as the next iterate, or itself if both give the same wear."""
         if not self.wear or found["slip_change"][0] <= tolerance:
             return state
         return dict(state) | {"slip_iterate": found["slip_iterate"]}
@@ -112,7 +112,7 @@ class ShearState:
         shear = np.stack([state["shear_x"], state["shear_y"]])
         slope, total, rigid = 0.0, None, None
         if self.forces is not None:
-            # bodies are pressed before they are sheared
+            # the first load is applied before the shear
             first = self.forces.at(step.start) if before.any() else 0.0
             last = self.forces.at(step.end)
             rise = step.loads[1] - step.loads[0]
@@ -126,11 +126,12 @@ class ShearState:
             rigid = np.array([rigid_displacement, 0.0])
         carried, response = np.stack([*shear, before]), self.response
         if self.creep is not None:
-            # displacement over the response: q + delayed before the step, q (1 + softer) + still_delayed at its end
+            # displacement over the response before the step: q + delayed; at its end:
+            # q (1 + compliance_change) + still_delayed
             delayed, _ = self.creep.after(state, carried, 0.0)
-            still_delayed, softer = self.creep.after(state, carried, step.duration)
-            carried = (carried + delayed - still_delayed) / (1 + softer)
-            response = response.times(1 + softer)
+            still_delayed, compliance_change = self.creep.after(state, carried, step.duration)
+            carried = (carried + delayed - still_delayed) / (1 + compliance_change)
+            response = response.times(1 + compliance_change)
         reference, misplaced = self._locked(carried[:2], carried[2], after, slope)
         step_of_slip = slip_step(
             response,
@@ -170,8 +171,8 @@ class ShearState:
             start, end = np.stack([*shear, before]), np.stack([*step_of_slip.shear, after])
             state |= self.creep.update(state, start, end, step)
         if self.wear:
-            guess = half_cycles * state["slip_iterate"]
-            error = self.wear * float((after * np.abs(distance - guess)).max())
+            iterate = half_cycles * state["slip_iterate"]
+            error = self.wear * float((after * np.abs(distance - iterate)).max())
             state["worn_depth"] = state["worn_depth"] + self.wear * work
             state["slip_iterate"] = distance / half_cycles
             state["slip_change"] = np.array([error / self.gap_scale])
@@ -182,7 +183,7 @@ class ShearState:
     ) -> tuple[Array, Array]:
         """Return the shear that the step is counted from, with what a rising pressure locks in, and its error (x, y).
 
-        Where surfaces do not give way alike, the locked-in shear is not proportional to the increment of the pressure:
+        Where these compliances are not proportional, the locked-in shear is not proportional to the increment of the pressure:
         cells in contact throughout the step share one rigid displacement, cells that enter contact take `slope` times
         their pressure. What these are wrong by is estimated from the departure from proportion beside them.
         """
@@ -221,7 +222,7 @@ class ShearState:
     def _fraction_at_start(self, worn: Array) -> Array:
         """Return the part of the pressure at the start in its mean over a step, where a pressure wears `worn` [m/Pa].
 
-        It is a half, and less where a half would turn back what the pressure at the end differs by.
+        It is a half, and less where the step would be unstable with a half.
         """
         return np.asarray(np.minimum(0.5, self.cell_compliance / np.maximum(worn, TINY)))
 

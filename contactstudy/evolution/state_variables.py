@@ -57,7 +57,8 @@ class Contribution:
     gap
         Added to the undeformed gap (x, y) [m]; None adds nothing.
     convolved
-        Fields (x, y) [-] to be convolved with their influence coefficients [m], then added to the gap.
+        Past pressures times creep compliance (x, y) [-], to be convolved with influence coefficients [m] and added to
+        the gap.
     compliance
         Added to the weights [1/Pa] of coefficients in the operator.
     local_compliance
@@ -101,12 +102,12 @@ class HasDifference(Protocol):
 
 @runtime_checkable
 class IteratedStateVariable(Protocol):
-    """Protocol of a state variable whose contribution to a step needs a guess of what the step will find."""
+    """Protocol of a state variable whose contribution depends on the result of the step: a fixed-point iteration."""
 
     def next_iterate(self, state: State, found: State, tolerance: float) -> State:
-        """Return the `state` at the start of a step with what was `found` at its end as its guess.
+        """Return the next iterate of the `state` at the start of a step, from what was `found` at its end.
 
-        It is the same `state` where the guess was as good as the `tolerance`.
+        It is the same `state` where the iteration has converged to the `tolerance`.
         """
         ...
 

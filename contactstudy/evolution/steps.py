@@ -20,6 +20,8 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.load import ChangingLoad
 
+# Recorded instants of a history where none are named.
+DEFAULT_INSTANTS = 41
 # gamma of the L-stable two-stage SDIRK scheme of order 2.
 SDIRK_GAMMA = 1 - 1 / sqrt(2)
 
@@ -73,7 +75,7 @@ class TimeSteps:
         where `error` is given.
     error
         Largest relative L1 error by the steps (of a film: of its thickness in one step); None takes a fraction of the
-        error that a solve keeps, or one step from each instant to the next where none is asked for.
+        error that a solve keeps, or one step from each instant to the next without a requested error.
     scheme
         How wear is stepped.
     step_error
@@ -116,8 +118,8 @@ class TimeSteps:
         end = max(history.end for history in histories) if self.end is None else self.end
         if self.instants is None and self.end is None and self.error is not None:
             return None
-        count = 41 if self.instants is None else self.instants
-        whole_number("evolve.instants", count, 2, "give at least 2 instants")
+        count = DEFAULT_INSTANTS if self.instants is None else self.instants
+        whole_number("TimeSteps.instants", count, 2, "give at least 2 instants")
         start = min(history.start for history in histories) if histories else 0.0
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)
@@ -139,17 +141,17 @@ class Breakpoint:
         Time [s].
     before, after
         Load [N/m] before and after a jump; equal where there is none.
-    records
-        How often the contact is recorded there: 0, 1, or 2 for before and after a jump.
-    breaks
+    times_recorded
+        Number of times that the contact is recorded: 0, 1, or 2 for before and after a jump.
+    is_discontinuity
         Whether the load or its rate jumps there.
     """
 
     time: float
     before: float
     after: float
-    records: int
-    breaks: bool
+    times_recorded: int
+    is_discontinuity: bool
 
     @property
     def jumps(self) -> bool:
@@ -176,7 +178,7 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
     recorded = None if times is None else _checked(times, load)
     end = load.end if recorded is None else recorded[-1]
     if recorded is None and end <= load.start:
-        raise InvalidInput("evolve.times is None, and Scene.load has no end: give times [s].")
+        raise InvalidInput("solve.times is None, and Scene.load has no end: give times [s].")
     counts = Counter(recorded or ())
     breaks = set(load.breaks(end)) | {load.start}
     return tuple(
@@ -188,15 +190,18 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
 def with_breakpoints_at(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
 ) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and more at `times` [s] between them, where something else than the `load` breaks."""
+    """Return `breakpoints` and more at `times` [s] between them, where another history than the `load` is not smooth."""
     at_breakpoints = {point.time for point in breakpoints}
     start, end = breakpoints[0].time, breakpoints[-1].time
     added = (
-        Breakpoint(time, load.before(time), load.at(time), records=0, breaks=True)
+        Breakpoint(time, load.before(time), load.at(time), times_recorded=0, is_discontinuity=True)
         for time in times
         if start < time < end and time not in at_breakpoints
     )
-    broken = (replace(point, breaks=point.breaks or point.time in times) for point in breakpoints)
+    broken = (
+        replace(point, is_discontinuity=point.is_discontinuity or point.time in times)
+        for point in breakpoints
+    )
     return tuple(sorted((*broken, *added), key=lambda point: point.time))
 
 
@@ -217,7 +222,11 @@ def with_steps_within_quarter_period(
         parts = ceil((last.time - first.time) / longest * (1 - 1e-9))
         for part in range(1, parts):
             time = first.time + (last.time - first.time) * part / parts
-            finer.append(Breakpoint(time, load.at(time), load.at(time), records=0, breaks=False))
+            finer.append(
+                Breakpoint(
+                    time, load.at(time), load.at(time), times_recorded=0, is_discontinuity=False
+                )
+            )
         finer.append(last)
     return tuple(finer)
 
@@ -228,14 +237,14 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
     try:
         values = np.asarray(times, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InvalidInput(f"evolve.times is {times!r}: {remedy}.") from None
+        raise InvalidInput(f"solve.times is {times!r}: {remedy}.") from None
     if values.ndim != 1 or values.size == 0 or not np.isfinite(values).all():
-        raise InvalidInput(f"evolve.times has the shape {values.shape}: {remedy}, all finite.")
+        raise InvalidInput(f"solve.times has the shape {values.shape}: {remedy}, all finite.")
     if (np.diff(values) < 0).any() or (np.diff(values, n=2) == 0)[np.diff(values)[:-1] == 0].any():
-        raise InvalidInput(f"evolve.times is {times!r}: {remedy}.")
+        raise InvalidInput(f"solve.times is {times!r}: {remedy}.")
     if values[0] < load.start:
         raise InvalidInput(
-            f"evolve.times[0] is {float(values[0])!r}: give times from {load.start!r} s on, when the load begins."
+            f"solve.times[0] is {float(values[0])!r}: give times from {load.start!r} s on, when the load begins."
         )
     return [float(value) for value in values]
 
@@ -255,7 +264,7 @@ MIN_ERROR_OVER_TOLERANCE = 100
 
 @dataclass(frozen=True)
 class StepControl:
-    """Control of the step length by the local error, what a pair of steps adds to the error of the pressure.
+    """Control of the step length by the local error, by which a pair of steps raises the error of the pressure.
 
     How far later steps damp that error is not known in advance: if the accumulated error exceeds the allowed one, the
     integration restarts with a :meth:`stricter` control.
@@ -265,7 +274,7 @@ class StepControl:
     error
         Allowed relative L1 error of the pressure.
     local_tolerance
-        What one pair of steps may add to it.
+        Allowed local error of a pair of steps.
     """
 
     error: float
@@ -287,10 +296,10 @@ class StepControl:
         InvalidInput
             If the error is not between 0 and 1, or too close to the tolerance for steps to meet it.
         """
-        error = checked_relative_error("evolve.error", error)
+        error = checked_relative_error("TimeSteps.error", error)
         if error < MIN_ERROR_OVER_TOLERANCE * tolerance:
             raise InvalidInput(
-                f"evolve.error is {error!r}: give at least {MIN_ERROR_OVER_TOLERANCE} times the tolerance of the "
+                f"TimeSteps.error is {error!r}: give at least {MIN_ERROR_OVER_TOLERANCE} times the tolerance of the "
                 "contacts, or a smaller tolerance."
             )
         return cls(error, INITIAL_TOLERANCE_FRACTION * error)

@@ -34,7 +34,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
 # error.
 COUPLED_TOLERANCE_FACTOR = 0.01
-# Solves of a step whose state variables guess what it finds.
+# Largest number of fixed-point iterations of a step.
 MAX_FIXED_POINT_ITERATIONS = 30
 # The single, implicit stage of a step that has no stages.
 SINGLE_STAGE = ((1.0, 0.0),)
@@ -266,11 +266,11 @@ class TimeStepper:
                 state_variable.update(state, instant.pressure, after, step)
                 for state_variable, state in zip(self.state_variables, instant.states, strict=False)
             )
-            guessed = self._next_iterate(instant, states + coupled)
-            if guessed is instant or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
+            next_instant = self._next_iterate(instant, states + coupled)
+            if next_instant is instant or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
                 break
-            instant = guessed
-        if guessed is not instant and solution.status is Status.CONVERGED:
+            instant = next_instant
+        if next_instant is not instant and solution.status is Status.CONVERGED:
             solution = replace(solution, status=Status.STALLED)
         state_residual = max(
             (float(state["residual"][0]) for state in states if "residual" in state), default=0.0
@@ -282,7 +282,7 @@ class TimeStepper:
         return instant, solutions
 
     def _next_iterate(self, instant: Instant, found: tuple[State, ...]) -> Instant:
-        """Return `instant` with better guesses of what a step from it finds, the same one if they are good enough."""
+        """Return `instant` with the next iterates of its states, the same one if all have converged."""
         states = tuple(
             variable.next_iterate(state, after, self.options.tolerance)
             if isinstance(variable, IteratedStateVariable)

@@ -132,7 +132,7 @@ class Track:
         Equivalent plastic strain (layers, x, 1) in the window.
     mean_strain_behind
         Plastic strain (component, layers) from the left edge of the window to infinity. It is a running mean of the
-        strain that left the window: with the last strain alone it would swing from one window to the next.
+        strain that left the window: with the last strain alone it would oscillate with the period of the window.
     front
         The half-space on the right of the window.
     """
@@ -146,7 +146,7 @@ class Track:
 
     @classmethod
     def virgin(cls, operator: PlaneStrainOperator, hardening: Hardening) -> "Track":
-        """Return a track that has not yielded."""
+        """Return a virgin track, without plastic strain."""
         cells = operator.volume.shape
         strain, equivalent = np.zeros((len(operator.basis), *cells)), np.zeros(cells)
         profile = DepthProfile(strain[:, :, 0, 0], equivalent[:, 0, 0])

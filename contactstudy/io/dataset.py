@@ -379,7 +379,7 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
     pressure = passes[-1].solution.pressure[:, 0]
     strain = np.einsum("ct,cl...->tl...", track.operator.basis, track.strain)[..., 0]
     below = "plastic strain below the contact in the last pass"
-    stress = rolling.removed.residual_stress()[..., 0]
+    stress = rolling.unloaded.residual_stress()[..., 0]
     unloaded = "residual stress after unloading, tension positive"
     dataset = xr.Dataset(
         {
@@ -416,13 +416,13 @@ def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
         ("plastic_strain", "1", "plastic strain", "component", "z"),
         ("equivalent_plastic_strain", "1", "equivalent plastic strain", "z"),
         ("residual_stress", "Pa", stress, "component", "z"),
-        ("shear", "1", "shear strain added by the pass", "z"),
+        ("shear_strain_increment", "1", "shear strain added by the pass", "z"),
         (
             "forward_displacement",
             "m",
             "displacement of the surface against the rolling direction, by the pass",
         ),
-        ("yielding", "1", "largest equivalent plastic strain added by the pass"),
+        ("plastic_strain_increment", "1", "largest equivalent plastic strain added by the pass"),
         ("peak_pressure", "Pa", "peak pressure at the end of the pass"),
     ) | {
         "distance": labelled("pass", np.array(distances), "m", "distance rolled"),

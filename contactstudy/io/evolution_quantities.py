@@ -183,7 +183,9 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
             "largest equivalent plastic strain",
         ),
         "last_yielding": Quantity(
-            float(rolled.yielding[-1]), "1", "largest plastic strain that the last pass adds"
+            float(rolled.plastic_strain_increment[-1]),
+            "1",
+            "largest plastic strain that the last pass adds",
         ),
         "forward_displacement": Quantity(
             displacement,

@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 from contactstudy.domain.grid import Grid
+from contactstudy.evolution.steps import DEFAULT_INSTANTS
 from contactstudy.planning.cost import CostModel
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
-from contactstudy.planning.grid_requirements import GridRequirements, halvable
+from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.resulting_load import PullOff
@@ -16,7 +17,7 @@ from contactstudy.scene.scene import Scene
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the root of twice its radius and range.
-ATTRACTION_REACH = 3.7
+FADING_DISTANCE = 3.7
 # Transform pairs of a solve over the square of Tabor's parameter, and at least; solves of a search for the pull-off.
 PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10
 
@@ -58,10 +59,10 @@ def adhesive_requirements(
     assert adhesion is not None
     assert radius is not None
     scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
-    range_of_law = adhesion.range or scale / (
+    attraction_range = adhesion.range or scale / (
         TABOR_VARYING if requirements.varies else TABOR_SMOOTH
     )
-    strength = adhesion.work / range_of_law
+    strength = adhesion.work / attraction_range
     zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
     if grid is None:
         grid = _grid(
@@ -69,18 +70,18 @@ def adhesive_requirements(
             error,
             period,
             zone / ZONE_CELLS,
-            ATTRACTION_REACH * sqrt(2 * radius * range_of_law),
+            FADING_DISTANCE * sqrt(2 * radius * attraction_range),
         )
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
         tabor, cells = scale / law.range, ZONE_CELLS
     else:
-        tabor, cells = scale / range_of_law, zone / cell
+        tabor, cells = scale / attraction_range, zone / cell
     load = scene.load
     solves = SEARCH_SOLVES if isinstance(load, PullOff) else 1
     if isinstance(load, ChangingLoad):
-        solves = 41
+        solves = DEFAULT_INSTANTS
     pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
     seconds = (
         FORECAST.estimate_cost * solves * CostModel().seconds(grid, requirements.padding(), pairs)
@@ -93,20 +94,24 @@ def adhesive_requirements(
     if cells < ZONE_CELLS * (1 - 1e-9):
         finer = int(grid.cells[0] * ZONE_CELLS / cells) + 1
         warnings = (
-            f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone, so few that the grid "
-            f"traps the edge of the contact, give {finer} for six.",
+            f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone, so few that the "
+            f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
         )
     return AdhesiveRequirements(grid, seconds, solves, (reason,), warnings)
 
 
 def _grid(
-    requirements: GridRequirements, error: float, period: float | None, cell: float, reach: float
+    requirements: GridRequirements,
+    error: float,
+    period: float | None,
+    cell: float,
+    fading_distance: float,
 ) -> Grid:
-    """Return the grid of the surfaces alone, made wider by the `reach` [m] and with cells of this size [m] at most."""
+    """Return the grid of the surfaces alone, wider by `fading_distance` [m] and with cells of at most `cell` [m]."""
     base = requirements.grid(error, period)
-    width = min(base.extent[0] + 2 * reach, requirements.widest)
-    across = halvable(width / min(base.cell_size[0], cell))
+    width = min(base.extent[0] + 2 * fading_distance, requirements.widest)
+    across = halvable_count(width / min(base.cell_size[0], cell))
     along = base.cells[1]
     if along > 1:
-        along = max(along, halvable(base.length / min(base.cell_size[1], cell)))
+        along = max(along, halvable_count(base.length / min(base.cell_size[1], cell)))
     return replace(base, cells=(across, along), extent=(width, base.length))

@@ -28,8 +28,8 @@ from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Transform pairs of the full grid in a solve of a smooth contact to DIGITS, coarser grids included.
-SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, DIGITS = 35.0, 42.0, 8
+# Transform pairs of the full grid in a solve of a smooth contact to TOLERANCE_DIGITS, coarser grids included.
+SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, TOLERANCE_DIGITS = 35.0, 42.0, 8
 # Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
 SAMPLE_CELLS, SAMPLE_IMAGES = 128, (1, 6)
 # Most cells (across, along) on which stress is timed.
@@ -75,7 +75,7 @@ class CostModel:
     timings
         Measured solves.
     sample
-        Measures solves for a grid and a padding that have no timing; each kind once.
+        Measures solves for a grid and a padding that have no timing; each key once.
     """
 
     timings: Sequence[Timing] = ()
@@ -94,19 +94,21 @@ class CostModel:
         convolutions
             Transform pairs of the full grid.
         """
-        kind = _kind(grid, padding)
-        if kind not in self._laws:
+        key = _law_key(grid, padding)
+        if key not in self._laws:
             similar = [
-                timing for timing in self.timings if _kind(timing.grid, timing.padding) == kind
+                timing for timing in self.timings if _law_key(timing.grid, timing.padding) == key
             ]
             similar = similar or list(self.sample(grid, padding))
-            sizes = [_sizes(timing.grid, timing.padding, timing.convolutions) for timing in similar]
-            self._laws[kind] = (
+            sizes = [
+                _work_sizes(timing.grid, timing.padding, timing.convolutions) for timing in similar
+            ]
+            self._laws[key] = (
                 PowerLaw.fit([setup for setup, _ in sizes], [timing.setup for timing in similar]),
                 PowerLaw.fit([solve for _, solve in sizes], [timing.solve for timing in similar]),
             )
-        new_sizes = _sizes(grid, padding, convolutions)
-        return sum(law.seconds(size) for law, size in zip(self._laws[kind], new_sizes, strict=True))
+        new_sizes = _work_sizes(grid, padding, convolutions)
+        return sum(law.seconds(size) for law, size in zip(self._laws[key], new_sizes, strict=True))
 
 
 def timed(
@@ -124,7 +126,7 @@ def timed(
         Tolerance of the solver.
     """
     setup, solve, count = 0.0, 0.0, 0
-    # some clocks tick every 4 to 16 ms: one run tells little, the sum of many does
+    # some clocks tick every 4 to 16 ms: a single short run is not measurable
     while setup + solve < 2 * MIN_TOTAL_SECONDS:
         start = process_time()
         problem = problem_on(grid)
@@ -180,16 +182,16 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     if isinstance(along, Superposition | CircularSuperposition):
         counted = tuple(replace(along, images=images) for images in SAMPLE_IMAGES)
     problems = (partial(scene.problem, padding=(across, each_padding)) for each_padding in counted)
-    return tuple(timed(problem, sample, 10.0**-DIGITS)[1] for problem in problems)
+    return tuple(timed(problem, sample, 10.0**-TOLERANCE_DIGITS)[1] for problem in problems)
 
 
-def _kind(grid: Grid, padding: Padding | Paddings) -> str:
-    """Return the name that timings of one law share: both paddings without images, and one cell along or several."""
+def _law_key(grid: Grid, padding: Padding | Paddings) -> str:
+    """Return the key of a law: the names of both paddings, and 1 or 2 for one cell along or several."""
     names = (type(axis_padding).__name__ for axis_padding in across_and_along(padding))
     return f"{' '.join(names)} {min(grid.cells[1], 2)}"
 
 
-def _sizes(
+def _work_sizes(
     grid: Grid, padding: Padding | Paddings, convolutions: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return (cells, images) for a set-up and (points of a transform, transforms) for a solve."""
@@ -240,7 +242,7 @@ def memory(grid: Grid, padding: Padding | Paddings) -> int:
 # Prior widths of natural logarithms: of the scale, of the exponents beyond N log N, and of curvatures, which follow sums
 # such as a + b N; the spread assumed of timings, and the number of timings that it counts as.
 SCALE, EXPONENT, CURVATURE = 10.0, 0.1, 0.1
-SPREAD, TIMINGS = log(1.25), 2
+PRIOR_SPREAD, TIMINGS = log(1.25), 2
 # Iterations of spread and fit, after which the spread changes by less than 1 %.
 FIT_ITERATIONS = 3
 # Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
@@ -257,14 +259,14 @@ class PowerLaw:
     ----------
     centre
         Mean logarithms of N and n (2,).
-    mean
+    log_mean
         Mean logarithm of the seconds over the work.
     coefficients
         c0, then all p, then all q.
     """
 
     centre: Array
-    mean: float
+    log_mean: float
     coefficients: Array
 
     @classmethod
@@ -279,7 +281,7 @@ class PowerLaw:
         centre, mean = logarithms.mean(axis=0), float(values.mean())
         terms = _terms(logarithms - centre)
         prior = np.diag(np.array([SCALE, EXPONENT, EXPONENT, CURVATURE, CURVATURE]) ** -2.0)
-        spread, weights = SPREAD, np.ones(len(values))
+        spread, weights = PRIOR_SPREAD, np.ones(len(values))
         for iteration in range(FIT_ITERATIONS + 1):
             weighted = (terms * weights[:, None]).T / spread**2
             covariance = np.linalg.inv(weighted @ terms + prior)
@@ -288,7 +290,7 @@ class PowerLaw:
                 break
             leverage = weights * np.einsum("ij,jk,ik->i", terms, covariance, terms) / spread**2
             left_out = (values - mean - terms @ coefficients) / np.maximum(1 - leverage, 1e-3)
-            total = float((left_out**2).sum()) + TIMINGS * SPREAD**2
+            total = float((left_out**2).sum()) + TIMINGS * PRIOR_SPREAD**2
             spread = float(np.sqrt(total / (len(values) + TIMINGS)))
             residual_ratio = left_out / max(float(np.median(np.abs(left_out))), 1e-3)
             weights = 1 / (1 + (residual_ratio / OUTLIER) ** 2)
@@ -297,7 +299,7 @@ class PowerLaw:
     def seconds(self, size: tuple[float, float]) -> float:
         """Return the seconds of a `size` (N, n)."""
         terms = _terms(np.log([size]) - self.centre)
-        return exp(float(self.mean + (terms @ self.coefficients)[0]) + log_work(*size))
+        return exp(float(self.log_mean + (terms @ self.coefficients)[0]) + log_work(*size))
 
 
 def log_work(points: float, repetitions: float = 1.0) -> float:

@@ -17,10 +17,10 @@ SECONDS_PER_CELLS_SQUARED, MIN_SECONDS = 3.6e-7, 0.03
 STEP_SECONDS_PER_CELLS_SQUARED, MIN_STEP_SECONDS = 7.5e-8, 0.006
 # Steps in time: at the start, at least between two recorded instants, and at least in all.
 STARTING_STEPS, STEPS_PER_INSTANT, MIN_STEPS = 5, 2, 30
-# Seconds a cell of a film that varies along its length, with its estimate: the median of 11 films of one wave along.
+# Seconds per cell of a film that varies along its length, with its estimate: the median of 11 films of one wave along.
 SECONDS_PER_CELL = 3.5e-4
-# Numbers held a cell, mostly the basis of the Krylov space, and matrices (x, x) of the Fourier stage.
-FIELDS, MATRICES = 180, 50
+# Floats held per cell, mostly the basis of the Krylov space, and matrices (x, x) of the Fourier stage.
+FLOATS_PER_CELL, FOURIER_MATRICES = 180, 50
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ def film_requirements(
     (nx, ny), width = grid.cells, grid.extent[0]
     inlet = width / 2 / scales.hertz.half_width
     reasons = [
-        f"the formula of Moes expects a film of {readable(scales.expected_film * scales.film)} at "
+        f"the formula of Moes gives a film of {readable(scales.expected_film * scales.film)} at "
         f"M = {scales.load_parameter:.3g}, L = {scales.viscosity_parameter:.3g}",
         f"the inlet begins {inlet:.2g} half-widths from the axis: its error falls as that distance^-2",
         f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet",
@@ -105,9 +105,11 @@ def film_requirements(
         seconds += steps * (
             MIN_STEP_SECONDS + STEP_SECONDS_PER_CELLS_SQUARED * nx**2 if ny == 1 else seconds
         )
-    numbers = 6 * nx**2
+    floats = 6 * nx**2
     if ny > 1:
         reasons.append(f"{CELLS_PER_WAVE} cells or more for the shortest wave")
-        warnings.append("the error of a film between rough surfaces is not known beforehand")
-        numbers = FIELDS * prod(grid.cells) + MATRICES * nx**2
-    return FilmRequirements(grid, seconds, steps, 8 * numbers, tuple(reasons), tuple(warnings))
+        warnings.append(
+            "The error of a film between rough surfaces is not predicted: solve, and read answer.error."
+        )
+        floats = FLOATS_PER_CELL * prod(grid.cells) + FOURIER_MATRICES * nx**2
+    return FilmRequirements(grid, seconds, steps, 8 * floats, tuple(reasons), tuple(warnings))

@@ -10,12 +10,18 @@ from contactstudy.accuracy.estimate import SHARP_EDGE
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.planning.cost import DIGITS, SMOOTH_CONVOLUTIONS, CostModel, memory, timed
+from contactstudy.planning.cost import (
+    SMOOTH_CONVOLUTIONS,
+    TOLERANCE_DIGITS,
+    CostModel,
+    memory,
+    timed,
+)
 from contactstudy.planning.grid_requirements import (
     MIN_CELLS_PER_AXIS,
     ROUGH_ORDER,
     GridRequirements,
-    halvable,
+    halvable_count,
 )
 from contactstudy.planning.refinement import GridRefinement
 from contactstudy.scene.scene import Scene
@@ -74,21 +80,21 @@ class GridForecast:
         Orders of convergence along each axis.
     min_cells
         Least cells along each axis that resolve the surface.
-    outgrows_grid
-        Whether the contact outgrows the grid.
+    contact_exceeds_grid
+        Whether the contact is wider than the grid.
     message
         A fault that no grid corrects, such as an infinite pressure; empty without one.
     seconds
         Seconds of a solve with its estimate on one thread, and of the coarser grids of a solve to an error.
     is_extrapolated
-        Whether the grid was chosen from what coarser grids show.
+        Whether the grid is extrapolated from coarser grids.
     """
 
     grid: Grid
     errors: tuple[float, float]
     orders: tuple[float, float]
     min_cells: tuple[int, int]
-    outgrows_grid: bool
+    contact_exceeds_grid: bool
     message: str
     seconds: float
     is_extrapolated: bool = False
@@ -102,8 +108,8 @@ class GridForecast:
         """Return the contributions (across, along) to the error to expect of another cell (dx, dy) [m]."""
         parts = zip(self.errors, self.orders, cell, self.grid.cell_size, strict=True)
         across, along = (
-            error * (size / present) ** order if error else 0.0
-            for error, order, size, present in parts
+            error * (size / present_size) ** order if error else 0.0
+            for error, order, size, present_size in parts
         )
         return across, along
 
@@ -112,7 +118,7 @@ class GridForecast:
         return sum(self.errors_of(cell))
 
     def grid_for(self, error: float) -> Grid:
-        """Return the grid of min_cells cells and the same extent whose expected error is `error`.
+        """Return the grid of fewest cells and the same extent whose expected error is `error`.
 
         With errors ``e_x n_x^-r_x + e_y n_y^-r_y``, the product of both counts is least where ``r_x`` times the error
         across equals ``r_y`` times that along. An axis at its least cells leaves the remaining error to the other.
@@ -126,14 +132,14 @@ class GridForecast:
 
     def _count(self, axis: int, error: float) -> float:
         """Return the cells along an axis for the contribution `error` to the error."""
-        count, fraction, order = self.grid.cells[axis], self.errors[axis], self.orders[axis]
-        needed = count * (fraction / error) ** (1 / order) if error > 0 else inf
+        count, present_error, order = self.grid.cells[axis], self.errors[axis], self.orders[axis]
+        needed = count * (present_error / error) ** (1 / order) if error > 0 else inf
         return max(min(needed, MAX_EXTRAPOLATION * count), self.min_cells[axis])
 
     def _with(self, across: float, along: float) -> Grid:
         """Return a grid of at least these cells and the same extent."""
-        ny = 1 if self.grid.cells[1] == 1 else halvable(along, self.min_cells[1])
-        return Grid((halvable(across, self.min_cells[0]), ny), self.grid.extent)
+        ny = 1 if self.grid.cells[1] == 1 else halvable_count(along, self.min_cells[1])
+        return Grid((halvable_count(across, self.min_cells[0]), ny), self.grid.extent)
 
 
 def forecast_of_refinement(
@@ -164,7 +170,7 @@ def forecast_of_refinement(
     while modules < len(sys.modules):  # what is imported or compiled once is not counted
         modules = len(sys.modules)
         stamps[:] = [process_time()]
-        levels = refinement.solved_levels(extent)
+        levels = refinement.solve_levels(extent)
     seconds, last = stamps[-1] - stamps[0], levels[-1]
     grid = last.grid
     if not refinement.meets_error(last):
@@ -190,7 +196,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     """
     padding, orders = requirements.padding(), (ROUGH_ORDER, ROUGH_ORDER)
     # the law is that of Hertz's contact
-    if requirements.smooth and scene.hardness > requirements.hertz.peak_pressure:
+    if requirements.is_smooth and scene.hardness > requirements.hertz.peak_pressure:
         return GridForecast(
             grid,
             (requirements.error(grid.cell_size), 0.0),
@@ -206,19 +212,27 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
         keeps_width=True,
     )
     try:
-        levels = refinement.solved_levels(grid.extent)
-        _, timing = timed(lambda of: scene.problem(of, padding), levels[-1].grid, 10.0**-DIGITS)
+        levels = refinement.solve_levels(grid.extent)
+        _, timing = timed(
+            lambda of: scene.problem(of, padding), levels[-1].grid, 10.0**-TOLERANCE_DIGITS
+        )
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
         return GridForecast(
-            grid, (inf, 0.0), orders, (1, 1), outgrows_grid=False, message=str(error), seconds=inf
+            grid,
+            (inf, 0.0),
+            orders,
+            (1, 1),
+            contact_exceeds_grid=False,
+            message=str(error),
+            seconds=inf,
         )
     seconds = CostModel((timing,)).seconds(grid, padding, timing.convolutions)
-    result = _extrapolated(refinement, levels, grid, CONSTANTS.estimate_cost * seconds)
-    if result.error == inf and not result.outgrows_grid:
+    forecast = _extrapolated(refinement, levels, grid, CONSTANTS.estimate_cost * seconds)
+    if forecast.error == inf and not forecast.contact_exceeds_grid:
         errors = requirements.errors(grid.cell_size)
         factor = CONSTANTS.unresolved_factor
-        return replace(result, errors=(factor * errors[0], factor * errors[1]), orders=orders)
-    return result
+        return replace(forecast, errors=(factor * errors[0], factor * errors[1]), orders=orders)
+    return forecast
 
 
 def _refinement(scene: Scene, requirements: GridRequirements, error: float) -> GridRefinement:
@@ -247,7 +261,7 @@ def _extrapolated(
 
 def with_width(grid: Grid, width: float) -> Grid:
     """Return a grid with cells of the same size over the width `width` [m]."""
-    across = halvable(grid.cells[0] * width / grid.extent[0])
+    across = halvable_count(grid.cells[0] * width / grid.extent[0])
     return Grid((across, grid.cells[1]), (width, grid.length))
 
 

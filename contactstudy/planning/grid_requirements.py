@@ -70,22 +70,22 @@ class GridRequirements:
     sticks: bool = False
 
     @property
-    def points(self) -> tuple[float, float] | None:
+    def point_spacing(self) -> tuple[float, float] | None:
         """Spacing (across, along) of the points of a measured surface [m]; None without one."""
         return next(
             (scales.spacing for scales in self.length_scales if scales.spacing is not None), None
         )
 
-    def grid_of_points(self, period: float | None) -> Grid:
+    def grid_on_measured_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
-        assert self.points is not None
+        assert self.point_spacing is not None
         width = min(2 * WIDTH_FACTOR * self.half_width, self.widest)
         length = self.length(period, width)
-        across = max(round(width / self.points[0] - 0.5 + 1e-9), 2)
+        across = max(round(width / self.point_spacing[0] - 0.5 + 1e-9), 2)
         if width < self.widest:
             across += 1
-        along = max(round(length / self.points[1]), 1) if self.varies else 1
-        return Grid((across, along), (across * self.points[0], length))
+        along = max(round(length / self.point_spacing[1]), 1) if self.varies else 1
+        return Grid((across, along), (across * self.point_spacing[0], length))
 
     @property
     def finest(self) -> tuple[float, float]:
@@ -96,24 +96,26 @@ class GridRequirements:
         )
 
     @property
-    def rough(self) -> bool:
+    def is_rough(self) -> bool:
         """True if any shape has wavelengths."""
         return min(self.finest) < inf
 
     @property
-    def smooth(self) -> bool:
+    def is_smooth(self) -> bool:
         """True for Hertz's contact, with no heights on the cylinder, no end, no coating, no friction."""
-        return not (self.rough or self.roller or self.height or self.coatings or self.shear)
+        return not (
+            self.is_rough or self.roller_length or self.height or self.coatings or self.shear
+        )
 
     @property
-    def roller(self) -> float:
+    def roller_length(self) -> float:
         """The shortest length of a roller that a shape names [m]; infinite if one has no length, 0 without rollers."""
         return min((scales.roller for scales in self.length_scales if scales.roller), default=0.0)
 
     @property
     def varies(self) -> bool:
         """True if anything varies along the length."""
-        return self.finest[1] < inf or self.roller > 0
+        return self.finest[1] < inf or self.roller_length > 0
 
     @property
     def height(self) -> float:
@@ -138,19 +140,21 @@ class GridRequirements:
         """
         hertz = self.hertz
         scale = hertz.half_width**2 / (2 * hertz.radius)
-        reach = 1.0
+        relative_half_width = 1.0
         if self.height > 0:
             bracket = 2 + sqrt(2 * self.height / scale)
 
-            def open_by(t: float) -> float:
+            def residual_gap(t: float) -> float:
                 return scale * (t * sqrt((t - 1) * (t + 1)) - acosh(t)) - self.height
 
             from scipy.optimize import brentq  # imported late, since it is slow
 
-            reach = float(brentq(open_by, 1.0, bracket))
-        crowned = 1.5 if self.roller else 1.0  # the middle or the ends carry more than the mean
+            relative_half_width = float(brentq(residual_gap, 1.0, bracket))
+        crown_factor = (
+            1.5 if self.roller_length else 1.0
+        )  # the middle or the ends carry more than the mean
         hardness_limited = hertz.load_per_length / (2 * self.hardness)
-        return max(hertz.half_width * reach * crowned, hardness_limited)
+        return max(hertz.half_width * relative_half_width * crown_factor, hardness_limited)
 
     def rough_error_factor(self) -> float:
         """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
@@ -171,7 +175,7 @@ class GridRequirements:
         """Return the contributions (across, along) to :meth:`error`."""
         total = self.error(cell)
         rough = [(size / wave) ** ROUGH_ORDER for size, wave in zip(cell, self.finest, strict=True)]
-        if not self.rough:
+        if not self.is_rough:
             return total, 0.0
         return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
 
@@ -198,9 +202,9 @@ class GridRequirements:
             if not 0 < expected < inf:  # no grid is fine enough, as the caller reports
                 break
             reduction *= (error / expected) ** (1 / ROUGH_ORDER)
-        least = CELLS_ALONG_ROLLER if self.roller else MIN_CELLS_PER_AXIS
-        cells = halvable(length / (along * reduction), least) if self.varies else 1
-        return Grid((halvable(width / (across * reduction)), cells), (width, length))
+        least = CELLS_ALONG_ROLLER if self.roller_length else MIN_CELLS_PER_AXIS
+        cells = halvable_count(length / (along * reduction), least) if self.varies else 1
+        return Grid((halvable_count(width / (across * reduction)), cells), (width, length))
 
     def length(self, period: float | None, width: float) -> float:
         """Return the length of the grid [m]: the period if given, else that of the roller or of the repeating shapes.
@@ -219,12 +223,12 @@ class GridRequirements:
         """
         if period is not None:
             return positive("plan.period", period, "give a period above 0 m")
-        if self.roller == inf:
+        if self.roller_length == inf:
             raise InvalidInput(
                 "Scene.shapes crown a roller without a length: add FiniteLength, or give plan a period."
             )
-        if self.roller:
-            return self.roller
+        if self.roller_length:
+            return self.roller_length
         if not self.varies:
             return width
         repeats = {scales.repeat for scales in self.length_scales if scales.repeat}
@@ -243,22 +247,20 @@ class GridRequirements:
 
     def padding(self) -> Padding | Paddings:
         """Return the boundary conditions: open on both axes where a roller ends, else periodic with all images."""
-        return (ZeroPadding(), ZeroPadding()) if self.roller else ExactPeriodicity()
+        return (ZeroPadding(), ZeroPadding()) if self.roller_length else ExactPeriodicity()
 
     def period_check(self, period: float) -> str:
         """Return a sentence on how `period` [m] suits the scene."""
-        if self.roller:
+        if self.roller_length:
             return f"The length is free, from end to end {readable(period)}."
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
-        holds = (
-            f"The period {readable(period)} holds what repeats along it a whole number of times."
-        )
+        holds = f"The period {readable(period)} is a multiple of every repeat length."
         return self.period_fault(period) or holds
 
     def period_fault(self, period: float) -> str:
         """Return why `period` [m] does not suit the scene, with a remedy; empty if it does."""
-        if self.roller or not self.varies:
+        if self.roller_length or not self.varies:
             return ""
         broken = [
             scales.repeat
@@ -267,14 +269,14 @@ class GridRequirements:
         ]
         if broken:
             return (
-                f"The period {readable(period)} is no whole number of {readable(broken[0])}, after which a shape "
-                "repeats: give a multiple of that."
+                f"The period {readable(period)} is not a multiple of {readable(broken[0])}, the repeat length of a "
+                "shape: give a multiple of it."
             )
         if 0 < period < WAVES_PER_PERIOD * self.longest * (1 - 1e-9):
             return (
-                f"The period {readable(period)} holds {period / self.longest:.2g} of the longest wavelength "
-                f"{readable(self.longest)}: give {readable(WAVES_PER_PERIOD * self.longest)}, or the answer is that "
-                "of one short sample."
+                f"The period {readable(period)} is only {period / self.longest:.2g} longest wavelengths "
+                f"({readable(self.longest)}) long, too short to be representative: give "
+                f"{readable(WAVES_PER_PERIOD * self.longest)}."
             )
         return ""
 
@@ -296,19 +298,19 @@ class GridRequirements:
         cell = (
             f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell_size[0]:.3g} in a half-width"
         )
-        cell += f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.rough
+        cell += (
+            f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.is_rough
+        )
         cell += f", for an error of {error:.1g}"
         is_for_slip = self.sticks and not self.varies
         cell += f"{', so small that they resolve where slip begins' * is_for_slip}."
         if not self.varies:
-            dimension = (
-                "dimension 1: nothing varies along the length, so one cell stands for all of it."
-            )
+            dimension = "dimension 1: nothing varies along the length, so one cell along suffices."
         else:
             dimension = "dimension 2: the gap varies along the length."
         if not self.varies and grid.cells[1] > 1:
-            dimension = "dimension 2: as requested, though nothing varies along the length: one cell would do."
-        if self.roller:
+            dimension = "dimension 2: as requested; nothing varies along the length, so one cell along would suffice."
+        if self.roller_length:
             padding = (
                 "padding zero along both axes: the roller ends, so there is no pressure beyond."
             )
@@ -370,7 +372,7 @@ class GridRequirements:
         return tuple(messages)
 
 
-def requirements_of(scene: Scene) -> GridRequirements:
+def grid_requirements(scene: Scene) -> GridRequirements:
     """Return the properties of `scene` that determine its grid.
 
     Raises
@@ -388,7 +390,7 @@ def requirements_of(scene: Scene) -> GridRequirements:
     for number, shape in enumerate(scene.shapes):
         if not hasattr(shape, "length_scales"):
             raise InvalidInput(
-                f"Scene.shapes[{number}] is {shape!r}, which does not say how fine it is: give it "
+                f"Scene.shapes[{number}] is {shape!r}, which has no length scales: give it "
                 "`length_scales`, or choose the grid yourself."
             )
     length_scales = tuple(
@@ -414,7 +416,7 @@ def measured_length_scales(scene: Scene) -> LengthScales | None:
     return next((scales for scales in length_scales if scales.spacing is not None), None)
 
 
-def grid_of_flat(scales: LengthScales, period: float | None) -> Grid:
+def flat_grid(scales: LengthScales, period: float | None) -> Grid:
     """Return the points of a measured surface as cells, over its whole width and a period of its length.
 
     Parameters
@@ -455,7 +457,7 @@ def _common_period(lengths: set[float]) -> float:
     return common
 
 
-def halvable(count: float, least: int = MIN_CELLS_PER_AXIS) -> int:
+def halvable_count(count: float, least: int = MIN_CELLS_PER_AXIS) -> int:
     """Return a number of cells that can be halved repeatedly down to a coarse grid, at least `count` and `least`."""
     step = 2 ** max(0, int(log2(max(count, MIN_CELLS_PER_AXIS) / MIN_CELLS_PER_AXIS)))
     return int(np.ceil(max(count, least) / step * (1 - 1e-12)) * step)

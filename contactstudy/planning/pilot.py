@@ -104,8 +104,9 @@ def pilot(
 ) -> Pilot:
     """Return the work of `scene` on `grid`, from its steps on a coarse grid.
 
-    The number of time steps depends little on the cell size. They take as many times the pilot's seconds as an elastic
-    solve takes on the planned grid, or, where plastic strain has operators of its own, by a power of their size.
+    The number of time steps depends little on the cell size. Their seconds are the pilot's times the ratio of two
+    elastic solves, on the planned grid and on that of the pilot, or for plastic strain a power of the ratio of
+    operator bytes.
 
     Parameters
     ----------
@@ -125,11 +126,13 @@ def pilot(
     across = CONSTANTS.cells[0] if requirements.plastic is None else CONSTANTS.yielding_cells
     coarse = Grid((min(nx, across), min(ny, CONSTANTS.cells[1])), grid.extent)
     try:
-        seconds, solves = _work(scene, coarse, padding, (1 - CELL_FRACTION) * error, steps)
+        seconds, solves = _seconds_and_solves(
+            scene, coarse, padding, (1 - CELL_FRACTION) * error, steps
+        )
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")
     if requirements.plastic is not None:
-        slower = (
+        time_ratio = (
             requirements.plastic.bytes(grid) / requirements.plastic.bytes(coarse)
         ) ** CONSTANTS.plastic_power
     else:
@@ -141,13 +144,13 @@ def pilot(
             )[1]
             for each_grid in (grid, coarse)
         )
-        slower = (fine.setup + fine.solve) / (on_pilot.setup + on_pilot.solve)
-    rounds = CONSTANTS.refinement_cost if refines and ny == 1 else 1.0
+        time_ratio = (fine.setup + fine.solve) / (on_pilot.setup + on_pilot.solve)
+    refinement_factor = CONSTANTS.refinement_cost if refines and ny == 1 else 1.0
     if refines and requirements.plastic is not None:
-        rounds = CONSTANTS.yielding_refinement_cost
+        refinement_factor = CONSTANTS.yielding_refinement_cost
     elif scene.rolls and ny > 1:
-        rounds = CONSTANTS.rolling_cost_along
-    total = rounds * seconds * max(slower, 1.0)
+        refinement_factor = CONSTANTS.rolling_cost_along
+    total = refinement_factor * seconds * max(time_ratio, 1.0)
     return Pilot(
         total,
         solves,
@@ -156,7 +159,7 @@ def pilot(
     )
 
 
-def _work(
+def _seconds_and_solves(
     scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
 ) -> tuple[float, int]:
     """Return the seconds and the solves of `scene` on `grid`."""
@@ -177,25 +180,30 @@ def _work(
         rolling.error_estimate()
         seconds = instants * (process_time() - begin)
         return seconds, instants * rolling.lagged.outer_iterations
-    times, larger = steps.instants_of(scene.load, getattr(scene.friction, "history", None)), 1.0
+    times, error_factor = (
+        steps.instants_of(scene.load, getattr(scene.friction, "history", None)),
+        1.0,
+    )
     while True:
         begin, reached, pairs = process_time(), 0.0, 0
 
-        def stop(time: float, end: float, begin: float = begin) -> None:
+        def stop_at_limit(time: float, end: float, begin: float = begin) -> None:
             nonlocal reached, pairs
             reached, pairs = time / end, pairs + 1
             if process_time() - begin > CONSTANTS.time_limit:
                 raise _TimeLimitReached
 
-        allowed = min(larger * error, CONSTANTS.max_error)
+        allowed = min(error_factor * error, CONSTANTS.max_error)
         try:
-            trajectory = evolve(scene, grid, padding, times=times, error=allowed, progress=stop)
+            trajectory = evolve(
+                scene, grid, padding, times=times, error=allowed, progress=stop_at_limit
+            )
         except _TimeLimitReached:
             if reached < CONSTANTS.min_progress and allowed < CONSTANTS.max_error:
-                larger *= CONSTANTS.error_step
+                error_factor *= CONSTANTS.error_step
                 continue
-            factor = larger / max(reached, 1e-3)
+            factor = error_factor / max(reached, 1e-3)
             return factor * (process_time() - begin), round(
                 factor * CONSTANTS.solves_per_double_step * pairs
             )
-        return larger * (process_time() - begin), round(larger * trajectory.steps)
+        return error_factor * (process_time() - begin), round(error_factor * trajectory.steps)

@@ -31,9 +31,9 @@ from contactstudy.planning.forecast import (
 from contactstudy.planning.grid_requirements import (
     CELL_FRACTION,
     GridRequirements,
-    grid_of_flat,
+    flat_grid,
+    grid_requirements,
     measured_length_scales,
-    requirements_of,
 )
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 DEFAULT_ERROR = 1e-2
 # Relative error of the film of a lubricated scene that is planned where none is requested.
 FILM_ERROR = 1e-2
-# Factor on a width that the contact outgrows.
+# Factor on a width that is too small for the contact.
 WIDENING = 1.5
 # Fraction of the machine's memory that a plan may take.
 MEMORY_FRACTION = 0.8
@@ -53,7 +53,7 @@ MEMORY_FRACTION = 0.8
 
 @dataclass(frozen=True)
 class Plan:
-    """A grid and a padding for a scene, and what to expect of them.
+    """A grid and a padding for a scene, with expected error and cost.
 
     Solve it with ``solve(scene, plan.grid, plan.padding)``.
 
@@ -182,7 +182,7 @@ def plan_grid(
         return _plan_of_film(scene, error or FILM_ERROR, period, grid, times)
     if scene.adhesion is not None:
         return _plan_of_adhesion(
-            scene, requirements_of(scene), error or DEFAULT_ERROR, period, grid
+            scene, grid_requirements(scene), error or DEFAULT_ERROR, period, grid
         )
     if scene.changing is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
@@ -200,7 +200,7 @@ def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
 
 def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Plan:
     """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
-    grid, padding = grid_of_flat(scales, period), (ExactPeriodicity(), ExactPeriodicity())
+    grid, padding = flat_grid(scales, period), (ExactPeriodicity(), ExactPeriodicity())
     seconds = CostModel().seconds(grid, padding, ROUGH_CONVOLUTIONS)
     return Plan(
         grid=grid,
@@ -227,39 +227,39 @@ def _plan_static(
     width: float = 0.0,
 ) -> Plan:
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
-    requirements = requirements_of(scene)
+    requirements = grid_requirements(scene)
     padding = requirements.padding()
     if grid is not None and period is not None and period != grid.length:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
     limit = MEMORY_FRACTION * min(available_bytes(), on.available_bytes)
-    own_points = grid is None and error is None and requirements.points is not None
+    own_points = grid is None and error is None and requirements.point_spacing is not None
     if own_points:
-        grid = requirements.grid_of_points(period)
+        grid = requirements.grid_on_measured_points(period)
     if grid is None:
         target = error or DEFAULT_ERROR
-        prediction = forecast_of_refinement(scene, requirements, target, period, limit)
-        grid = prediction.grid
+        forecast = forecast_of_refinement(scene, requirements, target, period, limit)
+        grid = forecast.grid
         if width > grid.extent[0]:
             grid = with_width(grid, width)
     else:
         target = inf
-        prediction = forecast_of_grid(scene, requirements, within_memory(grid, padding, limit))
-    predicted = prediction.error_of(grid.cell_size)
+        forecast = forecast_of_grid(scene, requirements, within_memory(grid, padding, limit))
+    expected_error = forecast.error_of(grid.cell_size)
     return Plan(
         grid=grid,
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
-        error=predicted,
-        seconds=prediction.seconds / speedup(grid, padding, on),
+        error=expected_error,
+        seconds=forecast.seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
         reasons=(
-            *requirements.reasons(grid, predicted),
-            *_axis_reasons(prediction, own_points=own_points),
+            *requirements.reasons(grid, expected_error),
+            *_axis_reasons(forecast, own_points=own_points),
         ),
         warnings=(
             *requirements.warnings(grid),
-            *_warnings(requirements, prediction, grid, limit, error=target),
+            *_warnings(requirements, forecast, grid, limit, error=target),
         ),
         on=on,
     )
@@ -275,12 +275,12 @@ def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:
     across, along = forecast.errors
     if forecast.is_extrapolated:
         yield (
-            "refinement: the cells are those expected from coarser grids; a solve refines until its bound keeps the "
+            "refinement: the cells are those expected from coarser grids; a solve refines until its bound meets the "
             "error, and may end on somewhat fewer or more."
         )
     if forecast.grid.cells[1] > 1 and 0 < forecast.error < inf:
         yield (
-            f"axes: of the error expected, {across / forecast.error:.0%} falls with the cells across to the power "
+            f"axes: of the expected error, {across / forecast.error:.0%} falls with the cells across to the power "
             f"{forecast.orders[0]:.2g}, {along / forecast.error:.0%} with those along to the power "
             f"{forecast.orders[1]:.2g}."
         )
@@ -321,29 +321,29 @@ def _plan_time_dependent(
 
 def _warnings(
     requirements: GridRequirements,
-    prediction: GridForecast,
+    forecast: GridForecast,
     grid: Grid,
     limit: float,
     *,
     error: float,
 ) -> Iterator[str]:
     """Yield a sentence for each reason why the grid does not reach the requested `error`."""
-    if prediction.outgrows_grid:
+    if forecast.contact_exceeds_grid:
         remedy = "give a width of "
         width = WIDENING * grid.extent[0]
         if width > requirements.widest:
             remedy = f"the surface is known over {readable(requirements.widest)} only; give a smaller load, or "
             remedy += "a surface as wide as "
-        yield f"Grid.extent[0] is {readable(grid.extent[0])}: the contact outgrows it, {remedy}{readable(width)}."
+        yield f"Grid.extent[0] is {readable(grid.extent[0])}: the contact is wider, {remedy}{readable(width)}."
     needed = memory(grid, requirements.padding())
     if needed > limit:
         yield (
             f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and this machine has "
             f"{limit / MEMORY_FRACTION / 1e9:.3g} GB, give fewer cells."
         )
-    predicted = prediction.error_of(grid.cell_size)
-    if error < predicted < inf:
-        finer = prediction.grid_for(error)
+    expected_error = forecast.error_of(grid.cell_size)
+    if error < expected_error < inf:
+        finer = forecast.grid_for(error)
         bytes_of_finer = memory(finer, requirements.padding())
         reason = (
             f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and this "
@@ -351,9 +351,9 @@ def _warnings(
             if bytes_of_finer > limit
             else "the order of convergence of this surface is low"
         )
-        yield f"plan.error is {error:.2g}: this grid reaches {predicted:.2g}; {reason}."
-    if prediction.message:
-        yield prediction.message
+        yield f"plan.error is {error:.2g}: this grid reaches {expected_error:.2g}; {reason}."
+    if forecast.message:
+        yield forecast.message
 
 
 def _plan_of_film(
@@ -367,7 +367,7 @@ def _plan_of_film(
     # imported only for lubricated scenes
     from contactstudy.planning.film_requirements import film_requirements
 
-    requirements, instants = requirements_of(scene), 0
+    requirements, instants = grid_requirements(scene), 0
     if scene.changing is not None:
         assert scene.lubrication is not None
         speed = scene.lubrication.mean_speed

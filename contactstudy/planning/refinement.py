@@ -18,14 +18,18 @@ from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
-from contactstudy.planning.grid_requirements import WIDTH_FACTOR, GridRequirements, requirements_of
+from contactstudy.planning.grid_requirements import (
+    WIDTH_FACTOR,
+    GridRequirements,
+    grid_requirements,
+)
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Causes of the error other than the cells, in words, and their remedies.
 OTHER_CAUSES = {
-    "images": ("the images that the padding leaves out contribute", "give ExactPeriodicity()"),
+    "images": ("the images that the padding omits contribute", "give ExactPeriodicity()"),
     "residual": ("the residual of the solver contributes", "give a smaller tolerance"),
 }
 
@@ -57,13 +61,14 @@ class RefinementConstants:
     max_cells_out_of_reach
         Most cells where it is.
     widening
-        Factor on a width that the contact outgrows.
+        Factor on a width that is too small for the contact.
     narrowing
         Fraction of the width below which a narrower one is taken.
     loose_tolerance
         Tolerance over the requested error on all grids but those whose bound may meet it.
     misfit_cost
-        Relative cost of a roller's end that divides a cell, for a misfit over the requested error.
+        Weight of the distance between a roller's end and the nearest cell edge, over the requested error, in the choice
+        of cells along.
     max_lengthening
         Largest ratio of the cells along to those required, for an end between two cells.
     max_width_changes
@@ -100,10 +105,10 @@ class Refined:
     solution
         Solution on the finest grid.
     estimate
-        Its bounds, from all grids. Where the L1 bound of the pressure is above the error asked for,
+        Its bounds, from all grids. Where the L1 bound of the pressure is above the requested error,
         its reason says why.
     grids
-        Grids that were solved, the last one that of the solution.
+        Grids that were solutions, the last one that of the solution.
     """
 
     solution: Solution
@@ -154,7 +159,7 @@ def solve_to(
     InvalidInput
         If the scene does not determine a grid, see :func:`~contactstudy.plan`.
     """
-    requirements = requirements_of(scene)
+    requirements = grid_requirements(scene)
     refinement = GridRefinement(
         scene,
         requirements,
@@ -165,7 +170,7 @@ def solve_to(
         most_cells,
         progress,
     )
-    levels = refinement.solved_levels(requirements.grid(0.1, period).extent, start)
+    levels = refinement.solve_levels(requirements.grid(0.1, period).extent, start)
     last = levels[-1]
     reason = refinement.reason_not_met(levels) if last.bound > error else ""
     l1 = replace(last.estimate.l1, reason=reason)
@@ -187,33 +192,33 @@ class GridRefinement:
     progress: Callable[[BoundedSolution], object] | None = None
     keeps_width: bool = False
 
-    def solved_levels(
+    def solve_levels(
         self, extent: tuple[float, float], start: Array | None = None
     ) -> list[BoundedSolution]:
-        """Return the grids solved, the last of which meets the error or cannot be refined."""
+        """Return the grids solutions, the last of which meets the error or cannot be refined."""
         levels: list[BoundedSolution] = []
         grid: Grid | None = self.first_grid(extent)
-        solved: list[Solution] = []
+        solutions: list[Solution] = []
         is_last, widths = False, 0
         with caching(current_cache() or ArrayCache(32 * self.most_cells)):
             while grid is not None:
-                if not solved:
-                    solved.append(self._solved(halved(grid), start, self._loose))
+                if not solutions:
+                    solutions.append(self._solve_on(halved(grid), start, self._loose))
                 options = self.options if is_last else self._loose
-                solution = self._solved(grid, solved[-1].pressure, options)
+                solution = self._solve_on(grid, solutions[-1].pressure, options)
                 if (
                     widths < CONSTANTS.max_width_changes
                     and (width := self._width(solution)) is not None
                 ):
                     widths += 1
-                    levels, solved, start, grid = [], [], None, self._with_width(grid, width)
+                    levels, solutions, start, grid = [], [], None, self._with_width(grid, width)
                     continue
-                level = bounded(solution, solved)
+                level = bounded(solution, solutions)
                 if level.bound <= self.error and not is_last:
-                    solution = self._solved(grid, solution.pressure, self.options)
-                    level = bounded(solution, solved)
+                    solution = self._solve_on(grid, solution.pressure, self.options)
+                    level = bounded(solution, solutions)
                 levels.append(level)
-                solved.append(solution)
+                solutions.append(solution)
                 if self.progress is not None:
                     self.progress(level)
                 grid, is_last = self.next_grid(levels)
@@ -227,7 +232,7 @@ class GridRefinement:
             tolerance=max(self.options.tolerance, CONSTANTS.loose_tolerance * self.error),
         )
 
-    def _solved(self, grid: Grid, start: Array | None, options: SolveOptions) -> Solution:
+    def _solve_on(self, grid: Grid, start: Array | None, options: SolveOptions) -> Solution:
         """Return the solution on `grid` from a pressure on another of the same extent."""
         begin = None if start is None else on_cells(start, grid.cells)
         return solve_contact(self.scene.problem(grid, self.padding), options, begin, self.on)
@@ -246,7 +251,7 @@ class GridRefinement:
                 CONSTANTS.first_cells, extent, self.requirements.finest, strict=True
             )
         )
-        if self.requirements.roller:
+        if self.requirements.roller_length:
             along = max(along, extent[1] / self.requirements.hertz.half_width)
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
@@ -256,7 +261,7 @@ class GridRefinement:
         if along <= 1:
             return Grid((nx, 1), extent)
         ny = 2 * fft.next_fast_len(ceil(along / 2), real=True)
-        roller = self.requirements.roller
+        roller = self.requirements.roller_length
         if not 0 < roller < extent[1] * (1 - 1e-9):
             return Grid((nx, ny), extent)
         fraction = roller / extent[1]
@@ -327,12 +332,12 @@ class GridRefinement:
         return level.discretisation_error <= self._allowed_error(level)
 
     def _allowed_error(self, level: BoundedSolution) -> float:
-        """Return the allowed discretisation error: what the other parts leave, but no less than half of these."""
+        """Return the allowed discretisation error: the requested one minus the other causes, at least half of these."""
         other_causes = level.bound - level.discretisation_error if level.bound < inf else 0.0
         return max(self.error - other_causes, 0.5 * other_causes)
 
     def required_cells(self, levels: list[BoundedSolution]) -> tuple[float, float]:
-        """Return the min_cells cells (across, along) whose bound is expected to meet the error."""
+        """Return the least cells (across, along) whose bound is expected to meet the error."""
         last = levels[-1]
         nx, ny = last.grid.cells
         min_cells = self.min_cells(last.grid.extent)
@@ -369,7 +374,9 @@ class GridRefinement:
 
     def order(self, levels: list[BoundedSolution], axis: int) -> float:
         """Return the expected order of convergence along an axis."""
-        at_ends = self.requirements.roller > 0 and axis == 0  # the edges across a roller are smooth
+        at_ends = (
+            self.requirements.roller_length > 0 and axis == 0
+        )  # the edges across a roller are smooth
         usual = BOUND.step_order if levels[-1].is_sharp and not at_ends else BOUND.smooth_order
         if len(levels) < 2 or levels[-1].grid.cells[1] == 1:
             return usual
@@ -400,7 +407,7 @@ class GridRefinement:
             1 / self._order_in_cells(levels)
         )
         cells = f"{prod(last.grid.cells) * grown:.1g}"
-        return f"it would take about {cells} cells, and at most {self.most_cells:,} are allowed."
+        return f"the error needs about {cells} cells; at most {self.most_cells:,} are allowed."
 
 
 def _contact_width(solution: Solution) -> float:

@@ -28,8 +28,8 @@ ZONE_MARGIN = 1.25
 
 
 @dataclass(frozen=True)
-class Yielding:
-    """Expected extent and cost of yielding.
+class PlasticZone:
+    """Expected plastic zone: its extent and the cost of its strain.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Yielding:
     bodies: int
 
     @property
-    def reach(self) -> float:
+    def half_extent(self) -> float:
         """Distance [m] across from the axis to the end of the plastic zone."""
         return self.half_width * ZONE_MARGIN * (PLASTIC_WIDTH + PLASTIC_WIDENING * self.ratio**2)
 
@@ -57,7 +57,7 @@ class Yielding:
 
     def volume(self, grid: Grid) -> Volume:
         """Return the cells of `grid` expected to yield."""
-        half = min(self.reach, grid.extent[0] / 2)
+        half = min(self.half_extent, grid.extent[0] / 2)
         across = round(half / grid.cell_size[0])
         middle = grid.cells[0] // 2
         depth = max(PLASTIC_DEPTH * self.ratio - 1, 1.0) * self.half_width
@@ -85,21 +85,21 @@ class Yielding:
         )
 
 
-def yielding(scene: Scene) -> Yielding | None:
-    """Return the expected yielding under the largest load of `scene`.
+def expected_plastic_zone(scene: Scene) -> PlasticZone | None:
+    """Return the expected plastic zone under the largest load of `scene`.
 
     None where nothing yields, or no curvature determines the width of the contact.
     """
     limits = [float(getattr(body, "yield_stress", 0.0)) for body in filter(yields, scene.solids)]
     if not limits or scene.hertz is None:
         return None
-    return Yielding(scene.hertz.peak_pressure / min(limits), scene.hertz.half_width, len(limits))
+    return PlasticZone(scene.hertz.peak_pressure / min(limits), scene.hertz.half_width, len(limits))
 
 
-# Fields that the passes of a steadily rolling contact hold.
+# Fields that the iteration of a steadily rolling contact holds.
 ROLLING_FIELDS = 32
-# A contact under a smaller fraction of the largest load than this is not planned for: cells grow with its root.
-LEAST_LOAD = 0.1
+# Loads below this fraction of the largest are not planned for: the cell size is proportional to the root of the load.
+MIN_LOAD_FRACTION = 0.1
 # Number of instants at which a load is evaluated.
 LOAD_SAMPLES = 2000
 
@@ -121,7 +121,7 @@ class TransientRequirements:
     warnings
         A sentence for each fault.
     plastic
-        Expected yielding; None without any.
+        Expected plastic zone; None without one.
     """
 
     narrow: Scene
@@ -129,7 +129,7 @@ class TransientRequirements:
     fields: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
-    plastic: Yielding | None = None
+    plastic: PlasticZone | None = None
 
 
 def transient_requirements(scene: Scene, end: float | None = None) -> TransientRequirements:
@@ -143,7 +143,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         Last time [s]; None ends where the load does.
     """
     load = LineLoad(scene.load.largest)
-    # forces in time would be compared with loads of other times, and do not change the grid that is needed
+    # forces in time do not change the grid, and belong to loads of other times
     friction = None if getattr(scene.friction, "times", None) else scene.friction
     elastic = replace(
         scene,
@@ -169,9 +169,9 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         return TransientRequirements(
             elastic, 2 * WIDTH_FACTOR * half_width * 1.5, ROLLING_FIELDS, ()
         )
-    plastic = yielding(scene)
+    plastic = expected_plastic_zone(scene)
     if plastic is not None:
-        half_width = max(half_width, plastic.reach / WIDTH_FACTOR)
+        half_width = max(half_width, plastic.half_extent / WIDTH_FACTOR)
     if scene.wear is not None and hertz is not None and duration:
         worn_area = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
         half_width = float(np.cbrt(half_width**3 + worn_area))
@@ -180,9 +180,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         least, warnings = load.per_length, ()
     reasons: tuple[str, ...] = ()
     if least < load.per_length:
-        reasons = (
-            f"load: the cells are those that the smallest load asks for, {readable(least, 'N m-1')}.",
-        )
+        reasons = (f"load: the cells are those for the smallest load, {readable(least, 'N m-1')}.",)
     return TransientRequirements(
         replace(elastic, load=LineLoad(least)),
         2 * WIDTH_FACTOR * half_width,
@@ -199,7 +197,7 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
         return load.largest, ()
     times = np.linspace(load.start, max(end, load.start), LOAD_SAMPLES)
     loads = np.array([load.at(float(time)) for time in times])
-    least = max(float(loads.min()), LEAST_LOAD * load.largest)
+    least = max(float(loads.min()), MIN_LOAD_FRACTION * load.largest)
     if loads.min() >= least:
         return least, ()
     after = times[np.argmax(loads >= least)]

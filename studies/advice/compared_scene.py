@@ -14,7 +14,7 @@ from contactstudy.domain.reuse import caching
 from contactstudy.io.contact_quantities import contact_quantities
 from contactstudy.io.film_quantities import film_quantities
 from contactstudy.planning.cost import memory
-from contactstudy.planning.grid_requirements import requirements_of
+from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import MEMORY_FRACTION
 from studies.advice.nested_grids import unit_of
 from studies.reference.line_contact import HERTZ, SCENE, WIDTH, relative_l1
@@ -135,12 +135,12 @@ class ComparedScene:
             or not _is_at_rest(self.scene)
         ):
             return None
-        requirements = requirements_of(self.scene)
+        requirements = grid_requirements(self.scene)
         hertz = requirements.hertz
         fits = 2 * hertz.half_width < self.extent[0]
         return (
             hertz
-            if requirements.smooth and fits and self.scene.hardness > hertz.peak_pressure
+            if requirements.is_smooth and fits and self.scene.hardness > hertz.peak_pressure
             else None
         )
 
@@ -281,11 +281,13 @@ def compared_scene(
             f"{name} has no curved shape, so that it has no width of its own: give it a [grid]."
         )
     elif at_rest:
-        grid = requirements_of(scene).grid(max(error, QUICK_ERROR), described.plan_settings.period)
+        grid = grid_requirements(scene).grid(
+            max(error, QUICK_ERROR), described.plan_settings.period
+        )
     else:
         grid = described.plan().grid
     if scene.hertz is not None:
-        requirements = requirements_of(scene)
+        requirements = grid_requirements(scene)
         padding = requirements.padding()
         if check := requirements.period_check(grid.length):
             notes.append(check)
@@ -339,7 +341,7 @@ def with_balanced_cells(subject: ComparedScene, cells: tuple[int, int]) -> Compa
             subject.solve(Setting(subject.boundary, tried, TRIAL_TOLERANCE))
             for tried in (trial, (2 * trial[0], trial[1]), (trial[0], 2 * trial[1]))
         ]
-        widest = requirements_of(subject.scene).widest
+        widest = grid_requirements(subject.scene).widest
         width = min(WIDENING * subject.extent[0], widest)
         if answers[0].status in TOO_NARROW and width > subject.extent[0]:
             subject = replace(subject, extent=(width, subject.extent[1]))

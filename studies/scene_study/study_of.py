@@ -15,7 +15,11 @@ from contactstudy.domain.units import readable
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.planning.cost import memory
 from contactstudy.planning.forecast import within_memory
-from contactstudy.planning.grid_requirements import GridRequirements, halvable, requirements_of
+from contactstudy.planning.grid_requirements import (
+    GridRequirements,
+    grid_requirements,
+    halvable_count,
+)
 from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.advice.reference_error import ReferencedCase
@@ -70,7 +74,7 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
     )
     for number, shape in enumerate(shapes):
         _check(f"Scene.shapes[{number}]", shape, grid)
-    padding = point.padding or requirements_of(point.scene).padding()
+    padding = point.padding or grid_requirements(point.scene).padding()
     return Case(replace(point.scene, shapes=shapes), grid, padding, point.settings)
 
 
@@ -102,7 +106,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     if first.grid is not None:
         note = f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
         return [first.grid] * len(points), [note]
-    requirements = [requirements_of(point.scene) for point in points]
+    requirements = [grid_requirements(point.scene) for point in points]
     planned = _planned(points, requirements)
     width = max(grid.extent[0] for grid in planned)
     periods = {grid.length for grid in planned}
@@ -129,10 +133,13 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         separate = f"no common period for {_counted(points)}: each has its own grid"
         return planned, [separate, *notes]
     cells = (
-        halvable(width / min(grid.cell_size[0] for grid in planned)),
+        halvable_count(width / min(grid.cell_size[0] for grid in planned)),
         max(
             1,
-            *(halvable(period / grid.cell_size[1]) if grid.cells[1] > 1 else 1 for grid in planned),
+            *(
+                halvable_count(period / grid.cell_size[1]) if grid.cells[1] > 1 else 1
+                for grid in planned
+            ),
         ),
     )
     finest = cs.Grid(cells, (width, period))
@@ -166,8 +173,8 @@ def _planned(
     grids = []
     for number, (point, requirement) in enumerate(zip(points, requirements, strict=True)):
         length = requirement.length(point.plan_settings.period, width)
-        along = halvable(length / cells[1]) if requirement.varies else 1
-        grid = cs.Grid((halvable(width / cells[0]), along), (width, length))
+        along = halvable_count(length / cells[1]) if requirement.varies else 1
+        grid = cs.Grid((halvable_count(width / cells[0]), along), (width, length))
         grids.append(plans.get(number) or _fitting(grid, point))
     return grids
 
@@ -179,7 +186,7 @@ def _grid_of_plan(point: SceneFile) -> cs.Grid:
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
     """Return `grid`, or the finest grid of its extent that the machine's memory holds."""
-    padding = point.padding or requirements_of(point.scene).padding()
+    padding = point.padding or grid_requirements(point.scene).padding()
     return within_memory(grid, padding, MEMORY_FRACTION * available_bytes())
 
 

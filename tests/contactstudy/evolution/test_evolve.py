@@ -101,7 +101,7 @@ def test_a_killed_integration_goes_on_to_the_same_bits(tmp_path: Path, error: fl
 def test_a_folder_holds_one_march(tmp_path: Path) -> None:
     scene = rolling_cylinder(SOLID)
     evolve(scene, GRID, EXACT, times=[0.0, 1.0], folder=tmp_path)
-    with pytest.raises(cs.InvalidInput, match=r"^evolve\.folder is .*: give another folder\.$"):
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.folder is .*: give another folder\.$"):
         evolve(scene, GRID, EXACT, times=[0.0, 2.0], folder=tmp_path)
 
 
@@ -235,12 +235,12 @@ def ended(load: cs.LoadHistory | cs.SineLoad, **named: object) -> Trajectory:
 @pytest.mark.parametrize(
     ("named", "match"),
     [
-        ({}, r"^evolve\.times and evolve\.error are None"),
-        ({"times": [-1.0, 1.0]}, r"^evolve\.times\[0\] is -1"),
-        ({"times": "soon"}, r"^evolve\.times"),
-        ({"error": 0.0}, r"^evolve\.error is"),
-        ({"error": 1.0}, r"^evolve\.error is"),
-        ({"error": 1e-9}, r"^evolve\.error is"),
+        ({}, r"^solve\.times has no instants"),
+        ({"times": [-1.0, 1.0]}, r"^solve\.times\[0\] is -1"),
+        ({"times": "soon"}, r"^solve\.times"),
+        ({"error": 0.0}, r"^TimeSteps\.error is"),
+        ({"error": 1.0}, r"^TimeSteps\.error is"),
+        ({"error": 1e-9}, r"^TimeSteps\.error is"),
     ],
     ids=str,
 )

@@ -455,7 +455,7 @@ SHAPES = (cs.Cylinder(RADIUS),)
             lambda: evolve(
                 pressed(3), grid_of(3, 0.2), (EXACT, EXACT), times=(0, 1)
             ),
-            r"evolve.padding is ExactPeriodicity\(\) across",
+            r"solve.padding is ExactPeriodicity\(\) across",
         ),
     ],
 )  # fmt: skip

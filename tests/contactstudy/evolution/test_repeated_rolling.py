@@ -69,20 +69,20 @@ def test_stress_is_what_holds_the_strain_in_plane() -> None:
 
 
 def test_what_a_pass_adds_is_counted_from_the_pass_before() -> None:
-    assert THREE.yielding == pytest.approx([0.005, 0.003, 0])
+    assert THREE.plastic_strain_increment == pytest.approx([0.005, 0.003, 0])
     root2 = 2**0.5
     shear = 2 / root2 * np.array([[0.004, 0], [0.002, 0.001], [0, 0]])
-    assert THREE.shear == pytest.approx(shear)
+    assert THREE.shear_strain_increment == pytest.approx(shear)
     # over layers of 1 m and 2 m
     assert THREE.forward_displacement == pytest.approx(shear @ [1.0, 2.0])
     assert THREE.peak_pressure.tolist() == [7, 8, 8]
 
 
 def test_it_has_shaken_down_from_the_first_pass_on_that_adds_nothing() -> None:
-    assert THREE.shaken_down == 3
-    assert rolled(*THREE.passes[:2]).shaken_down is None
+    assert THREE.shakedown_pass == 3
+    assert rolled(*THREE.passes[:2]).shakedown_pass is None
     more = left((0.002, 0.001, 0.007), equivalent=(0.009,))
-    assert rolled(one(FIRST, 7.0), one(SECOND, 8.0), one(more, 8.0)).shaken_down is None
+    assert rolled(one(FIRST, 7.0), one(SECOND, 8.0), one(more, 8.0)).shakedown_pass is None
     nowhere = left((0.0, 0.0, 0.0), equivalent=(0.0,))
-    assert rolled(one(nowhere, 1.0), one(nowhere, 1.0)).shaken_down == 1
+    assert rolled(one(nowhere, 1.0), one(nowhere, 1.0)).shakedown_pass == 1
     assert THREE.status is cs.Status.STALLED

@@ -45,32 +45,32 @@ def rolled(peak: float, passes: int) -> RepeatedRolling:
 def test_below_the_shakedown_limit_nothing_yields_after_the_first_pass() -> None:
     """Melan's limit is 4 k: 3.8 k is further below it than cells of a fifth of the half-width are wrong."""
     found = rolled(3.8 * K, 2)
-    assert found.yielding[0] > 0.1 * Y / E
-    assert found.yielding[1] == 0.0
+    assert found.plastic_strain_increment[0] > 0.1 * Y / E
+    assert found.plastic_strain_increment[1] == 0.0
     assert found.forward_displacement[1] == 0.0
-    assert found.shaken_down == 2
+    assert found.shakedown_pass == 2
 
 
 @pytest.mark.whole
 def test_above_it_every_pass_yields_and_moves_the_surface_forward() -> None:
     found = rolled(4.4 * K, 3)
-    assert (found.yielding > 0.1 * Y / E).all()
-    assert found.shaken_down is None
+    assert (found.plastic_strain_increment > 0.1 * Y / E).all()
+    assert found.shakedown_pass is None
     assert (found.forward_displacement[1:] > 0).all()
 
 
 def test_the_first_yield_of_a_rolling_contact_is_that_of_a_standing_one() -> None:
     """At 1.79 Y, 3.1 k: 3 k yields nowhere, and leaves nothing."""
     found = rolled(3.0 * K, 1)
-    assert found.yielding[0] == 0.0
-    assert found.shaken_down == 1
+    assert found.plastic_strain_increment[0] == 0.0
+    assert found.shakedown_pass == 1
     assert not found.residual_stress.any()
 
 
 def test_what_a_pass_leaves_is_residual_stress_of_its_plastic_strain() -> None:
     """In the window behind the contact, by the operator with the load removed: steady to 2e-2 of Y / E."""
     found = rolled(4.4 * K, 3)
-    stress = found.removed.residual_stress()[:, :, 0, 0]
+    stress = found.unloaded.residual_stress()[:, :, 0, 0]
     far = found.residual_stress[-1]
     # the window is one width long, and strain below the contact is felt like one over the square of the distance
     np.testing.assert_allclose(stress[[0, 1]], far[[0, 1]], atol=0.15 * np.abs(far).max())
@@ -93,7 +93,7 @@ def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> Non
     )
     x = found.grid.x
     middle = int(np.abs(x + 3.0).argmin())
-    stress = found.removed.residual_stress()[0, :, middle, 0] / K
+    stress = found.unloaded.residual_stress()[0, :, middle, 0] / K
     known = (-1.231, -0.895, -0.709, -0.643, -0.593)
     ours = np.interp((0.45, 0.65, 0.85, 1.05, 1.25), found.depths, stress)
     np.testing.assert_allclose(ours, known, atol=0.13 * 1.48)

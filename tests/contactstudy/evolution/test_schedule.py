@@ -24,7 +24,7 @@ def test_instants_are_as_many_as_asked_and_peaks_of_the_load_are_among_them() ->
 )
 def test_times_are_recorded_as_they_are_given(times: tuple[float, ...]) -> None:
     found = schedule(LOAD, times)
-    assert [point.time for point in found for _ in range(point.records)] == list(times)
+    assert [point.time for point in found for _ in range(point.times_recorded)] == list(times)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def test_times_are_recorded_as_they_are_given(times: tuple[float, ...]) -> None:
     ids=str,
 )  # fmt: skip
 def test_times_that_cannot_be_marched_through_are_refused(times: object) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^evolve\.times"):
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.times"):
         schedule(LOAD, times)  # type: ignore[arg-type]
 
 
@@ -44,4 +44,4 @@ def test_a_load_without_an_end_needs_times() -> None:
     with pytest.raises(cs.InvalidInput, match=r"Scene\.load has no end: give times"):
         schedule(sudden, None)
     (only,) = schedule(sudden, (0.5,))
-    assert (only.before, only.after, only.breaks) == (0, 3, True)
+    assert (only.before, only.after, only.is_discontinuity) == (0, 3, True)

@@ -7,7 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.planning.cost import CostModel, PowerLaw, Timing, log_work, padded_points
 from contactstudy.planning.forecast import forecast_of_grid
-from contactstudy.planning.grid_requirements import requirements_of
+from contactstudy.planning.grid_requirements import grid_requirements
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -90,7 +90,7 @@ def test_a_crowned_roller_needs_cells_across_and_few_along(line_contact: LineCon
         cs.Crown.of_drop(2 * a**2 / line_contact.hertz.radius, length),
     )
     scene = replace(line_contact.scene, shapes=(*shapes, cs.FiniteLength(length)))
-    requirements = requirements_of(scene)
+    requirements = grid_requirements(scene)
     grid = cs.Grid((32, 64), (4 * a, length))
     found = forecast_of_grid(scene, requirements, grid)
     assert found.errors[0] > 3 * found.errors[1]

@@ -11,8 +11,8 @@ import contactstudy as cs
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.units import readable
 from contactstudy.planning.film_requirements import film_requirements
-from contactstudy.planning.grid_requirements import GridRequirements, requirements_of
-from contactstudy.planning.transient_requirements import yielding
+from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements
+from contactstudy.planning.transient_requirements import expected_plastic_zone
 from contactstudy.scene.shapes.shape import LengthScales
 from tests.conftest import STEEL, LineContact
 from tests.contactstudy.lubrication.scenes import by_moes, grid
@@ -24,7 +24,7 @@ def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
 
 def width(scene: cs.Scene, contact: LineContact) -> float:
     """Half-width that is expected of the contact, over that of Hertz."""
-    return requirements_of(scene).half_width / contact.hertz.half_width
+    return grid_requirements(scene).half_width / contact.hertz.half_width
 
 
 def test_a_smooth_contact_is_as_wide_as_hertz_s(line_contact: LineContact) -> None:
@@ -66,12 +66,15 @@ WAVES = LengthScales(finest=(inf, 0.2))
 
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     waves = requirements(replace(WAVES, repeat=0.25, longest=0.125))
-    assert "holds what repeats" in waves.period_check(0.5)
-    assert "no whole number of 250 mm" in waves.period_check(0.6)
-    assert "holds 2 of the longest wavelength 125 mm: give 500 mm" in waves.period_check(0.25)
+    assert "is a multiple of every repeat length" in waves.period_check(0.5)
+    assert "not a multiple of 250 mm" in waves.period_check(0.6)
+    assert (
+        "is only 2 longest wavelengths (125 mm) long, too short to be representative: give 500 mm"
+        in waves.period_check(0.25)
+    )
     rough = requirements(replace(WAVES, longest=0.25))
     for fraction, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
-        assert ("holds what repeats" in rough.period_check(fraction)) == enough
+        assert ("is a multiple of every repeat length" in rough.period_check(fraction)) == enough
     assert "any period" in requirements(LengthScales()).period_check(0.1)
     assert "from end to end 500 mm" in requirements(LengthScales(roller=0.5)).period_check(0.5)
 
@@ -103,7 +106,7 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
 def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
     """Six matrices of numbers of 8 bytes."""
     scene, given = by_moes(20, 5), grid(100, 4.5)
-    found = film_requirements(scene, requirements_of(scene), 0.01, None, given)
+    found = film_requirements(scene, grid_requirements(scene), 0.01, None, given)
     assert found.grid == given
     moes, inlet, cells = found.reasons
     assert moes.endswith(" at M = 20, L = 5")
@@ -115,7 +118,7 @@ def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
 
 def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:
     scene, given = by_moes(20, 5), grid(100, 4.5)
-    requirements = requirements_of(scene)
+    requirements = grid_requirements(scene)
     steady, few, many = (
         film_requirements(scene, requirements, 0.01, None, given, n) for n in (0, 2, 101)
     )
@@ -129,11 +132,11 @@ def test_the_body_that_yields_first_counts_and_both_take_memory(line_contact: Li
         cs.ElasticPlasticHalfSpace(STEEL.youngs_modulus, STEEL.poisson_ratio, highest / ratio, 1e9)
         for ratio in (3.0, 2.0)
     )
-    found = yielding(replace(line_contact.scene, solids=(hard, soft)))
+    found = expected_plastic_zone(replace(line_contact.scene, solids=(hard, soft)))
     assert found.ratio == pytest.approx(3)
     assert found.half_width == pytest.approx(line_contact.hertz.half_width)
     assert found.bodies == 2
-    one = yielding(replace(line_contact.scene, solids=(STEEL, hard)))
+    one = expected_plastic_zone(replace(line_contact.scene, solids=(STEEL, hard)))
     assert (round(one.ratio, 9), one.bodies) == (2, 1)
-    assert yielding(line_contact.scene) is None
+    assert expected_plastic_zone(line_contact.scene) is None
     assert "2 times the lowest yield stress" in one.reason(line_contact.grid(64, 2.4, 6.0))

@@ -117,19 +117,21 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
     assert good.warnings == ()
     assert cs.plan(scene, grid=good.grid).warnings == ()
     narrow = replace(good.grid, extent=(2 * a, good.grid.length))
-    (said,) = [text for text in cs.plan(scene, grid=narrow).warnings if "outgrows" in text]
+    (said,) = [
+        text for text in cs.plan(scene, grid=narrow).warnings if "the contact is wider" in text
+    ]
     # the width to try holds it, or comes nearer
     wide = 1e-6 * float(said.partition("give a width of ")[2].split()[0])
     assert narrow.extent[0] < wide < 4 * good.grid.extent[0]
     assert cs.plan(scene, grid=narrow).error == inf
     short = replace(good.grid, extent=(good.grid.extent[0], 2 * a))
-    assert "longest wavelength" in " ".join(cs.plan(scene, grid=short).warnings)
+    assert "longest wavelengths" in " ".join(cs.plan(scene, grid=short).warnings)
     coarse = replace(good.grid, cells=(16, 16))
     said = cs.plan(scene, grid=coarse).warnings
     assert [f"Grid.cells[{axis}] is 16" in text for axis, text in enumerate(said[:2])] == [True] * 2
     wave = with_shapes(line_contact, cs.Waviness(1e-8, along=0.3 * a))
     odd = cs.Grid((64, 64), (2.4 * a, a))
-    assert "no whole number" in cs.plan(wave, grid=odd).period_check
+    assert "not a multiple" in cs.plan(wave, grid=odd).period_check
 
 
 def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact) -> None:
@@ -147,7 +149,7 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
         def gap(self, grid: cs.Grid) -> np.ndarray:
             return np.zeros(grid.cells)
 
-    with pytest.raises(cs.InvalidInput, match="how fine it is"):
+    with pytest.raises(cs.InvalidInput, match="has no length scales"):
         cs.plan(with_shapes(line_contact, Bump()))
 
 

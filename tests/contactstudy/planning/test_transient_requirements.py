@@ -8,7 +8,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.rolling import solve_rolling
-from contactstudy.planning.grid_requirements import requirements_of
+from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan, plan_grid
 from tests.conftest import STEEL
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
@@ -124,5 +124,5 @@ def test_a_plan_says_how_friction_is_solved() -> None:
         (replace(PLAIN, friction=slip), "superposition"),
         (replace(rough, friction=slip), "both components"),
     ):
-        assert words in requirements_of(scene).shear
-    assert requirements_of(PLAIN).shear == ""
+        assert words in grid_requirements(scene).shear
+    assert grid_requirements(PLAIN).shear == ""

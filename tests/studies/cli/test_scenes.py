@@ -94,7 +94,7 @@ def test_what_is_wrong_with_a_grid_is_said_and_the_solution_flagged(tmp_path: Pa
     narrow.write_text(text + '\n[grid]\ncells = [32, 1]\nextent = ["150 um", "100 um"]\n')
     result = run("solve", str(narrow), "--out", str(tmp_path))
     assert result.exit_code == 1
-    assert "the contact outgrows it" in result.output
+    assert "the contact is wider" in result.output
     assert "CONTACT_AT_EDGE" in result.output
     assert (tmp_path / "narrow.nc").is_file()
 

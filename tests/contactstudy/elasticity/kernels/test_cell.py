@@ -30,7 +30,7 @@ REFERENCE = json.loads(
 )
 EPS = float(np.finfo(np.float64).eps)
 EXACT = 1e-13  # what the docstrings promise
-DIGITS = 50  # of the judge: Love's formula loses up to 22 at 1e8 cells of aspect 1e3
+TOLERANCE_DIGITS = 50  # of the judge: Love's formula loses up to 22 at 1e8 cells of aspect 1e3
 
 offsets = st.floats(-100, 100)
 lengths = st.floats(0.03, 30)
@@ -51,7 +51,7 @@ def corners(f: Corner, x: mp.mpf, y: mp.mpf, dx: mp.mpf, dy: mp.mpf) -> mp.mpf:
 
 @stored
 def judged_cell(*arguments: float) -> mp.mpf:
-    with mp.workdps(DIGITS):
+    with mp.workdps(TOLERANCE_DIGITS):
         return corners(love, *(mp.mpf(a) for a in arguments))
 
 

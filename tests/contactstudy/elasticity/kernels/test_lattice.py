@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from contactstudy.elasticity.kernels.displacement import boussinesq_cell_doubly_periodic
-from tests.contactstudy.elasticity.kernels.test_cell import DIGITS, EXACT
+from tests.contactstudy.elasticity.kernels.test_cell import EXACT, TOLERANCE_DIGITS
 from tests.contactstudy.elasticity.kernels.test_row import judged_lattice
 from tests.fifty_digits import stored
 
@@ -22,7 +22,7 @@ def one_period(width: float, period: float, nx: int, ny: int) -> np.ndarray:
 def judged(x: float, y: float, dx: float, dy: float, width: float, period: float) -> mp.mpf:
     """Rows one by one, and the logarithms of all others as an integral of Gamma functions."""
     rows = int(np.ceil(7 * period / width)) + 1  # exp(-14 pi) is left
-    with mp.workdps(DIGITS):
+    with mp.workdps(TOLERANCE_DIGITS):
         x, width = mp.mpf(x), mp.mpf(width)
 
         def others(u: mp.mpf) -> mp.mpf:

@@ -15,9 +15,9 @@ from contactstudy.elasticity.kernels.displacement import (
     boussinesq_cell_periodic,
 )
 from tests.contactstudy.elasticity.kernels.test_cell import (
-    DIGITS,
     EPS,
     EXACT,
+    TOLERANCE_DIGITS,
     column,
     corners,
     lengths,
@@ -27,7 +27,7 @@ from tests.contactstudy.elasticity.kernels.test_cell import (
 from tests.fifty_digits import stored
 
 TAIL_IMAGES, TAIL_TERMS = 9, 12  # the judge's own: what it leaves out is below 1e-18
-with mp.workdps(DIGITS):
+with mp.workdps(TOLERANCE_DIGITS):
     MIDPOINT_WEIGHTS = [
         (n, mp.bernpoly(n, mp.mpf(1) / 2) / (n * (n - 1))) for n in range(2, 2 * TAIL_TERMS + 1, 2)
     ]
@@ -64,7 +64,7 @@ def judged_lattice(*arguments: float) -> mp.mpf:
 
     Takes none of the ways of the code: no zeta function, no Bessel function, no quadrature.
     """
-    with mp.workdps(DIGITS):
+    with mp.workdps(TOLERANCE_DIGITS):
         x, y, dx, dy, period = (mp.mpf(a) for a in arguments)
         y -= mp.nint(y / period) * period
         x, y, dx, dy = (a / period for a in (x, y, dx, dy))

@@ -183,9 +183,9 @@ class ShearState:
     ) -> tuple[Array, Array]:
         """Return the shear that the step is counted from, with what a rising pressure locks in, and its error (x, y).
 
-        Where these compliances are not proportional, the locked-in shear is not proportional to the increment of the pressure:
-        cells in contact throughout the step share one rigid displacement, cells that enter contact take `slope` times
-        their pressure. What these are wrong by is estimated from the departure from proportion beside them.
+        Without these proportional compliances, the locked-in shear is not proportional to the increment of the pressure:
+        cells in contact throughout the step have one rigid displacement, cells that enter contact take `slope` times
+        their pressure. The error of the latter is estimated from the departure from proportion beside them.
         """
         reference, in_contact = locked_shear(shear, before, after, slope), before > 0
         if self.alike or slope == 0 or not in_contact.any():

@@ -30,7 +30,7 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     case = CASES[name]
     problem = case.scene.problem(case.grid, PADDINGS[padding])
     solution = case.solve(problem, SOLVERS[solver])
-    assert solution.status in case.may_end(padding)
+    assert solution.status in case.allowed_statuses(padding)
     for field in (solution.pressure, solution.displacement, solution.gap):
         assert np.isfinite(field).all()
     assert (solution.pressure >= 0).all()
@@ -41,7 +41,7 @@ def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     # the solver's own sum is rounded: each pressure, and its way through the sum by halves
     rounding = np.finfo(case.options.precision.real).eps / 2 * (1 + np.log2(solution.pressure.size))
     assert carried == pytest.approx(1, rel=max(solution.residual, rounding, 1e-12))
-    error, stated = case.judge(solution, PADDINGS[padding], SOLVERS[solver])
+    error, stated = case.error_and_bound(solution, PADDINGS[padding], SOLVERS[solver])
     assert error <= stated
     # and is worth stating: a residual times the condition of a few dozen elongated cells
     assert stated < max(1e-4, 100 * case.options.tolerance)

@@ -8,7 +8,16 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.grid import across_and_along
 from studies.reference.dense_solver import answer
-from studies.reference.hard_case import EXACT, FREE, P_H, PADDINGS, SOLVERS, bumpy, grid, noise
+from studies.reference.hard_case import (
+    EXACT,
+    FREE,
+    P_H,
+    PADDINGS,
+    SOLVERS,
+    grid,
+    noise,
+    with_heights,
+)
 from studies.reference.line_contact import SCENE
 
 CELLS = (32, 32)
@@ -17,7 +26,7 @@ CELLS = (32, 32)
 @pytest.mark.parametrize("fraction", [np.inf, 0.8], ids=["elastic", "yielding"])
 @pytest.mark.parametrize("padding", PADDINGS)
 def test_both_solvers_agree_with_a_dense_active_set(padding: str, fraction: float) -> None:
-    scene = bumpy(0.2 * noise(CELLS))
+    scene = with_heights(0.2 * noise(CELLS))
     if fraction < np.inf:
         scene = replace(scene, hardness=fraction * P_H)
     posed = scene.problem(grid(CELLS), PADDINGS[padding])

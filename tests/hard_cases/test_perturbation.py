@@ -21,7 +21,7 @@ def test_a_nudge_of_heights_is_allowed_little() -> None:
         cs.PreconditionedCG(),
     )
     solution = case.solve(case.scene.problem(case.grid, padding), solver)
-    _, stated = case.judge(solution, padding, solver)
+    _, stated = case.error_and_bound(solution, padding, solver)
     # 1e-10 of an rms of 0.1, times the condition of 24 cells across, by root of their number
     assert 1e-11 < stated < 1e-11 * 24 * np.sqrt(288)
 
@@ -33,5 +33,5 @@ def test_a_truncated_window_tells_what_exact_periodicity_does_not(name: str, pad
     case = replace(CASES[name], paddings=(padding,))
     assert padding not in CASES[name].paddings
     solution = case.solve(case.scene.problem(case.grid, PADDINGS[padding]), cs.PreconditionedCG())
-    error, stated = case.judge(solution, PADDINGS[padding], cs.PreconditionedCG())
+    error, stated = case.error_and_bound(solution, PADDINGS[padding], cs.PreconditionedCG())
     assert error > 1e-3 > stated

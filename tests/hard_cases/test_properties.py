@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import contactstudy as cs
 from contactstudy.domain.grid import across_and_along
 from studies.reference.dense_solver import answer, stated_error
-from studies.reference.hard_case import PADDINGS, SOLVERS, bumpy, grid, noise
+from studies.reference.hard_case import PADDINGS, SOLVERS, grid, noise, with_heights
 from studies.reference.line_contact import SCENE
 
 EXAMPLES = settings(max_examples=int(os.environ.get("HARD_EXAMPLES", "100")))
@@ -25,7 +25,7 @@ def problems(draw: st.DrawFn) -> tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddin
     longer = 10 ** draw(st.floats(-1.0, 1.0))  # a cell's length over its width
     on = grid(cells, width, longer * width / cells[0] * cells[1])
     rms = draw(st.sampled_from([0.0, 1e-3, 0.1, 1.0, 30.0]))
-    scene = bumpy(rms * noise(cells, draw(st.integers(0, 2**20))))
+    scene = with_heights(rms * noise(cells, draw(st.integers(0, 2**20))))
     if draw(st.booleans()):
         mean = SCENE.load.per_length / on.extent[0]
         scene = replace(scene, hardness=mean * 10 ** draw(st.floats(0.01, 2.0)))

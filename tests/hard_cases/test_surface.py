@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.reference.hard_case import EXACT, FLATTENED, ROUGH, bumpy, grid
+from studies.reference.hard_case import EXACT, GAP_SCALE, ROUGH, grid, with_heights
 from studies.reference.line_contact import SCENE
 from tests.hard_cases.judged import ends_well, every
 
-HEIGHTS = ROUGH * FLATTENED
+HEIGHTS = ROUGH * GAP_SCALE
 
 
 @every("surface")
@@ -50,7 +50,7 @@ def labelled(heights: np.ndarray) -> xr.DataArray:
     ids=["Fortran", "strided", "read-only", "big-endian", "masked", "xarray", "turned", "dask", "list"],
 )  # fmt: skip
 def test_heights_are_the_same_in_any_form(form: object) -> None:
-    plain = cs.solve(bumpy(ROUGH).problem(grid(), EXACT))
+    plain = cs.solve(with_heights(ROUGH).problem(grid(), EXACT))
     given = form(HEIGHTS)  # type: ignore[operator]
     before = np.array(given)
     scene = replace(SCENE, shapes=(*SCENE.shapes, cs.MeasuredSurface(given)))
@@ -68,6 +68,6 @@ def test_heights_of_another_type_are_the_numbers_they_hold(kind: type) -> None:
 def test_an_outlier_is_taken_as_measured() -> None:
     heights = ROUGH.copy()
     heights[12, 6] = 1e6
-    solution = cs.solve(bumpy(heights).problem(grid(), EXACT))
+    solution = cs.solve(with_heights(heights).problem(grid(), EXACT))
     assert solution.status is cs.Status.CONVERGED
     assert np.flatnonzero(solution.pressure).tolist() == [12 * 12 + 6]

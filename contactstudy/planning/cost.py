@@ -28,19 +28,44 @@ from contactstudy.scene.shapes.roller import Cylinder
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Transform pairs of the full grid in a solve of a smooth contact to TOLERANCE_DIGITS, coarser grids included.
-SMOOTH_CONVOLUTIONS, ROUGH_CONVOLUTIONS, TOLERANCE_DIGITS = 35.0, 42.0, 8
-# Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
-SAMPLE_CELLS, SAMPLE_IMAGES = 128, (1, 6)
-# Most cells (across, along) on which stress is timed.
-STRESS_CELLS = (64, 64)
-# Largest number of cells along an axis of the convolution that is timed on a device.
-LARGE_SAMPLE = 512
-# Quick solves and convolutions are repeated for MIN_TOTAL_SECONDS, since the first fills caches and other processes
-# interrupt. MIN_SECONDS is the smallest time that is recorded.
-MIN_TOTAL_SECONDS, MIN_SECONDS = 0.02, 1e-6
-# Overhead of a transform of any size, in units of N log N: the time of a transform of 80 x 80 cells.
-TRANSFORM_OVERHEAD = 5e4
+
+@dataclass(frozen=True)
+class TimingConstants:
+    """Constants of timed solves and of the forecasts from them.
+
+    Attributes
+    ----------
+    smooth_convolutions, rough_convolutions, tolerance_digits
+        Transform pairs of the full grid in a solve of a smooth and of a rough contact to a tolerance of this number of
+        digits, coarser grids included.
+    sample_cells, sample_images
+        Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
+    stress_cells
+        Most cells (across, along) on which stress is timed.
+    large_sample
+        Largest number of cells along an axis of the convolution that is timed on a device.
+    min_total_seconds
+        Time for which quick solves and convolutions are repeated, since the first fills caches and other processes
+        interrupt.
+    min_seconds
+        Smallest time that is recorded.
+    transform_overhead
+        Overhead of a transform of any size, in units of N log N: the time of a transform of 80 x 80 cells.
+    """
+
+    smooth_convolutions: float = 35.0
+    rough_convolutions: float = 42.0
+    tolerance_digits: int = 8
+    sample_cells: int = 128
+    sample_images: tuple[int, ...] = (1, 6)
+    stress_cells: tuple[int, int] = (64, 64)
+    large_sample: int = 512
+    min_total_seconds: float = 0.02
+    min_seconds: float = 1e-6
+    transform_overhead: float = 5e4
+
+
+CONSTANTS = TimingConstants()
 
 
 @dataclass(frozen=True)
@@ -127,7 +152,7 @@ def timed(
     """
     setup, solve, count = 0.0, 0.0, 0
     # some clocks tick every 4 to 16 ms: a single short run is not measurable
-    while setup + solve < 2 * MIN_TOTAL_SECONDS:
+    while setup + solve < 2 * CONSTANTS.min_total_seconds:
         start = process_time()
         problem = problem_on(grid)
         ready = process_time()
@@ -138,8 +163,8 @@ def timed(
         grid,
         problem.paddings,
         max(solution.convolutions, 1.0),
-        max(setup / count, MIN_SECONDS),
-        max(solve / count, MIN_SECONDS),
+        max(setup / count, CONSTANTS.min_seconds),
+        max(solve / count, CONSTANTS.min_seconds),
     )
     return solution, timing
 
@@ -151,7 +176,7 @@ def stress_seconds(scene: Scene, grid: Grid, padding: Padding | Paddings) -> flo
     """
     from contactstudy.scene.stress import StressBelow  # imported only where a scene names it
 
-    most = STRESS_CELLS if grid.cells[1] > 1 else (prod(STRESS_CELLS), 1)
+    most = CONSTANTS.stress_cells if grid.cells[1] > 1 else (prod(CONSTANTS.stress_cells), 1)
     across, along = (min(pair) for pair in zip(grid.cells, most, strict=True))
     sample, seconds = Grid((across, along), grid.extent), 0.0
     for output in scene.problem(sample, padding).outputs:
@@ -174,15 +199,19 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     A padding that counts images is timed with few and with many of them, any other once.
     """
     across, along = across_and_along(padding)
-    sample = Grid((SAMPLE_CELLS, 1 if grid.cells[1] == 1 else SAMPLE_CELLS), (2.4, 2.4))
+    sample = Grid(
+        (CONSTANTS.sample_cells, 1 if grid.cells[1] == 1 else CONSTANTS.sample_cells), (2.4, 2.4)
+    )
     # half-width and modulus are 1
     elastic = HalfSpace(1.0, 0.0)
     scene = Scene(LineLoad(pi / 800), (elastic, HalfSpace(inf, 0.0)), (Cylinder(100.0),))
     counted: tuple[Padding, ...] = (along,)
     if isinstance(along, Superposition | CircularSuperposition):
-        counted = tuple(replace(along, images=images) for images in SAMPLE_IMAGES)
+        counted = tuple(replace(along, images=images) for images in CONSTANTS.sample_images)
     problems = (partial(scene.problem, padding=(across, each_padding)) for each_padding in counted)
-    return tuple(timed(problem, sample, 10.0**-TOLERANCE_DIGITS)[1] for problem in problems)
+    return tuple(
+        timed(problem, sample, 10.0**-CONSTANTS.tolerance_digits)[1] for problem in problems
+    )
 
 
 def _law_key(grid: Grid, padding: Padding | Paddings) -> str:
@@ -203,11 +232,11 @@ def _work_sizes(
 def speedup(grid: Grid, padding: Padding | Paddings, on: Device) -> float:
     """Measure how many times faster a convolution runs `on` a device than on one thread; 1 for one thread.
 
-    It is measured on this grid, or on one of ``LARGE_SAMPLE`` cells along either axis.
+    It is measured on this grid, or on one of `large_sample` cells along either axis.
     """
     if on == ONE_THREAD:
         return 1.0
-    across, along = (min(count, LARGE_SAMPLE) for count in grid.cells)
+    across, along = (min(count, CONSTANTS.large_sample) for count in grid.cells)
     sample = Grid((across, along), grid.extent)
     points = padded_cells(sample, across_and_along(padding))
     one_thread, on_device = (_seconds(sample, points, device) for device in (ONE_THREAD, on))
@@ -222,7 +251,7 @@ def _seconds(grid: Grid, points: tuple[int, int], on: Device) -> float:
             on.to_device(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points
         )
         pressure = on.to_device(np.ones(grid.cells))
-        while len(durations) < 5 or sum(durations) < MIN_TOTAL_SECONDS:
+        while len(durations) < 5 or sum(durations) < CONSTANTS.min_total_seconds:
             start = perf_counter()
             float(operator(pressure)[0, 0])  # reading a number waits for a graphics processor
             durations.append(perf_counter() - start)
@@ -239,14 +268,38 @@ def memory(grid: Grid, padding: Padding | Paddings) -> int:
     return solve_bytes(grid, across_and_along(padding))
 
 
-# Prior widths of natural logarithms: of the scale, of the exponents beyond N log N, and of curvatures, which follow sums
-# such as a + b N; the spread assumed of timings, and the number of timings that it counts as.
-SCALE, EXPONENT, CURVATURE = 10.0, 0.1, 0.1
-PRIOR_SPREAD, TIMINGS = log(1.25), 2
-# Iterations of spread and fit, after which the spread changes by less than 1 %.
-FIT_ITERATIONS = 3
-# Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
-OUTLIER = 3.0
+@dataclass(frozen=True)
+class PriorConstants:
+    """Priors of the fit, judged by forecasts of four times the largest size from 2 to 6 timings with 10 % of noise.
+
+    Attributes
+    ----------
+    scale
+        Prior width of the logarithm of the scale. From 3 to 30 forecasts are the same.
+    exponent
+        That of the exponents beyond N log N. With 0.03 errors of forecasts grow by up to 1.6 times; 0.3 changes 5 %.
+    curvature
+        That of the curvatures, which follow sums such as a + b N. With 0.3 errors grow by up to 1.6 times.
+    spread, timings
+        Spread assumed of timings, and the number of timings that it counts as. Half or twice as many change errors by
+        4 %.
+    iterations
+        Iterations of spread and fit, after which the spread changes by less than 1 %.
+    outlier
+        Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
+        From 2 to 5 errors change by 15 %.
+    """
+
+    scale: float = 10.0
+    exponent: float = 0.1
+    curvature: float = 0.1
+    spread: float = log(1.25)
+    timings: int = 2
+    iterations: int = 3
+    outlier: float = 3.0
+
+
+PRIOR = PriorConstants()
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,20 +333,21 @@ class PowerLaw:
         values = np.log(seconds) - [log_work(*size) for size in sizes]
         centre, mean = logarithms.mean(axis=0), float(values.mean())
         terms = _terms(logarithms - centre)
-        prior = np.diag(np.array([SCALE, EXPONENT, EXPONENT, CURVATURE, CURVATURE]) ** -2.0)
-        spread, weights = PRIOR_SPREAD, np.ones(len(values))
-        for iteration in range(FIT_ITERATIONS + 1):
+        widths = [PRIOR.scale, *2 * [PRIOR.exponent], *2 * [PRIOR.curvature]]
+        prior = np.diag(np.array(widths) ** -2.0)
+        spread, weights = PRIOR.spread, np.ones(len(values))
+        for iteration in range(PRIOR.iterations + 1):
             weighted = (terms * weights[:, None]).T / spread**2
             covariance = np.linalg.inv(weighted @ terms + prior)
             coefficients = covariance @ weighted @ (values - mean)
-            if iteration == FIT_ITERATIONS:
+            if iteration == PRIOR.iterations:
                 break
             leverage = weights * np.einsum("ij,jk,ik->i", terms, covariance, terms) / spread**2
             left_out = (values - mean - terms @ coefficients) / np.maximum(1 - leverage, 1e-3)
-            total = float((left_out**2).sum()) + TIMINGS * PRIOR_SPREAD**2
-            spread = float(np.sqrt(total / (len(values) + TIMINGS)))
+            total = float((left_out**2).sum()) + PRIOR.timings * PRIOR.spread**2
+            spread = float(np.sqrt(total / (len(values) + PRIOR.timings)))
             residual_ratio = left_out / max(float(np.median(np.abs(left_out))), 1e-3)
-            weights = 1 / (1 + (residual_ratio / OUTLIER) ** 2)
+            weights = 1 / (1 + (residual_ratio / PRIOR.outlier) ** 2)
         return cls(centre, mean, coefficients)
 
     def seconds(self, size: tuple[float, float]) -> float:
@@ -304,7 +358,7 @@ class PowerLaw:
 
 def log_work(points: float, repetitions: float = 1.0) -> float:
     """Return the logarithm of the work ``n N log N`` of N `points`, with a fixed overhead, n `repetitions` times."""
-    return log(points * log(points) + TRANSFORM_OVERHEAD) + log(repetitions)
+    return log(points * log(points) + CONSTANTS.transform_overhead) + log(repetitions)
 
 
 def _terms(centred: Array) -> Array:

@@ -11,15 +11,17 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.planning.cost import (
-    SMOOTH_CONVOLUTIONS,
-    TOLERANCE_DIGITS,
+    CONSTANTS as TIMING_CONSTANTS,
+)
+from contactstudy.planning.cost import (
     CostModel,
     memory,
     timed,
 )
 from contactstudy.planning.grid_requirements import (
-    MIN_CELLS_PER_AXIS,
-    ROUGH_ORDER,
+    CONSTANTS as GRID_CONSTANTS,
+)
+from contactstudy.planning.grid_requirements import (
     GridRequirements,
     halvable_count,
 )
@@ -194,17 +196,21 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     grid
         The grid.
     """
-    padding, orders = requirements.padding(), (ROUGH_ORDER, ROUGH_ORDER)
+    padding, orders = (
+        requirements.padding(),
+        (GRID_CONSTANTS.rough_order, GRID_CONSTANTS.rough_order),
+    )
     # the law is that of Hertz's contact
     if requirements.is_smooth and scene.hardness > requirements.hertz.peak_pressure:
         return GridForecast(
             grid,
             (requirements.error(grid.cell_size), 0.0),
             orders,
-            (MIN_CELLS_PER_AXIS, 1),
+            (GRID_CONSTANTS.min_cells, 1),
             grid.extent[0] < 2 * requirements.hertz.half_width,
             "",
-            CONSTANTS.estimate_cost * CostModel().seconds(grid, padding, SMOOTH_CONVOLUTIONS),
+            CONSTANTS.estimate_cost
+            * CostModel().seconds(grid, padding, TIMING_CONSTANTS.smooth_convolutions),
         )
     refinement = replace(
         _refinement(scene, requirements, CONSTANTS.given_error),
@@ -214,7 +220,9 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     try:
         levels = refinement.solve_levels(grid.extent)
         _, timing = timed(
-            lambda of: scene.problem(of, padding), levels[-1].grid, 10.0**-TOLERANCE_DIGITS
+            lambda of: scene.problem(of, padding),
+            levels[-1].grid,
+            10.0**-TIMING_CONSTANTS.tolerance_digits,
         )
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
         return GridForecast(

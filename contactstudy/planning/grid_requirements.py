@@ -24,22 +24,46 @@ from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 
-# Relative L1 error of the pressure of a rough contact over (cell / finest wavelength)^ROUGH_ORDER: ROUGH_ERROR times the
-# fraction of the area in contact to the power AREA_POWER, fitted to 9 %, 30 % and 80 % in contact.
-ROUGH_ERROR, AREA_POWER, ROUGH_ORDER = 0.35, -0.65, 1.5
-# Width of the grid over that of the contact.
-WIDTH_FACTOR = 1.2
-# Number of longest wavelengths in a period with which one surface is representative.
-WAVES_PER_PERIOD = 4
-MIN_CELLS_PER_AXIS = 32
-# Least cells along a roller of the first grid.
-CELLS_ALONG_ROLLER = 64
-# Fraction of the requested error for the cells; the remainder is for the time steps.
-CELL_FRACTION = 0.5
-# Least cell over the half-width that is planned for the border between stick and slip.
-LEAST_CELL_OF_BORDER = 1e-3
-# A half-width above this fraction of the radius is not that of half-spaces.
-MAX_WIDTH_OVER_RADIUS = 0.1
+
+@dataclass(frozen=True)
+class GridConstants:
+    """Constants of planned grids. Plans meant are those of a smooth, a rough, a rolling and a changing contact at 1 %.
+
+    Attributes
+    ----------
+    rough_error, area_power, rough_order
+        Relative L1 error of the pressure of a rough contact over ``(cell / finest wavelength)^rough_order``:
+        `rough_error` times the fraction of the area in contact to the power `area_power`, fitted to contacts with 9 %,
+        30 % and 80 % in contact.
+    width_factor
+        Width of the grid over that of the contact. With 1.1 to 1.4 plans have 0.9 to 2.2 times the cells.
+    waves_per_period
+        Number of longest wavelengths in a period with which one surface is representative.
+    min_cells
+        Least cells along an axis. With half or twice as many, plans change by 2 % of the cells at most.
+    cells_along_roller
+        Least cells along a roller of the first grid. With half or twice as many no plan changes.
+    cell_fraction
+        Fraction of the requested error for the cells; the remainder is for the time steps.
+    least_cell_of_border
+        Least cell over the half-width that is planned for the border between stick and slip.
+    max_width_over_radius
+        A half-width above this fraction of the radius is not that of half-spaces.
+    """
+
+    rough_error: float = 0.35
+    area_power: float = -0.65
+    rough_order: float = 1.5
+    width_factor: float = 1.2
+    waves_per_period: int = 4
+    min_cells: int = 32
+    cells_along_roller: int = 64
+    cell_fraction: float = 0.5
+    least_cell_of_border: float = 1e-3
+    max_width_over_radius: float = 0.1
+
+
+CONSTANTS = GridConstants()
 
 
 @dataclass(frozen=True)
@@ -79,7 +103,7 @@ class GridRequirements:
     def grid_on_measured_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
         assert self.point_spacing is not None
-        width = min(2 * WIDTH_FACTOR * self.half_width, self.widest)
+        width = min(2 * CONSTANTS.width_factor * self.half_width, self.widest)
         length = self.length(period, width)
         across = max(round(width / self.point_spacing[0] - 0.5 + 1e-9), 2)
         if width < self.widest:
@@ -160,21 +184,26 @@ class GridRequirements:
         """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
         slope = sqrt(sum(scales.slope**2 for scales in self.length_scales))
         if slope == 0:
-            return ROUGH_ERROR
+            return CONSTANTS.rough_error
         # the mean pressure over the rms slope gives the fraction in contact (Persson 2001)
         mean = np.pi / 4 * self.hertz.peak_pressure / self.hertz.contact_modulus
-        return float(ROUGH_ERROR * max(erf(sqrt(2) * mean / slope), 1e-3) ** AREA_POWER)
+        return float(
+            CONSTANTS.rough_error * max(erf(sqrt(2) * mean / slope), 1e-3) ** CONSTANTS.area_power
+        )
 
     def error(self, cell: tuple[float, float]) -> float:
         """Return the relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
         smooth = smooth_l1(cell[0] / self.hertz.half_width)
         steps = (size / wave for size, wave in zip(cell, self.finest, strict=True))
-        return float(smooth + self.rough_error_factor() * max(steps) ** ROUGH_ORDER)
+        return float(smooth + self.rough_error_factor() * max(steps) ** CONSTANTS.rough_order)
 
     def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
         """Return the contributions (across, along) to :meth:`error`."""
         total = self.error(cell)
-        rough = [(size / wave) ** ROUGH_ORDER for size, wave in zip(cell, self.finest, strict=True)]
+        rough = [
+            (size / wave) ** CONSTANTS.rough_order
+            for size, wave in zip(cell, self.finest, strict=True)
+        ]
         if not self.is_rough:
             return total, 0.0
         return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
@@ -189,11 +218,11 @@ class GridRequirements:
         period
             Length of the grid [m]; chosen if None.
         """
-        width = min(2 * WIDTH_FACTOR * self.half_width, self.widest)
+        width = min(2 * CONSTANTS.width_factor * self.half_width, self.widest)
         length = self.length(period, width)
         # cells for each source of error alone; both are then reduced to the requested error
-        step = self.hertz.half_width / l1_factor() ** (1 / ROUGH_ORDER)
-        ratio = self.rough_error_factor() ** (-1 / ROUGH_ORDER)
+        step = self.hertz.half_width / l1_factor() ** (1 / CONSTANTS.rough_order)
+        ratio = self.rough_error_factor() ** (-1 / CONSTANTS.rough_order)
         across = min(step, self.finest[0] * ratio)
         along = self.finest[1] * ratio
         reduction = 1.0
@@ -201,8 +230,8 @@ class GridRequirements:
             expected = self.error((across * reduction, along * reduction))
             if not 0 < expected < inf:  # no grid is fine enough, as the caller reports
                 break
-            reduction *= (error / expected) ** (1 / ROUGH_ORDER)
-        least = CELLS_ALONG_ROLLER if self.roller_length else MIN_CELLS_PER_AXIS
+            reduction *= (error / expected) ** (1 / CONSTANTS.rough_order)
+        least = CONSTANTS.cells_along_roller if self.roller_length else CONSTANTS.min_cells
         cells = halvable_count(length / (along * reduction), least) if self.varies else 1
         return Grid((halvable_count(width / (across * reduction)), cells), (width, length))
 
@@ -232,8 +261,14 @@ class GridRequirements:
         if not self.varies:
             return width
         repeats = {scales.repeat for scales in self.length_scales if scales.repeat}
-        unit = _common_period(repeats) if repeats else max(self.longest, width) / WAVES_PER_PERIOD
-        return unit * max(1, int(np.ceil(WAVES_PER_PERIOD * self.longest / unit * (1 - 1e-12))))
+        unit = (
+            _common_period(repeats)
+            if repeats
+            else max(self.longest, width) / CONSTANTS.waves_per_period
+        )
+        return unit * max(
+            1, int(np.ceil(CONSTANTS.waves_per_period * self.longest / unit * (1 - 1e-12)))
+        )
 
     def pressure_error(self, error: float) -> float:
         """Return the relative L1 error of the pressure to plan for where an `error` is requested.
@@ -243,7 +278,7 @@ class GridRequirements:
         """
         if not self.sticks or self.varies:
             return error
-        return min(error, smooth_l1(max(error / 2, LEAST_CELL_OF_BORDER)))
+        return min(error, smooth_l1(max(error / 2, CONSTANTS.least_cell_of_border)))
 
     def padding(self) -> Padding | Paddings:
         """Return the boundary conditions: open on both axes where a roller ends, else periodic with all images."""
@@ -272,11 +307,11 @@ class GridRequirements:
                 f"The period {readable(period)} is not a multiple of {readable(broken[0])}, the repeat length of a "
                 "shape: give a multiple of it."
             )
-        if 0 < period < WAVES_PER_PERIOD * self.longest * (1 - 1e-9):
+        if 0 < period < CONSTANTS.waves_per_period * self.longest * (1 - 1e-9):
             return (
                 f"The period {readable(period)} is only {period / self.longest:.2g} longest wavelengths "
                 f"({readable(self.longest)}) long, too short to be representative: give "
-                f"{readable(WAVES_PER_PERIOD * self.longest)}."
+                f"{readable(CONSTANTS.waves_per_period * self.longest)}."
             )
         return ""
 
@@ -354,7 +389,7 @@ class GridRequirements:
                     f"{int(np.ceil(ESTIMATE.cells_in_coating * grid.extent[0] / coating.thickness))}."
                 )
         hertz = self.hertz
-        if hertz.half_width > MAX_WIDTH_OVER_RADIUS * hertz.radius:
+        if hertz.half_width > CONSTANTS.max_width_over_radius * hertz.radius:
             messages.append(
                 f"The half-width of Hertz is {readable(hertz.half_width)} on a radius of {readable(hertz.radius)}, too "
                 "large a fraction for half-spaces: give loads and radii in N/m and m, and "
@@ -457,7 +492,7 @@ def _common_period(lengths: set[float]) -> float:
     return common
 
 
-def halvable_count(count: float, least: int = MIN_CELLS_PER_AXIS) -> int:
+def halvable_count(count: float, least: int = CONSTANTS.min_cells) -> int:
     """Return a number of cells that can be halved repeatedly down to a coarse grid, at least `count` and `least`."""
-    step = 2 ** max(0, int(log2(max(count, MIN_CELLS_PER_AXIS) / MIN_CELLS_PER_AXIS)))
+    step = 2 ** max(0, int(log2(max(count, CONSTANTS.min_cells) / CONSTANTS.min_cells)))
     return int(np.ceil(max(count, least) / step * (1 - 1e-12)) * step)

@@ -14,7 +14,9 @@ from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, chec
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import (
-    ROUGH_CONVOLUTIONS,
+    CONSTANTS as TIMING_CONSTANTS,
+)
+from contactstudy.planning.cost import (
     CostModel,
     memory,
     speedup,
@@ -29,7 +31,9 @@ from contactstudy.planning.forecast import (
     within_memory,
 )
 from contactstudy.planning.grid_requirements import (
-    CELL_FRACTION,
+    CONSTANTS as GRID_CONSTANTS,
+)
+from contactstudy.planning.grid_requirements import (
     GridRequirements,
     flat_grid,
     grid_requirements,
@@ -201,7 +205,7 @@ def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
 def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Plan:
     """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
     grid, padding = flat_grid(scales, period), (ExactPeriodicity(), ExactPeriodicity())
-    seconds = CostModel().seconds(grid, padding, ROUGH_CONVOLUTIONS)
+    seconds = CostModel().seconds(grid, padding, TIMING_CONSTANTS.rough_convolutions)
     return Plan(
         grid=grid,
         padding=padding,
@@ -300,7 +304,7 @@ def _plan_time_dependent(
     transient = transient_requirements(scene, times.last)
     plastic = transient.plastic
     error_factor = plastic.error_factor if plastic else 1.0
-    fraction = 1.0 if scene.rolls else CELL_FRACTION
+    fraction = 1.0 if scene.rolls else GRID_CONSTANTS.cell_fraction
     discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor
     narrow_plan = _plan_static(
         transient.narrow, discretisation_error, period, grid, ONE_THREAD, width=transient.width

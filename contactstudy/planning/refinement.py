@@ -19,7 +19,9 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.planning.grid_requirements import (
-    WIDTH_FACTOR,
+    CONSTANTS as GRID_CONSTANTS,
+)
+from contactstudy.planning.grid_requirements import (
     GridRequirements,
     grid_requirements,
 )
@@ -288,7 +290,7 @@ class GridRefinement:
         # random heights depend on the extent
         if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
             return None
-        needed = WIDTH_FACTOR * _contact_width(solution)
+        needed = GRID_CONSTANTS.width_factor * _contact_width(solution)
         return needed if needed < CONSTANTS.narrowing * width else None
 
     def _with_width(self, grid: Grid, width: float) -> Grid:

@@ -9,22 +9,51 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import layers
-from contactstudy.planning.grid_requirements import WIDTH_FACTOR
+from contactstudy.planning.grid_requirements import CONSTANTS as GRID_CONSTANTS
 from contactstudy.scene.bodies import Body, instantaneous, yields
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 
-# Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8, with
-# little or no hardening: over Hertz's half-width, it ends at PLASTIC_WIDTH + PLASTIC_WIDENING r^2 across
-# and at the depth PLASTIC_DEPTH r - 1.
-PLASTIC_WIDTH, PLASTIC_WIDENING, PLASTIC_DEPTH = 0.62, 0.07, 1.2
-# The discretisation error is (r / 3)^ERROR_POWER times the elastic one.
-ERROR_POWER = 1.5
-# Fields of plastic strain that a step holds, and where strain varies along the length: measured on rough cylinders of
-# 48^2 to 128^2 cells.
-STRAIN_FIELDS, STRAIN_FIELDS_ALONG = 24, 36
-ZONE_MARGIN = 1.25
+
+@dataclass(frozen=True)
+class TransientConstants:
+    """Constants of plans of contacts that yield, roll or change.
+
+    Attributes
+    ----------
+    plastic_width, plastic_widening, plastic_depth
+        Plastic zone below a rigid cylinder pressed with Hertz's peak pressure r times the yield stress, r from 2 to 8,
+        with little or no hardening. Over Hertz's half-width, it ends at `plastic_width` + `plastic_widening` r^2 across,
+        and at the depth `plastic_depth` r - 1. Fitted to computed zones.
+    zone_margin
+        Planned width of the zone over that.
+    error_power
+        The discretisation error is (r / 3) to this power times the elastic one.
+    strain_fields, strain_fields_along
+        Fields of plastic strain that a step holds in plane strain, and where strain varies along the length: measured on
+        rough cylinders of 48^2 to 128^2 cells.
+    rolling_fields
+        Fields that the iteration of a steadily rolling contact hold.
+    min_load_fraction
+        Loads below this fraction of the largest are not planned for: the cell size goes with the root of the load.
+    load_samples
+        Number of instants at which a load is evaluated. A quarter of them changes the width by 1e-5.
+    """
+
+    plastic_width: float = 0.62
+    plastic_widening: float = 0.07
+    plastic_depth: float = 1.2
+    zone_margin: float = 1.25
+    error_power: float = 1.5
+    strain_fields: int = 24
+    strain_fields_along: int = 36
+    rolling_fields: int = 32
+    min_load_fraction: float = 0.1
+    load_samples: int = 2000
+
+
+CONSTANTS = TransientConstants()
 
 
 @dataclass(frozen=True)
@@ -48,19 +77,20 @@ class PlasticZone:
     @property
     def half_extent(self) -> float:
         """Distance [m] across from the axis to the end of the plastic zone."""
-        return self.half_width * ZONE_MARGIN * (PLASTIC_WIDTH + PLASTIC_WIDENING * self.ratio**2)
+        half_widths = CONSTANTS.plastic_width + CONSTANTS.plastic_widening * self.ratio**2
+        return self.half_width * CONSTANTS.zone_margin * half_widths
 
     @property
     def error_factor(self) -> float:
         """Discretisation error over that of an elastic contact."""
-        return float(max(1.0, self.ratio / 3) ** ERROR_POWER)
+        return float(max(1.0, self.ratio / 3) ** CONSTANTS.error_power)
 
     def volume(self, grid: Grid) -> Volume:
         """Return the cells of `grid` expected to yield."""
         half = min(self.half_extent, grid.extent[0] / 2)
         across = round(half / grid.cell_size[0])
         middle = grid.cells[0] // 2
-        depth = max(PLASTIC_DEPTH * self.ratio - 1, 1.0) * self.half_width
+        depth = max(CONSTANTS.plastic_depth * self.ratio - 1, 1.0) * self.half_width
         edges = layers(grid, self.half_width, depth)
         return Volume(grid, max(middle - across, 0), min(middle + across, grid.cells[0]), edges)
 
@@ -69,9 +99,11 @@ class PlasticZone:
         volume = self.volume(grid)
         count, across, along = volume.shape
         if along == 1:
-            numbers = (across + 1) * (3 * count) ** 2 + STRAIN_FIELDS * 3 * prod(volume.shape)
+            numbers = (across + 1) * (3 * count) ** 2 + CONSTANTS.strain_fields * 3 * prod(
+                volume.shape
+            )
         else:
-            numbers = STRAIN_FIELDS_ALONG * 5 * prod(volume.shape)
+            numbers = CONSTANTS.strain_fields_along * 5 * prod(volume.shape)
         return 8 * self.bodies * numbers
 
     def reason(self, grid: Grid) -> str:
@@ -94,14 +126,6 @@ def expected_plastic_zone(scene: Scene) -> PlasticZone | None:
     if not limits or scene.hertz is None:
         return None
     return PlasticZone(scene.hertz.peak_pressure / min(limits), scene.hertz.half_width, len(limits))
-
-
-# Fields that the iteration of a steadily rolling contact holds.
-ROLLING_FIELDS = 32
-# Loads below this fraction of the largest are not planned for: the cell size is proportional to the root of the load.
-MIN_LOAD_FRACTION = 0.1
-# Number of instants at which a load is evaluated.
-LOAD_SAMPLES = 2000
 
 
 @dataclass(frozen=True)
@@ -167,11 +191,14 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolls:
         return TransientRequirements(
-            elastic, 2 * WIDTH_FACTOR * half_width * 1.5, ROLLING_FIELDS, ()
+            elastic,
+            2 * GRID_CONSTANTS.width_factor * half_width * 1.5,
+            CONSTANTS.rolling_fields,
+            (),
         )
     plastic = expected_plastic_zone(scene)
     if plastic is not None:
-        half_width = max(half_width, plastic.half_extent / WIDTH_FACTOR)
+        half_width = max(half_width, plastic.half_extent / GRID_CONSTANTS.width_factor)
     if scene.wear is not None and hertz is not None and duration:
         worn_area = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
         half_width = float(np.cbrt(half_width**3 + worn_area))
@@ -183,7 +210,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         reasons = (f"load: the cells are those for the smallest load, {readable(least, 'N m-1')}.",)
     return TransientRequirements(
         replace(elastic, load=LineLoad(least)),
-        2 * WIDTH_FACTOR * half_width,
+        2 * GRID_CONSTANTS.width_factor * half_width,
         fields,
         reasons,
         warnings,
@@ -195,9 +222,9 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
     """Return the smallest load that is planned for [N/m], and a warning where the load is smaller."""
     if not isinstance(load, ChangingLoad):
         return load.largest, ()
-    times = np.linspace(load.start, max(end, load.start), LOAD_SAMPLES)
+    times = np.linspace(load.start, max(end, load.start), CONSTANTS.load_samples)
     loads = np.array([load.at(float(time)) for time in times])
-    least = max(float(loads.min()), MIN_LOAD_FRACTION * load.largest)
+    least = max(float(loads.min()), CONSTANTS.min_load_fraction * load.largest)
     if loads.min() >= least:
         return least, ()
     after = times[np.argmax(loads >= least)]

@@ -48,7 +48,7 @@ class BoundConstants:
     end_error
         Relative L1 error over the relative length by which the cells make either end of a roller too long or too short.
     end_rise_error
-        Error in the end row of a roller over its rise above the next row, where the cell is as long as the half-width.
+        Error in the end cells of a roller over their rise above the next ones, in cells as long as the half-width.
     """
 
     min_order: float = 0.5
@@ -141,7 +141,7 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     if inside is None or not coarser or solution.pressure.shape[1] == 1 or present == inf:
         return result
     # the end of a roller within the grid hides a step as high as the roller is long
-    hidden = 0.0 if _row_lengths(problem) is not None else inside.hidden_load
+    hidden = 0.0 if _covered_fractions(problem) is not None else inside.hidden_load
     by_cells = (
         CONSTANTS.cell_errors_margin_at_steps if is_sharp else CONSTANTS.cell_errors_margin
     ) * sum(result.cell_errors)
@@ -204,7 +204,7 @@ def cell_errors(solution: Solution) -> tuple[float, float]:
     count as exact, as do their neighbours. At the loaded end of a roller, see
     :func:`_end_error`.
     """
-    problem, lengths = solution.problem, _row_lengths(solution.problem)
+    problem, lengths = solution.problem, _covered_fractions(solution.problem)
     assert problem.paddings is not None
     pressure = solution.pressure[around_contact(solution.pressure)]
     if lengths is not None:  # a roller ends there as at the end of the grid
@@ -240,18 +240,18 @@ def _end_error(solution: Solution) -> float:
     """Return the relative L1 error at the loaded ends of a roller, in addition to that of second differences.
 
     Towards a sharp end the pressure rises like the inverse root of the distance from it, within about a half-width a.
-    The end row misses ``0.4 (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make
+    The line of end cells misses ``0.4 (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make
     the roller too long or too short.
     """
     ends, grid, pressure = _loaded_ends(solution), solution.problem.grid, solution.pressure
     if not ends:
         return 0.0
     total, error = float(pressure.sum()), 0.0
-    for row, inner in ends:
-        half_width = np.count_nonzero(pressure[:, row]) * grid.cell_size[0] / 2
-        rise = float(np.abs(pressure[:, row] - pressure[:, inner]).sum()) / total
+    for iy, inward in ends:
+        half_width = np.count_nonzero(pressure[:, iy]) * grid.cell_size[0] / 2
+        rise = float(np.abs(pressure[:, iy] - pressure[:, inward]).sum()) / total
         error += (CONSTANTS.end_rise_error * sqrt(grid.cell_size[1] / half_width) - 1 / 12) * rise
-    lengths = _row_lengths(solution.problem)
+    lengths = _covered_fractions(solution.problem)
     if lengths is None:
         return error
     length = float(lengths.sum())
@@ -259,17 +259,17 @@ def _end_error(solution: Solution) -> float:
 
 
 def _loaded_ends(solution: Solution) -> list[tuple[int, int]]:
-    """Return the rows at the loaded ends of a roller, each with the next one inward."""
+    """Return the indices along y of the loaded ends of a roller, each with the next one inward."""
     problem, count = solution.problem, solution.pressure.shape[1]
     if count < 2 or problem.source is None or not problem.source.ends_along:
         return []
-    lengths = _row_lengths(problem)
-    rows = np.arange(count) if lengths is None else np.flatnonzero(lengths)
-    pairs = ((int(rows[0]), int(rows[1])), (int(rows[-1]), int(rows[-2]))) if len(rows) > 1 else ()
+    lengths = _covered_fractions(problem)
+    iy = np.arange(count) if lengths is None else np.flatnonzero(lengths)
+    pairs = ((int(iy[0]), int(iy[1])), (int(iy[-1]), int(iy[-2]))) if len(iy) > 1 else ()
     return [pair for pair in pairs if solution.pressure[:, pair[0]].any()]
 
 
-def _row_lengths(problem: Problem) -> Array | None:
-    """Return the fraction of each row of cells that a roller covers (y,); None where none ends within the grid."""
-    lengths = getattr(problem.source, "row_lengths", lambda _: None)(problem.grid)
+def _covered_fractions(problem: Problem) -> Array | None:
+    """Return the fraction of the cells along y that a roller covers (y,); None where none ends within the grid."""
+    lengths = getattr(problem.source, "covered_fractions", lambda _: None)(problem.grid)
     return None if lengths is None else np.asarray(lengths)

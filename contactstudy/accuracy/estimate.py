@@ -400,9 +400,9 @@ def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
 
 def _at_hardness(solution: Solution) -> bool:
     """Return whether the peak pressure is a limit of the constraint, which finer cells have too."""
-    row, column = np.unravel_index(np.argmax(solution.pressure), solution.pressure.shape)
-    free = solution.problem.constraint.free(solution.pressure[row : row + 1])
-    return bool(free[0, column] == 0)
+    ix, iy = np.unravel_index(np.argmax(solution.pressure), solution.pressure.shape)
+    free = solution.problem.constraint.free(solution.pressure[ix : ix + 1])
+    return bool(free[0, iy] == 0)
 
 
 def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
@@ -430,14 +430,14 @@ def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
     peak = np.unravel_index(np.argmax(pressure), pressure.shape)
     fewest = pressure.size
     for axis, is_periodic in enumerate(wraps):
-        row = axis_first(pressure, axis)[:, peak[1 - axis]] > 0
-        if len(row) > 1 and not row.all():
-            row = np.roll(row, len(row) // 2 - int(peak[axis])) if is_periodic else row
-            middle = len(row) // 2 if is_periodic else int(peak[axis])
-            gaps = np.flatnonzero(~row)
+        line = axis_first(pressure, axis)[:, peak[1 - axis]] > 0
+        if len(line) > 1 and not line.all():
+            line = np.roll(line, len(line) // 2 - int(peak[axis])) if is_periodic else line
+            middle = len(line) // 2 if is_periodic else int(peak[axis])
+            gaps = np.flatnonzero(~line)
             before, after = gaps[gaps < middle], gaps[gaps > middle]
             first = before[-1] if before.size else -1
-            last = after[0] if after.size else len(row)
+            last = after[0] if after.size else len(line)
             fewest = min(fewest, int(last - first - 1))
     return fewest
 

@@ -67,7 +67,7 @@ def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> 
 
 
 def _kink(ratio: float, window: int, cells: int) -> Array:
-    """Return the rise of the pressure towards the ends of a window centred on the domain, in each row of cells."""
+    """Return the rise of the pressure towards the ends of a window centred on the domain, in the cells along it."""
     odd = 2 * np.minimum(np.arange(cells), np.arange(cells)[::-1]) + 1
     return np.asarray(1 + 2 / np.pi * ratio * np.log(cells / odd) / window**2)
 

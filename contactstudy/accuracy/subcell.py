@@ -339,9 +339,9 @@ def _lines(cells: tuple[int, int], axis: int, points: int) -> tuple[int, int]:
 
 def mean_height(source: Source, grid: Grid, gap: Array) -> float:
     """Return the mean of a `gap` (x, y) [m] on a grid, over the length of the bodies."""
-    lengths = getattr(source, "row_lengths", lambda _: None)(grid)
-    rows = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
-    return float(np.average(rows, weights=lengths))
+    lengths = getattr(source, "covered_fractions", lambda _: None)(grid)
+    means = np.broadcast_to(gap.mean(axis=0), grid.cells[1])
+    return float(np.average(means, weights=lengths))
 
 
 def _with_neighbours(pressure: Array, problem: Problem) -> Array:

@@ -155,7 +155,7 @@ class Problem:
         Law that adds shear to a solution.
     adhesion
         Law that adds attraction to a solution.
-    row_lengths
+    covered_fractions
         Weights (y,) of the cells along y: the length of both bodies that each represents, over that of a cell; None
         where the bodies are as long as the grid.
     """
@@ -174,7 +174,7 @@ class Problem:
     description: object = None
     friction: FrictionLaw | None = None
     adhesion: AdhesionLaw | None = None
-    row_lengths: Array | None = None
+    covered_fractions: Array | None = None
 
     @property
     def reference_height(self) -> float:

@@ -111,10 +111,12 @@ class ShapesSource:
             [shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid
         )
 
-    def row_lengths(self, grid: Grid) -> Array | None:
+    def covered_fractions(self, grid: Grid) -> Array | None:
         """Return the length of both bodies within each row of `grid`, in cells; None where none ends."""
         rollers = [
-            shape.row_lengths(grid) for shape in self.shapes if hasattr(shape, "row_lengths")
+            shape.covered_fractions(grid)
+            for shape in self.shapes
+            if hasattr(shape, "covered_fractions")
         ]
         shortest = min(rollers, key=np.sum, default=None)
         return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
@@ -431,7 +433,7 @@ class Scene:
             if self.friction is None
             else self.friction.law(self, gap, grid, paddings, scales.length),
             adhesion=self._adhesion_law(solver),
-            row_lengths=source.row_lengths(grid),
+            covered_fractions=source.covered_fractions(grid),
         )
 
     def datum(self, scales: Scales, grid: Grid) -> float:

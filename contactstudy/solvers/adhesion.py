@@ -393,7 +393,7 @@ class OuterIteration:
         )
 
     def _edge_fraction(self, traction: Array) -> float:
-        """Return the largest traction in the rows at open edges, over the largest of all."""
+        """Return the largest traction in the cells at open edges, over the largest of all."""
         lines = [traction[ix] for ix in self.problem.open_edges]
         lines += [traction[:, iy] for iy in self.problem.open_ends]
         largest = float(traction.max())

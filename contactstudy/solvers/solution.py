@@ -237,7 +237,7 @@ class Solution:
     @property
     def mean_gap(self) -> float:
         """Mean gap [m] over the length that both bodies have in common."""
-        lengths = self.problem.row_lengths
+        lengths = self.problem.covered_fractions
         return float(
             self.gap.mean()
             if lengths is None

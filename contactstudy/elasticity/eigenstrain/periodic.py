@@ -17,8 +17,8 @@ from scipy import fft
 from contactstudy.domain.device import threads
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.half_space_wave import Components
-from contactstudy.elasticity.eigenstrain.plane_strain import BASIS as PLANE
 from contactstudy.elasticity.eigenstrain.plane_strain import (
+    PLANE_STRAIN_BASIS,
     PlaneStrainOperator,
     convolved,
     log_distance,
@@ -108,7 +108,7 @@ def _integrals(x: Array, z: Array) -> tuple[Array, Array, Array]:
 
 
 # The tensors of plane strain, then sqrt(2) xy and sqrt(2) yz, in terms of xx, yy, zz, yz, xz, xy.
-BASIS = np.vstack((PLANE, np.eye(6)[[5, 3]] / 2**0.5))
+BASIS = np.vstack((PLANE_STRAIN_BASIS, np.eye(6)[[5, 3]] / 2**0.5))
 # A wave with wave number k along the length decays across like exp(-k |x|); it is cut off at this fraction.
 WRAP = 1e-8
 # Number of complex values of a field that are transformed together.

@@ -183,7 +183,7 @@ def convolved(matrices: Array, fields: Array, odd: int) -> Array:
 
 
 # (xx - zz) / sqrt(2), (2 yy - xx - zz) / sqrt(6) and sqrt(2) xz, in terms of xx, yy, zz, yz, xz, xy.
-BASIS = np.array(
+PLANE_STRAIN_BASIS = np.array(
     (
         (1 / 2**0.5, 0, -1 / 2**0.5, 0, 0, 0),
         (-1 / 6**0.5, 2 / 6**0.5, -1 / 6**0.5, 0, 0, 0),
@@ -216,7 +216,7 @@ class PlaneStrainOperator:
     @property
     def basis(self) -> Array:
         """Basis of the three components (3, 6) in terms of xx, yy, zz, yz, xz, xy."""
-        return BASIS
+        return PLANE_STRAIN_BASIS
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `pressure` (x, 1) [Pa]."""
@@ -229,7 +229,7 @@ class PlaneStrainOperator:
     def stress_of_strain(self, strain: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes."""
         stress = self.deviator(self._relaxed(strain))
-        stress[1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2 * strain[1]
+        stress[1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2 * strain[1]
         return stress
 
     def residual_displacement(self, strain: Array) -> Array:
@@ -251,14 +251,14 @@ class PlaneStrainOperator:
         """Stress that strain in a cell takes from that cell itself, by layer (layers, 3, 3) [Pa]."""
         mixing = self._mixing
         blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._spectrum_and_blocks[1], mixing)
-        blocks[:, 1, 1] += self.moduli.youngs_modulus * BASIS[1, 1] ** 2
+        blocks[:, 1, 1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2
         return blocks
 
     @cached_property
     def _mixing(self) -> Array:
         """Matrix (3, 3) from components to the in-plane strains xx + nu yy, zz + nu yy, sqrt(2) xz."""
         nu = self.moduli.poisson_ratio
-        xx, yy, zz, _, xz, _ = BASIS.T
+        xx, yy, zz, _, xz, _ = PLANE_STRAIN_BASIS.T
         return np.array((xx + nu * yy, zz + nu * yy, 2**0.5 * xz))
 
     def in_plane(self, strain: Array) -> Array:
@@ -282,7 +282,7 @@ class PlaneStrainOperator:
         tensor[0], tensor[2], tensor[4] = xx, zz, xz / 2**0.5
         tensor[1] = self.moduli.poisson_ratio * (xx + zz)
         if out_of_plane is not None:
-            tensor[1] -= self.moduli.youngs_modulus * BASIS[1, 1] * out_of_plane
+            tensor[1] -= self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] * out_of_plane
         return tensor
 
     def _stress_of_traction(
@@ -355,7 +355,7 @@ class PlaneStrainOperator:
 # Odd terms are summed up to a distance of this number of depths of the volume; beyond it their asymptote is used.
 DEPTHS = 16
 # Factors on the in-plane components when x changes its sign.
-MIRRORED = np.where(np.arange(len(BASIS)) == ODD, -1.0, 1.0)
+MIRRORED = np.where(np.arange(len(PLANE_STRAIN_BASIS)) == ODD, -1.0, 1.0)
 # Odd terms decay like these negative powers of the distance.
 POWERS = np.array([3.0, 5.0])
 

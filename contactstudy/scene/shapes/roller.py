@@ -337,7 +337,7 @@ class FiniteLength:
             else np.zeros((grid.cells[0], 1))
         )
 
-    def row_lengths(self, grid: Grid) -> Array:
+    def covered_fractions(self, grid: Grid) -> Array:
         """Return the length of the roller that each row of cells stands for, over that of a cell, of shape (length,).
 
         A row whose centre lies beyond the end stands for nothing: the row next to it also stands for its part on the

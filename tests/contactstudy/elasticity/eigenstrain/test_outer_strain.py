@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.eigenstrain.plane_strain import BASIS, OuterStrain, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain import (
+    PLANE_STRAIN_BASIS,
+    OuterStrain,
+    PlaneStrainOperator,
+)
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 MODULI = Moduli(2.0, 0.3)
@@ -25,12 +29,12 @@ def test_strain_that_is_the_same_everywhere_leaves_stress_in_its_own_layer_and_a
     cells = np.broadcast_to(strain[:, :, None, None], (3, *operator.volume.shape)).copy()
     around = OuterStrain(operator)
     stress = operator.tensor_of_strain(cells) + around.tensor(strain, strain)
-    xx, yy, *_ = np.einsum("ct,cl->tl", BASIS, strain)
+    xx, yy, *_ = np.einsum("ct,cl->tl", PLANE_STRAIN_BASIS, strain)
     expected = -MODULI.plane_strain * (xx + 0.3 * yy)
     np.testing.assert_allclose(stress[0, ..., 0], expected[:, None] + np.zeros(14), atol=1e-12)
     np.testing.assert_allclose(stress[[2, 4]], 0.0, atol=1e-12)
     deviator = around.stress(strain, strain) - operator.stress_of_strain(cells)
-    np.testing.assert_allclose(deviator, np.einsum("ct,tlxy->clxy", BASIS * (1, 1, 1, 2, 2, 2), stress),
+    np.testing.assert_allclose(deviator, np.einsum("ct,tlxy->clxy", PLANE_STRAIN_BASIS * (1, 1, 1, 2, 2, 2), stress),
                                atol=1e-12)  # fmt: skip
     surface = operator.residual_displacement(cells) + around.residual_displacement(strain, strain)
     np.testing.assert_allclose(surface, surface[0, 0], atol=1e-12)

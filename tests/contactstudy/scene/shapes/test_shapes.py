@@ -138,9 +138,9 @@ def test_round_bodies_and_ends_have_their_heights() -> None:
     assert cs.FiniteLength(4.0).gap(grid).tolist() == [[0.0]] * 4
     assert cs.FiniteLength(3.9).gap(grid).tolist() == [[3.9, 0.0, 3.9]]
     # cells of 2 m, of which 0.95 m lie on the roller: the cell in the middle stands for them
-    assert cs.FiniteLength(3.9).row_lengths(grid) == pytest.approx([0.0, 1.95, 0.0])
-    assert cs.FiniteLength(4.4).row_lengths(grid) == pytest.approx([0.6, 1.0, 0.6])
-    assert cs.FiniteLength(6.0).row_lengths(grid).tolist() == [1.0] * 3
+    assert cs.FiniteLength(3.9).covered_fractions(grid) == pytest.approx([0.0, 1.95, 0.0])
+    assert cs.FiniteLength(4.4).covered_fractions(grid) == pytest.approx([0.6, 1.0, 0.6])
+    assert cs.FiniteLength(6.0).covered_fractions(grid).tolist() == [1.0] * 3
 
 
 FREE = (cs.ZeroPadding(), cs.ZeroPadding())
@@ -183,7 +183,7 @@ def test_the_mean_gap_is_that_of_the_roller_and_not_of_the_grid_beyond_its_ends(
         own, rel=1e-4
     )
     divided = solved(line_contact, 95, 12.0, cs.FiniteLength(length))
-    assert divided.problem.row_lengths.sum() * 12 / 95 == pytest.approx(8)
+    assert divided.problem.covered_fractions.sum() * 12 / 95 == pytest.approx(8)
     # the pressure ends at the border of a cell, up to half a cell from the end
     assert divided.mean_gap == pytest.approx(own, rel=0.126 / 8)
     # the rows beyond the ends are recessed by the roller's length

@@ -16,7 +16,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli
 
 # q times a depth at which a wave has died out, but does not underflow.
-DEEPEST = 700.0
+MAX_DECAY = 700.0
 # nn, tt, zz, nz / i, nt, tz / i
 Tensor = tuple[Array, Array, Array, Array, Array, Array]
 
@@ -157,7 +157,7 @@ def _reflection(sources: Sources, source: CellLayer, begin: Array, end: Array) -
 
 def _through(amplitudes: Array, ratio: Array) -> Array:
     """Return the `amplitudes` of waves after a distance of `ratio` / q."""
-    after = amplitudes * np.exp(-np.minimum(ratio, DEEPEST))
+    after = amplitudes * np.exp(-np.minimum(ratio, MAX_DECAY))
     after[0] += ratio * after[1]
     return after
 
@@ -167,7 +167,7 @@ def stress_under_pressure(top: Array, layer: CellLayer, nu: float) -> Tensor:
 
     `top` is q times the depth of its upper side. Source: Johnson (1985), sect. 2.2, summed to a wave.
     """
-    decay = np.exp(-np.minimum(top, DEEPEST))
+    decay = np.exp(-np.minimum(top, MAX_DECAY))
     m0 = decay * layer.means[0]
     m1 = decay * layer.means[1] + top * m0
     zeros = np.zeros_like(m0)
@@ -182,7 +182,7 @@ def stress_under_shear(
     `top` is q times the depth of its upper side, and `direction` is that of n, (c, s). Source: Johnson (1985), sect.
     2.3, summed to a wave, and antiplane shear along t.
     """
-    decay = np.exp(-np.minimum(top, DEEPEST))
+    decay = np.exp(-np.minimum(top, MAX_DECAY))
     m0 = decay * layer.means[0]
     m1 = decay * layer.means[1] + top * m0
     c, s = direction

@@ -28,7 +28,7 @@ from contactstudy.elasticity.eigenstrain.spectral_block import Complex, SurfaceL
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Number of the component that is odd in x.
-ODD = 1
+ODD_SHEAR = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class AntiplaneOperator:
 
     def __call__(self, strain: Array) -> Array:
         """Return the stress (2, layers, x) [Pa] that plastic `strain` (2, layers, x) relaxes."""
-        return convolved(self._spectrum_and_blocks[0], strain, ODD)
+        return convolved(self._spectrum_and_blocks[0], strain, ODD_SHEAR)
 
     @property
     def self_blocks(self) -> Array:
@@ -52,10 +52,13 @@ class AntiplaneOperator:
         """Real matrices (waves, 2 layers, 2 layers), and the blocks of each layer's cells on themselves."""
         layers, across, _ = self.volume.shape
         edges = np.array(self.volume.edges) / self.volume.grid.cell_size[0]
-        blocks = 2 * self.moduli.shear * influence(across, edges)
+        blocks = 2 * self.moduli.shear * antiplane_means(across, edges)
         spectrum = np.array(
             [
-                [real_spectrum(blocks[i, j], is_odd=(i == ODD, j == ODD)) for j in range(2)]
+                [
+                    real_spectrum(blocks[i, j], is_odd=(i == ODD_SHEAR, j == ODD_SHEAR))
+                    for j in range(2)
+                ]
                 for i in range(2)
             ]
         )
@@ -64,7 +67,7 @@ class AntiplaneOperator:
         return spectrum, np.moveaxis(blocks[:, :, layer_numbers, layer_numbers, 0], -1, 0)
 
 
-def influence(count: int, edges: Array) -> Array:
+def antiplane_means(count: int, edges: Array) -> Array:
     """Return the stress xy or yz over 2G that unit plastic strain xy or yz relaxes, (2, 2, layers, layers, x).
 
     It is the mean over cells of each layer by strain in each layer, at `count` offsets 0, 1, 2 ... across; offsets and

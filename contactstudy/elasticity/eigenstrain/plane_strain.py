@@ -20,23 +20,23 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Means of the stresses xx, zz and xz by a traction on one cell, from offsets and edges.
-Kernel = Callable[[Array, Array], tuple[Array, Array, Array]]
+TractionKernel = Callable[[Array, Array], tuple[Array, Array, Array]]
 # Derivatives of G by depth of the stress (m) and of the source (n); by x there are 4 - m - n.
-ORDERS = tuple((m, n) for m in range(3) for n in range(3))
+DERIVATIVE_ORDERS = tuple((m, n) for m in range(3) for n in range(3))
 
 
 def airy_means(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int], Array]:
     """Return means of derivatives of Airy's stress function G over a cell of one `layer`, by sources in all layers.
 
-    For each (m, n) of `ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G``; G is that of a half-space free of traction. The
-    arrays (layers, x) are at `count` offsets 0, 1, 2 ... across; offsets and the `edges` of the layers are in cells.
-    Errors from cancellation grow like the offset squared, to 1e-9 of the largest mean at 1000 cells.
+    For each (m, n) of `DERIVATIVE_ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G``; G is that of a half-space free of
+    traction. The arrays (layers, x) are at `count` offsets 0, 1, 2 ... across; offsets and the `edges` of the layers
+    are in cells. Errors from cancellation grow like the offset squared, to 1e-9 of the largest mean at 1000 cells.
     """
     x = np.arange(-1.0, count + 1)
     below, above = (_integrals(x, edges[layer + side], edges) for side in (1, 0))
     thickness = edges[layer + 1] - edges[layer]
     means = {}
-    for orders in ORDERS:
+    for orders in DERIVATIVE_ORDERS:
         change = np.diff(below[orders] - above[orders], axis=0)
         means[orders] = (change[:, 2:] - 2 * change[:, 1:-1] + change[:, :-2]) / thickness
     return means
@@ -54,7 +54,7 @@ def _integrals(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array
     products = _products(x, z, z_source)
     return {
         (m, n): (-((-1) ** n) * direct[m + n] - image[m + n] + 4 * products[m, n]) / (8 * np.pi)
-        for m, n in ORDERS
+        for m, n in DERIVATIVE_ORDERS
     }
 
 
@@ -91,7 +91,7 @@ def _products(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]
     # ln w, integrated zero, one and two times
     log_integrals = log, w * (log - 1), w * w / 2 * (log - 1.5)
     derivatives = {}
-    for m, n in ORDERS:
+    for m, n in DERIVATIVE_ORDERS:
         s, t = m - 1, n - 1
         rotation = 1j ** ((2 - m - n) % 4)
         plain, once, twice = ((rotation * term).real for term in log_integrals)
@@ -143,7 +143,7 @@ def _means(edges: Array, *integrals: Array) -> tuple[Array, Array, Array]:
     return xx, zz, xz
 
 
-def padded_cells(across: int) -> int:
+def padded_across(across: int) -> int:
     """Return the length of the transforms for a field of `across` cells: at least twice as long, and fast."""
     return int(fft.next_fast_len(2 * across, real=True))
 
@@ -155,7 +155,7 @@ def real_spectrum(means: Array, *, is_odd: tuple[bool, bool]) -> Array:
     whether it is the component that is odd in x.
     """
     across = means.shape[-1]
-    around = np.zeros((*means.shape[:-1], padded_cells(across)))
+    around = np.zeros((*means.shape[:-1], padded_across(across)))
     around[..., :across] = means
     sign = -1 if is_odd[0] != is_odd[1] else 1
     around[..., around.shape[-1] - across + 1 :] = sign * means[..., :0:-1]
@@ -172,7 +172,7 @@ def convolved(matrices: Array, fields: Array, odd: int) -> Array:
     `matrices` are (waves, components layers, components layers); `odd` is the number of the component odd in x.
     """
     components, layers, across = fields.shape
-    padded = padded_cells(across)
+    padded = padded_across(across)
     waves = fft.rfft(fields, padded, axis=-1)
     waves[odd] *= -1j
     columns = np.ascontiguousarray(np.moveaxis(waves, -1, 0)).reshape(-1, components * layers, 1)
@@ -286,7 +286,7 @@ class PlaneStrainOperator:
         return tensor
 
     def _stress_of_traction(
-        self, traction: Array, kind: Kernel = stress_means_under_pressure
+        self, traction: Array, kind: TractionKernel = stress_means_under_pressure
     ) -> Array:
         """Return the in-plane stress (3, layers, x, 1) [Pa] under a `traction` (x, 1) [Pa], pressure or shear."""
         padded = self._padded_grid
@@ -311,11 +311,11 @@ class PlaneStrainOperator:
         return np.array(self.volume.edges) / self.volume.grid.cell_size[0]
 
     @cached_property
-    def _spectra(self) -> dict[Kernel, Array]:
+    def _spectra(self) -> dict[TractionKernel, Array]:
         """Spectra from tractions on the surface to in-plane stress that were computed so far."""
         return {}
 
-    def _spectrum_of(self, kind: Kernel) -> Array:
+    def _spectrum_of(self, kind: TractionKernel) -> Array:
         """Return the spectrum (3, layers, waves) from a traction, pressure or shear, to in-plane stress."""
         if kind not in self._spectra:
             volume, padded = self.volume, self._padded_grid
@@ -343,7 +343,7 @@ class PlaneStrainOperator:
         The latter is the stress (layers, 3, 3) [Pa] of a cell that its own in-plane strain relaxes.
         """
         layers, across, _ = self.volume.shape
-        spectrum = np.empty((padded_cells(across) // 2 + 1, 3, layers, 3, layers))
+        spectrum = np.empty((padded_across(across) // 2 + 1, 3, layers, 3, layers))
         self_blocks = np.empty((layers, 3, 3))
         for layer in range(layers):
             for i, j, means in self.relaxed_means(across, layer):

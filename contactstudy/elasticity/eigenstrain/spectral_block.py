@@ -30,11 +30,11 @@ from contactstudy.elasticity.eigenstrain.half_space_wave import (
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Number of orders of short waves that are summed one by one; shorter waves are summed together.
-ORDERS = 2
+SUMMED_ORDERS = 2
 # Depth in cells at which short waves of pressure have decayed; short waves of strain from half that depth are reflected.
 DEEP = 3.0
 # Layers from which short waves do not reach the surface are treated as if they were at this multiple of that depth.
-DEEPEST = 1e3
+REMOTE_DEPTHS = 1e3
 # Distance in cells between layers that act on one another by short waves.
 NEAR = 0.6
 
@@ -118,7 +118,7 @@ class Aliases:
         single: dict[tuple[float, float], list[int]] = {}
         pairs: dict[tuple[int, float, float, float, float], list[int]] = {}
         for number, thickness in enumerate(thicknesses):
-            top = edges[number] if edges[number] < surface_depth else DEEPEST * surface_depth
+            top = edges[number] if edges[number] < surface_depth else REMOTE_DEPTHS * surface_depth
             single.setdefault((thickness, top), []).append(number)
             for steps, below in enumerate(thicknesses[number + 1 :], start=1):
                 gap = float(sum(thicknesses[number + 1 : number + steps]))
@@ -167,8 +167,8 @@ class Aliases:
         return total
 
     def _directions(self) -> Iterator[WaveDirection]:
-        """Yield the short waves of the first `ORDERS`, then waves that represent all shorter ones together."""
-        (dx, dy), orders = self.volume.grid.cell_size, range(-ORDERS, ORDERS + 1)
+        """Yield the short waves of the first `SUMMED_ORDERS`, then waves that represent all shorter ones together."""
+        (dx, dy), orders = self.volume.grid.cell_size, range(-SUMMED_ORDERS, SUMMED_ORDERS + 1)
         for shift in product(orders, repeat=2):
             if any(shift):
                 yield self.alias(*shift)
@@ -178,7 +178,7 @@ class Aliases:
         )
         unit = np.ones(1)
         for step, weight, c in ((dx, 1 - across, 1.0), (dy, across * (1 - along), 0.0)):
-            q = 2 * pi * (2 * ORDERS + 1) / step
+            q = 2 * pi * (2 * SUMMED_ORDERS + 1) / step
             for side in (1, -1):
                 yield WaveDirection(q * unit, side * c * unit, side * (1 - c) * unit, weight / 2)
 

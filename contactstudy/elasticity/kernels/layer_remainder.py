@@ -17,7 +17,7 @@ from contactstudy.elasticity.kernels.layer_response import (
 )
 
 # Values in one array operation, so that work arrays stay small.
-BATCH = 1 << 20
+VALUES_AT_ONCE = 1 << 20
 # exp(-NEGLIGIBLE_DECAY) is below rounding. Harmonics of the period decay like exp(-2 pi x / L): VARYING_PERIODS from a
 # cell nothing varies along the length.
 NEGLIGIBLE_DECAY, VARYING_PERIODS = 37.0, 6.0
@@ -229,7 +229,7 @@ def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
         nodes, weights = np.array(mean_gauss_rule(count)).T
         chosen = np.flatnonzero(counts == count)
         square = (middle[chosen, None] + half[chosen, None] * nodes) ** 2
-        step = max(1, BATCH // square.size)
+        step = max(1, VALUES_AT_ONCE // square.size)
         for start in range(0, aside.size, step):
             rows = slice(start, start + step)
             distance = np.sqrt(square + (aside[rows] ** 2)[:, None, None])

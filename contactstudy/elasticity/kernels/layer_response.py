@@ -16,7 +16,7 @@ from scipy.special import j1, k1
 
 from contactstudy.domain.fields import Array
 
-Numbers = NDArray[np.inexact[Any]]
+RealOrComplex = NDArray[np.inexact[Any]]
 
 # Below this the difference sinh k - k is summed as a series.
 SERIES_END = 1.0
@@ -85,11 +85,13 @@ class LayerResponse:
         """Lower bound of the distance of poles of `remainder` in the right half-plane from the real axis."""
         return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
 
-    def remainder(self, k: Numbers) -> Numbers:
+    def remainder(self, k: RealOrComplex) -> RealOrComplex:
         """Return R(k), the short-ranged response, without cancellation for small k or very unlike materials."""
         return self._remainder(k, 1)
 
-    def shear_remainders(self, k: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+    def shear_remainders(
+        self, k: RealOrComplex
+    ) -> tuple[RealOrComplex, RealOrComplex, RealOrComplex]:
         """Return what R(k) is under shear: of shear along the wave, across it, and of both displacements' coupling.
 
         Displacement by shear along the wave is ``2 (1 - nu1^2) / (E1 q) (1 + d0 exp(-2 k) + R)``. By shear across it
@@ -109,7 +111,7 @@ class LayerResponse:
         coupling = t * above / (one_lam * one_kap + remainder)
         return self._remainder(k, -1), antiplane, np.asarray(coupling)
 
-    def _remainder(self, k: Numbers, sign: int) -> Numbers:
+    def _remainder(self, k: RealOrComplex, sign: int) -> RealOrComplex:
         """Return the remainder under pressure (`sign` 1) or shear along the wave (-1)."""
         lam, kap, one_lam, one_kap = self._mismatch
         cross = lam * one_kap + kap * one_lam
@@ -120,7 +122,7 @@ class LayerResponse:
         )
         return np.asarray(t * above / (one_lam * one_kap + u * cross + kap * higher_order))
 
-    def _higher_order(self, k: Numbers) -> Numbers:
+    def _higher_order(self, k: RealOrComplex) -> RealOrComplex:
         """Return the part of the denominator over kappa that is of order k^2."""
         lam, _, one_lam, _ = self._mismatch
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
@@ -136,7 +138,7 @@ class LayerResponse:
         second, fourth, sixth = self.series(self.remainder)[2:7:2]
         return second, fourth, sixth
 
-    def series(self, function: Callable[[Numbers], Numbers]) -> list[float]:
+    def series(self, function: Callable[[RealOrComplex], RealOrComplex]) -> list[float]:
         """Return the Taylor coefficients at k = 0 of a `function` that is as regular there as the response."""
         around = 0.5 * self.pole_distance_from_zero
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
@@ -144,7 +146,7 @@ class LayerResponse:
         return [float(term / around**n) for n, term in enumerate(terms)]
 
 
-def _sinh_square_less_square(k: Numbers) -> Numbers:
+def _sinh_square_less_square(k: RealOrComplex) -> RealOrComplex:
     """Return ``sinh(k)^2 - k^2`` for small k: ``sum (2 k)^(2 n) / (2 (2 n)!)`` from n = 2 on."""
     square = 4 * k * k
     term = square * square / 48

@@ -7,7 +7,7 @@ from functools import lru_cache, partial
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex
 from contactstudy.elasticity.kernels.stress_cell import (
     CellKernel,
     KernelFunction,
@@ -76,7 +76,7 @@ class ShearWaves:
         """Terms a, b and c of long waves: of shear along the wave, of shear across it, and of their coupling."""
         return _terms(self.materials)
 
-    def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
+    def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
         """Return the field under waves across with wave numbers `k`, real or imaginary."""
         along, across, coupling = self._responses(k)
         parts = {"xx": along, "yy": across, "x": -1j * coupling}
@@ -96,7 +96,7 @@ class ShearWaves:
             "y": -1j * s * coupling,
         }
 
-    def _responses(self, k: Numbers) -> list[Numbers]:
+    def _responses(self, k: RealOrComplex) -> list[RealOrComplex]:
         """Return the responses to shear along the wave and across it, and their coupling, less those of a half-space."""
         decay, responses = np.exp(-2 * k), []
         remainders = _remainders(self.materials, k)
@@ -110,7 +110,9 @@ class ShearWaves:
         return responses
 
 
-def _remainders(materials: LayerResponse, k: Numbers) -> tuple[Numbers, Numbers, Numbers]:
+def _remainders(
+    materials: LayerResponse, k: RealOrComplex
+) -> tuple[RealOrComplex, RealOrComplex, RealOrComplex]:
     """Return the short-ranged responses over the compliances of :class:`ShearWaves`."""
     along, across, coupling = materials.shear_remainders(k)
     return along, across / (1 - materials.coating_poisson_ratio), coupling
@@ -122,7 +124,7 @@ def _terms(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
     stiff = 1 - materials.coating_poisson_ratio
     constants = materials.contrast, (materials.shear_ratio - 1) / stiff, materials.coupling_contrast
 
-    def growing(k: Numbers, which: int) -> Numbers:
+    def growing(k: RealOrComplex, which: int) -> RealOrComplex:
         return _remainders(materials, k)[which] * np.exp(2 * k)
 
     return tuple(

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex
 
 # Wave number times thickness up to which the matrix exponential is used.
 LONG_WAVE = 1.5
@@ -24,7 +24,7 @@ LONG_WAVE = 1.5
 SPLINE_PIECE, SPLINE_POINTS, SPLINE_ORDER, LAST_STRESS_WAVE = 0.25, 48, 7, 42.0
 
 
-def half_space(t: Numbers) -> tuple[tuple[Numbers, Numbers, Numbers], ...]:
+def half_space(t: RealOrComplex) -> tuple[tuple[RealOrComplex, RealOrComplex, RealOrComplex], ...]:
     """Return (s_zz, s_xz, s_xx) in a half-space at ``t = k z``, under a unit pressure and under a unit shear."""
     e = np.exp(-t)
     return (-(1 + t) * e, -t * e, -(1 - t) * e), (t * e, (t - 1) * e, (2 - t) * e)
@@ -61,26 +61,26 @@ class LayerStress:
         """Rate, per wave number times thickness, at which a remainder decays: exp(-k `decay_rate`)."""
         return 2 - self.depth if self.in_layer else self.depth
 
-    def plane(self, k: Numbers) -> Numbers:
+    def plane(self, k: RealOrComplex) -> RealOrComplex:
         """Return (s_zz, s_xz, s_xx) under a unit pressure and a unit shear (load, component, k).
 
         `k` is the wave number times the thickness, on the real or the imaginary axis.
         """
-        result: Numbers = np.empty((2, 3, k.size), dtype=np.result_type(k, float))
+        result: RealOrComplex = np.empty((2, 3, k.size), dtype=np.result_type(k, float))
         long = np.abs(k) <= LONG_WAVE
         for chosen, solve in ((long, self._by_state), (~long, self._by_exponentials)):
             if chosen.any():
                 result[:, :, chosen] = solve(k[chosen])
         return result
 
-    def remainder(self, k: Numbers) -> Numbers:
+    def remainder(self, k: RealOrComplex) -> RealOrComplex:
         """Return :meth:`plane` less what is known in closed form: zero at k = 0, decaying as exp(-k `decay_rate`).
 
         In the layer that is the stress in a half-space of its material, and at the depth of the mirror image of the
         point in the bond the difference between the substrate's strain in the layer's material and that. Below, it is
         the stress in a half-space of the substrate.
         """
-        remainder: Numbers = self.plane(k) - np.array(half_space(k * self.depth))
+        remainder: RealOrComplex = self.plane(k) - np.array(half_space(k * self.depth))
         if self.in_layer:
             at_mirror_image = np.array(half_space(k * self.decay_rate))
             remainder[:, 2] -= (
@@ -88,13 +88,13 @@ class LayerStress:
             )
         return remainder
 
-    def strained(self, normal: Numbers, across: Numbers) -> Numbers:
+    def strained(self, normal: RealOrComplex, across: RealOrComplex) -> RealOrComplex:
         """Return s_xx of the layer under the strain of the substrate, whose s_zz and s_xx are `normal` and `across`."""
         ratio, nu1, nu2 = self._ratios
         below = ratio * ((1 - nu2) * across - nu2 * normal)
         return np.asarray((below + nu1 * normal) / (1 - nu1))
 
-    def antiplane(self, k: Numbers) -> tuple[Numbers, Numbers]:
+    def antiplane(self, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
         """Return s_tz and the imaginary part of s_lt by a unit shear across the wave, less the closed form."""
         ratio = self._ratios[0]
         mismatch = (ratio - 1) / (ratio + 1)
@@ -118,7 +118,7 @@ class LayerStress:
         layer = self.materials
         return layer.shear_ratio, layer.coating_poisson_ratio, layer.substrate_poisson_ratio
 
-    def _by_exponentials(self, k: Numbers) -> Numbers:
+    def _by_exponentials(self, k: RealOrComplex) -> RealOrComplex:
         """Return the stress of short waves, from ``exp(-t), t exp(-t)`` and the same from the bond."""
         ratio, nu1, nu2 = self._ratios
         unity, none = np.ones_like(k), np.zeros_like(k)
@@ -145,7 +145,7 @@ class LayerStress:
             return _stress(stresses, weights[:, :4])
         return _stress(_decaying(k * (self.depth - 1)), weights[:, 4:])
 
-    def _by_state(self, k: Numbers) -> Numbers:
+    def _by_state(self, k: RealOrComplex) -> RealOrComplex:
         """Return the stress of long waves, from the state at the surface carried through the layer."""
         ratio, nu1, nu2 = self._ratios
         below = _decaying(np.zeros_like(k))
@@ -167,7 +167,7 @@ class LayerStress:
         across = (along + nu1 * normal) / (1 - nu1)
         return np.stack([normal.T, shear.T, across.T], axis=1)
 
-    def _transfer(self, t: Numbers) -> Numbers:
+    def _transfer(self, t: RealOrComplex) -> RealOrComplex:
         """Return the exponential of t times the derivative of the layer's state (t, 4, 4)."""
         nu = self._ratios[1]
         rate = np.array(
@@ -182,24 +182,24 @@ class LayerStress:
         )
 
 
-def _decaying(t: Numbers) -> Numbers:
+def _decaying(t: RealOrComplex) -> RealOrComplex:
     """Return f, f', f'' and f''' (function, derivative, t) of ``exp(-t)`` and ``t exp(-t)``."""
     e = np.exp(-t)
     return np.array([[e, -e, e, -e], [t * e, (1 - t) * e, (t - 2) * e, (3 - t) * e]])
 
 
-def _reversed(functions: Numbers) -> Numbers:
+def _reversed(functions: RealOrComplex) -> RealOrComplex:
     """Return functions of a distance that falls with t: odd derivatives change their sign."""
     return np.asarray(functions * np.array([1, -1, 1, -1])[:, None])
 
 
-def _displacements(functions: Numbers, nu: float) -> Numbers:
+def _displacements(functions: RealOrComplex, nu: float) -> RealOrComplex:
     """Return ``2 G k U`` and ``2 G k V`` (function, displacement, t) of Airy's `functions`."""
     value, first, second, third = np.moveaxis(functions, 1, 0)
     return np.stack([(1 - nu) * second + nu * value, (1 - nu) * third + (nu - 2) * first], axis=1)
 
 
-def _stress(functions: Numbers, weights: Numbers) -> Numbers:
+def _stress(functions: RealOrComplex, weights: RealOrComplex) -> RealOrComplex:
     """Return (s_zz, s_xz, s_xx) (load, component, t) of a sum of `functions` with `weights` (t, function, load)."""
     value, first, second = (
         np.einsum("ft,tfl->lt", functions[:, order], weights) for order in (0, 1, 2)

@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex
 from contactstudy.elasticity.kernels.layer_stress import LayerStress
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
 from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
@@ -62,13 +62,13 @@ class StressWaves:
         """Return the response and the component that take the place of these when the axes are exchanged."""
         return StressWaves(self.stress, SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
 
-    def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
+    def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
         """Return the stress over the load under waves across with wave numbers `k`, real or imaginary."""
         remainder = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
         normal, shear, across = remainder
         if self.load == "along":
             s_tz, s_lt = self.stress.antiplane(k)
-            parts: dict[str, Numbers] = {"yz": s_tz, "xy": 1j * s_lt}
+            parts: dict[str, RealOrComplex] = {"yz": s_tz, "xy": 1j * s_lt}
             return np.asarray(parts.get(name, np.zeros(k.size)) + 0j)
         parts = {"zz": normal, "xx": across, "xz": -1j * shear}
         parts["yy"] = self.stress.poisson_ratio * (normal + across)
@@ -82,8 +82,8 @@ class StressWaves:
             c = np.where(size > 0, across / size, 1.0)
             s = np.where(size > 0, along / size, 0.0)
         pressed, sheared = self.stress.interpolated(size)
-        s_tz: Numbers
-        s_lt: Numbers
+        s_tz: RealOrComplex
+        s_lt: RealOrComplex
         if self.load == "pressure":
             normal, shear, s_ll = pressed[0], -1j * pressed[1], pressed[2]
             s_tz = s_lt = np.zeros_like(size)

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, Numbers, composite
+from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex, composite
 
 Indices = NDArray[np.intp]
-# exp(-NEGLIGIBLE_EXPONENT) is below rounding.
-NEGLIGIBLE_EXPONENT = 34.0
+# exp(-ROUNDING_EXPONENT) is below rounding.
+ROUNDING_EXPONENT = 34.0
 # Phase of a wave, in radians, that the Gauss points of one piece of k resolve.
 PIECE_PHASE = 12.0
 # The waves of a row decay within DECAY_PERIODS; a cell alone is one of a lattice LATTICE_RATIO times as wide as the
@@ -56,7 +56,7 @@ class WaveResponse(Protocol):
         """
         ...
 
-    def plane_amplitude(self, name: str, k: Numbers) -> Numbers:
+    def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
         """Return the field over the load under waves across, whose wave numbers are real or imaginary."""
         ...
 
@@ -125,7 +125,7 @@ class WaveCoefficients:
     def count(self, period: float) -> int:
         """Return the number of waves of a `period` along one axis that are not negligible."""
         longest = 2 * np.pi * self.waves.decay_rate * self.thickness
-        return int(NEGLIGIBLE_EXPONENT * period / longest)
+        return int(ROUNDING_EXPONENT * period / longest)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
@@ -173,7 +173,7 @@ class WaveCoefficients:
 
     def _between(self, start: Array, end: Array) -> Array:
         """Return the response to strips from `start` to `end`, at least 0; all in thicknesses."""
-        far = NEGLIGIBLE_EXPONENT / self.waves.materials.pole_distance_from_real_axis
+        far = ROUNDING_EXPONENT / self.waves.materials.pole_distance_from_real_axis
         result = np.zeros(start.size)
         for integral, lower, upper in (
             (self._near, np.minimum(start, far), np.minimum(end, far)),
@@ -189,7 +189,7 @@ class WaveCoefficients:
         """Return the response to near strips, by quadrature over real waves."""
         longest = min(0.5, PIECE_PHASE / max(float(end.max()), 1e-3))
         ends = [0.0, min(self.waves.materials.pole_distance_from_zero / 4, longest)]
-        while ends[-1] < NEGLIGIBLE_EXPONENT / self.waves.decay_rate:
+        while ends[-1] < ROUNDING_EXPONENT / self.waves.decay_rate:
             ends.append(ends[-1] + min(ends[-1], longest))
         k, weight = composite(np.array(ends))
         waves = self.waves.plane_amplitude(self.name, k) * weight / np.pi
@@ -204,7 +204,7 @@ class WaveCoefficients:
         width = (end - start)[:, None]
         last = min(
             self.waves.materials.pole_distance_from_real_axis,
-            NEGLIGIBLE_EXPONENT / float(start.min()),
+            ROUNDING_EXPONENT / float(start.min()),
         )
         first = 1e-3 * min(
             self.waves.materials.pole_distance_from_zero, last, 1 / float(width.max())
@@ -231,7 +231,7 @@ def _lattice(
     """
     shape = across, along // 2 + 1
     summed: dict[str, NDArray[np.complex128]] = {}
-    last = NEGLIGIBLE_EXPONENT / (waves.decay_rate * thickness)
+    last = ROUNDING_EXPONENT / (waves.decay_rate * thickness)
     first_x = 2 * np.pi * fft.fftfreq(across, dx)
     first_y = 2 * np.pi * fft.rfftfreq(along, dy)
     for kx, rows in _aliased(first_x, dx, last, waves.max_aliases):

@@ -36,6 +36,14 @@ def test_hertz_line_displacement_is_the_logarithmic_potential_of_its_pressure() 
         assert LINE.displacement(x, datum) == pytest.approx(expected, rel=1e-8)
 
 
+def test_the_contact_of_lee_and_radok_begins_as_that_of_hertz() -> None:
+    body = cs.ViscoelasticHalfSpace(4e10, 0.0, ((7.5e10, 0.3),))
+    held = cs.analytic.LeeRadok(1e5, 0.01, 4e10, body.relaxation, body.creep)
+    assert held.half_width(0.0) == pytest.approx(LINE.half_width)
+    x = np.linspace(-0.9, 0.9, 19) * LINE.half_width
+    np.testing.assert_allclose(held.pressure(x, 0.0), LINE.pressure(x), rtol=1e-9)
+
+
 @pytest.mark.parametrize(("ratio", "peak"), [(0.3, 1.793), (0.5, 1.9227)])
 def test_a_line_contact_first_yields_where_johnson_says(ratio: float, peak: float) -> None:
     """Von Mises: 1.79 at 0.3; at 0.5 that of the largest shear, 0.3003 (Johnson 1985, sects. 4.2, 6.1)."""

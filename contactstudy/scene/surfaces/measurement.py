@@ -95,10 +95,9 @@ def read(
                 )
             return _topography(f"path {name!r}", channel.topography(**lacking))
     except topography.Exceptions.ReadFileError as unreadable:
-        reason = str(unreadable).strip().splitlines()[0][:120]
         raise InvalidInput(
             f"path is {name!r}: give a file in a format that SurfaceTopography reads, or numbers in rows as npy or "
-            f"csv ({reason})."
+            "csv."
         ) from unreadable
 
 

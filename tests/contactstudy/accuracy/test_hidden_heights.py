@@ -222,6 +222,34 @@ class Slit:
         return np.where(np.abs(grid.x - self.place) < self.width / 2, 1e-5, 0.0)[:, None]
 
 
+@dataclass(frozen=True)
+class Apex:
+    """A user's own shape: ``height |x / length|^1.4`` about one place, whose bend has no limit there."""
+
+    height: float
+    length: float
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> np.ndarray:
+        return self.height * np.abs(grid.x / self.length - 0.13)[:, None] ** 1.4
+
+
+@pytest.mark.parametrize(("cells", "height"), [(65, 5e-7), (48, 2e-6)])
+def test_the_peak_at_an_apex_is_bounded_by_all_rises_to_come(
+    cells: int, height: float, line_contact: LineContact
+) -> None:
+    """Pressure there rises with the power 0.4 of the cell: by 49 ** -0.4 as much again below the finest."""
+    apex = Apex(height, line_contact.hertz.half_width)
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, apex))
+    coarse, fine, finest = (
+        cs.solve(scene, line_contact.grid((n * cells, 1), 1.0, width=3.0), cs.ExactPeriodicity())
+        for n in (1, 7, 49)
+    )
+    peak, *peaks = (one.pressure.max() for one in (coarse, fine, finest))
+    limit = peaks[1] + (peaks[1] - peaks[0]) / (7**0.4 - 1)
+    assert limit / peak - 1 <= error_estimate(coarse).peak_pressure.total < 0.6
+
+
 @pytest.mark.parametrize(("cells", "width"), [(221, 0.5), (120, 0.3), (60, 0.6)])
 def test_slits_between_the_centres_count_in_the_mean_gap(
     cells: int, width: float, line_contact: LineContact

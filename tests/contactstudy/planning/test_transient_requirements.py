@@ -100,6 +100,8 @@ def test_a_plan_says_how_thick_a_coat_is_in_cells_and_half_widths() -> None:
     (said,) = (reason for reason in planned.reasons if reason.startswith("coat"))
     cells, widths = 2e-6 / planned.grid.cell_size[0], 2e-6 / scene.hertz.half_width
     assert f"{widths:.3g} half-widths and {cells:.3g} cells" in said
+    # between E / (1 - nu^2) of the substrate and of the coating
+    assert 230 <= float(said.partition("is about ")[2].partition(" GPa")[0]) <= 263
     assert not planned.warnings
     assert not any(reason.startswith("coat") for reason in plan(PLAIN, error=1e-2).reasons)
 

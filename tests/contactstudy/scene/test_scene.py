@@ -88,6 +88,11 @@ def test_what_is_no_shape_is_refused(shape: object) -> None:
         cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, STEEL), shapes=(shape,))  # type: ignore[arg-type]
 
 
+def test_without_a_curved_shape_the_width_and_the_mean_pressure_are_the_scales() -> None:
+    flat = cs.Scene(cs.LineLoad(48.0), (STEEL, STEEL)).scales(cs.Grid((4, 2), (3.0, 0.5)))
+    assert (flat.length, flat.pressure) == (3.0, 16.0)
+
+
 def test_what_is_no_grid_is_refused(line_contact: LineContact) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^grid is \(8, 8\): give a Grid\.$"):
         line_contact.scene.problem((8, 8), cs.ExactPeriodicity())  # type: ignore[arg-type]

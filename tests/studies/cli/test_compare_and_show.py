@@ -14,6 +14,7 @@ from click.testing import CliRunner
 import contactstudy as cs
 from contactstudy.solvers.solve import ReportingSolver
 from studies.cli.commands import cli
+from studies.cli.show import _edges
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH
 
 FILM = """[lubrication]
@@ -115,6 +116,10 @@ def test_what_solve_wrote_is_drawn(lines: str, tmp_path: Path) -> None:
     said("solve", tmp_path / "one.toml", "--out", tmp_path)
     said("show", tmp_path / "one.nc", "--out", tmp_path / "shown")
     assert (tmp_path / "shown" / "one.png").is_file()
+
+
+def test_a_row_of_cells_is_drawn_a_micrometre_long() -> None:
+    np.testing.assert_allclose(_edges(np.array([0.0])), [-5e-7, 5e-7])
 
 
 def test_a_scene_is_solved_and_swept_into_one_folder(folder: Path) -> None:

@@ -2,9 +2,10 @@
 
 from math import inf
 
+import matplotlib.pyplot as plt
 import pytest
 
-from studies.report.drawings.comparison import parts
+from studies.report.drawings.comparison import _label_ends, parts
 from studies.report.wording import alternatives_text, verdict_text
 from tests.studies.advice.test_measuring import COPIED, EXACT, of, one
 
@@ -60,3 +61,14 @@ def test_the_page_says_what_errors_are_against(floor: float) -> None:
     assert "96 x 96 cells" in finding.claim
     assert "Without a bound even there: peak pressure." in finding.measured
     assert "A note." in finding.measured
+
+
+def test_the_names_of_lines_stand_in_the_order_of_their_errors_at_their_height() -> None:
+    _, ax = plt.subplots()
+    ax.set(yscale="log", ylim=(1e-4, 1.0))
+    _label_ends(
+        ax, [(1.0, 1e-1, "duplicated"), (1.0, 1e-3, "superposed"), (1.0, 1e-2, "exact")], "exact"
+    )
+    placed = {text.get_text(): text.get_position()[1] for text in ax.texts}
+    plt.close()
+    assert placed == pytest.approx({"superposed": 0.25, "exact": 0.5, "duplicated": 0.75})

@@ -9,7 +9,7 @@ from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
 from contactstudy.accuracy.two_grids import FIRST_ORDER_MARGIN
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Solution, net_pressure
 
 # Error of the largest stress over the L1 error of the pressure.
 STRESS_ERROR = 0.5
@@ -140,5 +140,5 @@ def _largest_at(solution: Solution, depth: float) -> float:
             below = replace(output, depths=(depth,))
             if solution.traction is not None:
                 below = below.under(solution.traction.shear)
-            return float(von_mises(below(solution.pressure)).max())
+            return float(von_mises(below(net_pressure(solution.pressure, solution.adhesion))).max())
     return 0.0

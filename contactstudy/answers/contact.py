@@ -17,7 +17,7 @@ from contactstudy.io.contact_quantities import contact_quantities, scene_of
 from contactstudy.io.quantities import Quantities
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Solution, net_pressure
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -93,7 +93,7 @@ class Contact(Answer, Solution):
 
         In a history with adhesion each state is a static one.
         """
-        depends_on_history = self.time is not None and self.adhesion is None
+        depends_on_history = self.time is not None and self.estimate is not None
         return not (depends_on_history or self.status.is_failure) and bool(self.pressure.any())
 
     def _with_derived(self, estimate: ErrorEstimate, coarse: Solution | None) -> ErrorEstimate:
@@ -126,7 +126,7 @@ class Contact(Answer, Solution):
         for output in self.problem.outputs:
             sheared = self.traction is not None and isinstance(output, DependsOnShear)
             under = output.under(self.traction.shear) if sheared else output  # type: ignore[union-attr, attr-defined]
-            fields |= under.fields(self.pressure)
+            fields |= under.fields(net_pressure(self.pressure, self.adhesion))
         return fields
 
     @cached_property

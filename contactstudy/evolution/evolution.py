@@ -20,6 +20,7 @@ from contactstudy.solvers.solution import (
     Solution,
     Status,
     TangentialTraction,
+    net_pressure,
     worst,
 )
 
@@ -100,6 +101,12 @@ class Frame:
     def peak_pressure(self) -> float:
         """Peak pressure [Pa]."""
         return float(self.pressure.max())
+
+    @property
+    def net_pressure(self) -> Array:
+        """Pressure (x, y) [Pa] less the attraction."""
+        adhesion = self.adhesion if self.solution is None else self.solution.adhesion
+        return net_pressure(self.pressure, adhesion)
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.state_variables import Contact, State
-from contactstudy.problem.problem import Field, Problem, ResidualStress
+from contactstudy.problem.problem import Field, ResidualStress
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
@@ -29,7 +29,7 @@ from contactstudy.solvers.plasticity.yielding_bodies import (
     Hardening,
     YieldingBodies,
 )
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import CoupledSolution, Solution, Status, net_pressure
 
 # The first volume holds the cells whose elastic von Mises stress is above NEAR_YIELD of the yield stress,
 # and a MARGIN of their width on both sides.
@@ -199,18 +199,19 @@ class PlasticState:
 
     def __post_init__(self) -> None:
         problem = self.elastic.problem
+        pressure = net_pressure(self.elastic.pressure, self.elastic.adhesion)
         self.operators = []
         for body in self.bodies:
 
             def yield_ratio(volume: Volume, body: YieldingBody = body) -> Array:
-                operator, pressure = operator_on(volume, body.moduli), self.elastic.pressure
+                operator = operator_on(volume, body.moduli)
                 stress = operator.stress_of_pressure(pressure)
                 if self.friction:
-                    stress = stress + self._stress_of_shear(body, operator, pressure)
+                    stress = stress + self._stress_of_shear(body, operator, self.elastic.pressure)
                 size = np.sqrt((stress**2).sum(axis=0))
                 return np.asarray(size / (SQRT_TWO_THIRDS * body.hardening.yield_stress))
 
-            volume = first_volume(problem.grid, self._length, self.elastic.pressure, yield_ratio)
+            volume = first_volume(problem.grid, self._length, pressure, yield_ratio)
             self.operators.append(operator_on(volume, body.moduli))
 
     def start(self, shape: tuple[int, int]) -> State:
@@ -224,20 +225,42 @@ class PlasticState:
         return state
 
     def solve_step(
-        self, state: State, problem: Problem, contact: Contact, tolerance: float
-    ) -> tuple[Solution, State]:
-        """Solve a step for contact and plastic strain together, in volumes that hold everything that yields.
+        self,
+        state: State,
+        contact: Contact,
+        tolerance: float,
+        attraction: Array | None = None,
+        guess: State | None = None,
+    ) -> CoupledSolution:
+        """Return contact and plastic strain at the end of a step, in volumes that hold everything that yields.
 
         See :meth:`~contactstudy.evolution.state_variables.CoupledStateVariable.solve_step` for parameters and result.
         """
         while True:
             # first, because the state of a continued integration may be in larger volumes
+            first, _ = self._in_volumes(state if guess is None else guess)
             strains, equivalents = self._in_volumes(state)
             bodies = YieldingBodies(
                 tuple(self.operators), tuple(body.hardening for body in self.bodies)
             )
             before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
-            step = self._solve_with_friction(bodies, contact, before, equivalent, tolerance)
+            solve_under = partial(
+                solve_elastoplastic_step, bodies, contact, self._tangent, before, equivalent, tolerance,
+                guess=bodies.concatenated(first),
+            )  # fmt: skip
+            pulled = np.zeros_like(before)
+            if attraction is not None:
+                pulled = bodies.stress_of_pressure(-attraction)
+            if self.friction:
+                step = self._solve_with_friction(
+                    bodies,
+                    contact(bodies.residual_displacement(before)),
+                    pulled,
+                    solve_under,
+                    tolerance,
+                )
+            else:
+                step = solve_under(pulled)
             if not self._grown(bodies.split(step.flow)):
                 break
         strains = bodies.split(step.strain)
@@ -258,31 +281,26 @@ class PlasticState:
             _meets_edge(operator.volume, hardened > 0) for operator, hardened in yielded
         ):
             solution = replace(solution, status=Status.YIELD_AT_EDGE)
-        return solution, after
+        return CoupledSolution(solution, after, step.energy)
 
     def _solve_with_friction(
         self,
         bodies: YieldingBodies,
-        contact: Contact,
-        before: Array,
-        equivalent: Array,
+        first: Solution,
+        pulled: Array,
+        solve_under: Callable[[Array], ElastoplasticStep],
         tolerance: float,
     ) -> ElastoplasticStep:
-        """Return pressure and plastic strain at the end of a step.
+        """Return pressure and plastic strain at the end of a step of bodies that slide.
 
-        Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous
-        iteration, until it changes by less than the tolerance.
+        Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous iteration,
+        from that of the `first` contact on, until it changes by less than the tolerance. `pulled` (C, cells) [Pa] is the
+        stress by an attraction.
         """
-        if not self.friction:
-            return solve_elastoplastic_step(
-                bodies, contact, self._tangent, before, equivalent, tolerance
-            )
-        contacts = [contact(bodies.residual_displacement(before))]
-        shear, outer_iterations = self._stress_of_friction(bodies, contacts[0].pressure), 0
+        contacts = [first]
+        shear, outer_iterations = self._stress_of_friction(bodies, first.pressure), 0
         while True:
-            step = solve_elastoplastic_step(
-                bodies, contact, self._tangent, before, equivalent, tolerance, shear
-            )
+            step = solve_under(pulled + shear)
             contacts += step.contacts
             last, shear = shear, self._stress_of_friction(bodies, step.solution.pressure)
             change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))

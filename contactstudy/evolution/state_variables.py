@@ -10,8 +10,8 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.problem.problem import Field, Problem, ResidualStress
-from contactstudy.solvers.solution import Solution
+from contactstudy.problem.problem import Field, ResidualStress
+from contactstudy.solvers.solution import CoupledSolution, Solution
 
 # The fields (x, y) that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
@@ -151,25 +151,27 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
     """
 
     def solve_step(
-        self, state: State, problem: Problem, contact: Contact, tolerance: float
-    ) -> tuple[Solution, State]:
-        """Solve a step for the contact and the state together.
+        self,
+        state: State,
+        contact: Contact,
+        tolerance: float,
+        attraction: Array | None = None,
+        guess: State | None = None,
+    ) -> CoupledSolution:
+        """Return the contact and the state at the end of a step, solved together.
 
         Parameters
         ----------
         state
             State at the start of the step.
-        problem
-            The contact at the end of the step.
         contact
-            Solves `problem` with a field (x, y) [m] added to its gap.
+            Solves the contact at the end of the step with a field (x, y) [m] added to its gap.
         tolerance
             Largest relative residual of contact and state.
-
-        Returns
-        -------
-        tuple of Solution and State
-            The contact and the state at the end of the step.
+        attraction
+            Traction (x, y) [Pa] by which the surfaces attract each other beside the pressure.
+        guess
+            State at the end of the step to begin with; None begins with that at its start.
         """
         ...
 

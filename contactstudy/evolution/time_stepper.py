@@ -5,10 +5,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import log2, sqrt
+from typing import Any
 
 import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.device import Cpu
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from contactstudy.elasticity.coefficients import Coefficients
@@ -28,12 +30,14 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
-from contactstudy.solvers.solution import AdhesiveTraction, Solution, Status
+from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
 # error.
 COUPLED_TOLERANCE_FACTOR = 0.01
+# Contacts that a step with a coupled state solves at the most, in the limit of iterations beside an attraction.
+CONTACTS_PER_COUPLED_STEP = 30
 # Largest number of fixed-point iterations of a step.
 MAX_FIXED_POINT_ITERATIONS = 30
 # The single, implicit stage of a step that has no stages.
@@ -253,9 +257,8 @@ class TimeStepper:
             problem = self._problem_at_end(instant, step)
             last = solutions[-1].pressure if solutions else instant.pressure
             if self.coupled is not None:
-                contact = WarmStartedContact(problem, self.options, last)
-                solution, state = self.coupled.solve_step(
-                    instant.states[-1], problem, contact, self.options.tolerance
+                solution, state = self._coupled_step(
+                    self.coupled, instant.states[-1], problem, last
                 )
                 coupled = (state,)
             else:
@@ -280,6 +283,39 @@ class TimeStepper:
         solutions[-1] = solution
         instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)
         return instant, solutions
+
+    def _coupled_step(
+        self, coupled: CoupledStateVariable, state: State, problem: Problem, pressure: Array
+    ) -> tuple[Solution, State]:
+        """Return the contact and the coupled state at the end of a step; an attraction is iterated around both."""
+        tolerance = self.options.tolerance
+        if problem.adhesion is None:
+            contact = WarmStartedContact(problem, self.options, pressure)
+            solution, after, _ = coupled.solve_step(state, contact, tolerance)
+            return solution, after
+        guess = state
+
+        def solve_under(
+            frozen: Problem, attraction: Array, options: SolveOptions, start: Array | None
+        ) -> CoupledSolution:
+            nonlocal guess
+            contact = WarmStartedContact(frozen, options, pressure if start is None else start)
+            found = coupled.solve_step(state, contact, options.tolerance, attraction, guess)
+            guess = found.state
+            return found
+
+        start = pressure if pressure.any() else None
+        law: Any = problem.adhesion
+        limit = CONTACTS_PER_COUPLED_STEP * self.options.max_iterations
+        options = replace(self.options, max_iterations=limit)
+        solution, after = law.solve_beside(solve_under, problem, options, start, Cpu())
+        if after is None:  # the bodies came apart before anything was solved
+
+            def separated(added_gap: Array) -> Solution:
+                return unloaded(with_added_gap(problem, added_gap))
+
+            after = coupled.solve_step(state, separated, tolerance).state
+        return solution, after
 
     def _next_iterate(self, instant: Instant, found: tuple[State, ...]) -> Instant:
         """Return `instant` with the next iterates of its states, the same one if all have converged."""

@@ -351,10 +351,11 @@ def _outputs(evolution: "Trajectory") -> dict[str, xr.Variable]:
     for output in evolution.problem.outputs:
         chosen: Any = output
         if hasattr(output, "depths"):
-            worst = evolution.derived(highest, output).fields(highest.pressure)
+            worst = evolution.derived(highest, output).fields(highest.net_pressure)
             chosen = replace(chosen, depths=tuple(worst["z"].values))
         instants = [
-            evolution.derived(frame, chosen).fields(frame.pressure) for frame in evolution.frames
+            evolution.derived(frame, chosen).fields(frame.net_pressure)
+            for frame in evolution.frames
         ]
         fields |= _over_time(instants)
     return fields

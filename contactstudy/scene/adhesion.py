@@ -102,8 +102,8 @@ class Adhesion:
     Raises
     ------
     InvalidInput
-        If a value is outside these limits; in a scene with a body that yields, wear, rolling or a lubricant,
-        or with friction without a range; with a first load that is not above zero on bodies from afar; on a grid with
+        If a value is outside these limits; in a scene with wear, rolling or a lubricant, or without a range with
+        friction or a body that yields; with a first load that is not above zero on bodies from afar; on a grid with
         less than two cells in the cohesive zone.
     """
 
@@ -137,12 +137,11 @@ class Adhesion:
                 "one of them out."
             )
         self._check_friction(scene.friction)
-        for number, solid in enumerate(scene.solids):
-            if yields(solid):
-                raise InvalidInput(
-                    f"Scene.solids[{number}] yields together with Adhesion: the attraction on a surface that flows is "
-                    "not known, give an elastic body, or no adhesion."
-                )
+        if self.range is None and any(map(yields, scene.solids)):
+            raise InvalidInput(
+                "Adhesion.range is None together with a body that yields: in the limit of short ranges the attraction "
+                "grows without limit as the cells get smaller, and with it the plastic strain, give a range."
+            )
         load: Any = scene.load
         if self.branch == Branch.FROM_AFAR.value and not isinstance(load, Approach):
             first = load.at(load.start) if isinstance(load, ChangingLoad) else load.largest

@@ -259,7 +259,12 @@ class Scene:
             set_fields(self, load=replace(self.load, length=min(lengths)))
 
     def _check_approach(self) -> None:
-        """Check an approach in place of a load, once every effect is checked."""
+        """Check a search or an approach in place of a load, once every effect is checked."""
+        if isinstance(self.load, PullOff) and self.changing is not None:
+            raise InvalidInput(
+                f"Scene.load is a PullOff together with {self.changing}, which has a history: give a LoadHistory that "
+                "falls until contact is lost."
+            )
         if not isinstance(self.load, Approach):
             return
         conflicting = "Scene.lubrication" if self.lubrication is not None else self.changing
@@ -512,7 +517,8 @@ class Scene:
     @property
     def is_quasi_static(self) -> bool:
         """True if each instant is in equilibrium by itself, as with adhesion and in steady rolling."""
-        adheres = self.adhesion is not None and not any(map(creeps, self.solids))
+        changes = any(creeps(solid) or yields(solid) for solid in self.solids)
+        adheres = self.adhesion is not None and not changes
         return adheres or self.rolling is not None or getattr(self.friction, "is_steady", False)
 
     @property

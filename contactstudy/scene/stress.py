@@ -250,7 +250,7 @@ class StressBelow:
         steps by a tenth between them the maximum. On a large grid only the depth of the maximum and those beside it are
         returned.
         """
-        rows = np.flatnonzero(pressure.any(axis=1))
+        rows = np.flatnonzero((pressure > 0).any(axis=1))
         width = (rows[-1] - rows[0] + 1) * self.grid.cell_size[0] if rows.size else 0.0
         stress: dict[float, Array] = {}
         largest: dict[float, float] = {}

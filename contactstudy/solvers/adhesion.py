@@ -17,8 +17,10 @@ the separation branch.
 Source: Tao & Hoai An (1997), Acta Math. Vietnam. 22, 289 (difference of convex functions).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -28,7 +30,13 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.anderson import AndersonMixing
 from contactstudy.solvers.cohesive_law import CohesiveLaw
-from contactstudy.solvers.solution import AdhesiveTraction, Branch, Solution, Status
+from contactstudy.solvers.solution import (
+    AdhesiveTraction,
+    Branch,
+    CoupledSolution,
+    Solution,
+    Status,
+)
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
@@ -69,6 +77,11 @@ class AdhesionConstants:
 
 
 CONSTANTS = AdhesionConstants()
+
+
+# Solves a problem without adhesion together with a state beside it: from the frozen traction (x, y) [Pa] that its
+# heights contain, options, and a pressure (x, y) [Pa] to begin with.
+InnerSolve = Callable[[Problem, Array, SolveOptions, Array | None], CoupledSolution]
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,14 +132,29 @@ class AdhesiveSolver:
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
         """Return the solution of the contact `problem` with adhesion, from the state that the branch names."""
+        return self.solve_beside(None, problem, options, start, on)[0]
+
+    def solve_beside(
+        self,
+        inner: "InnerSolve | None",
+        problem: Problem,
+        options: SolveOptions,
+        start: Array | None,
+        on: Device,
+    ) -> tuple[Solution, Any]:
+        """Return the solution of :meth:`solve`, and the state that `inner` found beside it; None if it found none.
+
+        `inner` solves for each contact under a frozen traction together with such a state.
+        """
         shape = problem.undeformed_gap.shape
         first = {
             Branch.FROM_AFAR: 0.0,
             Branch.FROM_FULL_CONTACT: self.law.strength,
             Branch.CONTINUED: self.traction,
         }[self.branch]
-        iteration = OuterIteration(problem, self, options, on)
-        return iteration.solution(np.broadcast_to(np.asarray(first), shape), start)
+        iteration = OuterIteration(problem, self, options, on, inner)
+        solution = iteration.solution(np.broadcast_to(np.asarray(first), shape), start)
+        return solution, iteration.state
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,11 +223,13 @@ class _State:
     """Contact under a frozen `traction` (x, y) [Pa].
 
     `traction_displacement` (x, y) [m] is the displacement of the surface by it, `updated` the traction (x, y) [Pa] at
-    its gap, `change` the distance to that over its sum, `energy` [J] that of the elastic bodies, the load and the work
-    of adhesion, and `cohesion` [J] the last alone.
+    its gap, `change` the distance to that over its sum, `energy` [J] that of the bodies, the load and the work
+    of adhesion, and `cohesion` [J] the last alone. A state `beside` the contact has added `added_gap` (x, y) [m] to it.
     """
 
     contact: Solution
+    beside: Any
+    added_gap: Array
     traction: Array
     traction_displacement: Array
     updated: Array
@@ -214,12 +244,14 @@ class _State:
 
 @dataclass(eq=False)
 class OuterIteration:
-    """Outer iteration over the traction of one problem, and its counts."""
+    """Outer iteration over the traction of one problem, its counts, and the `state` that was found beside it."""
 
     problem: Problem
     solver: AdhesiveSolver
     options: SolveOptions
     on: Device
+    inner: InnerSolve | None = None
+    state: Any = None
     count: int = 0
     iterations: int = 0
     convolutions: float = 0.0
@@ -323,7 +355,11 @@ class OuterIteration:
             adhesion=None,
         )
         options = replace(self.options, tolerance=self._inner_tolerance(gap_error))
-        contact = solve_contact(frozen, options, start, self.on)
+        if self.inner is None:
+            found = CoupledSolution(solve_contact(frozen, options, start, self.on))
+        else:
+            found = self.inner(frozen, traction, options, start)
+        contact = found.solution
         self.count += 1
         self.iterations += contact.iterations
         self.convolutions += contact.convolutions
@@ -333,15 +369,27 @@ class OuterIteration:
         area = problem.grid.cell_area
         cohesion = area * float(law.remaining_work(contact.gap).sum())
         net = contact.pressure - traction
-        energy = area * dot(net, contact.displacement - displacement) / 2 - cohesion
+        energy = area * dot(net, contact.displacement - displacement) / 2 - cohesion + found.energy
         if load != inf:
             energy -= area * (load - float(traction.sum())) * contact.approach
         relative = change / total if total else change
-        return _State(contact, traction, displacement, updated, relative, energy, cohesion)
+        added_gap = contact.problem.undeformed_gap - frozen.undeformed_gap
+        return _State(
+            contact,
+            found.state,
+            added_gap,
+            traction,
+            displacement,
+            updated,
+            relative,
+            energy,
+            cohesion,
+        )
 
     def _ended(self, state: _State) -> Solution:
         """Return the solution of the last `state`."""
-        contact = state.contact
+        contact, self.state = state.contact, state.beside
+        gap = self.problem.undeformed_gap + state.added_gap
         residual = max(contact.residual, state.change / CONSTANTS.change_in_tolerances)
         status = contact.status
         if status is Status.CONVERGED and residual > self.options.tolerance:
@@ -352,7 +400,7 @@ class OuterIteration:
             status = Status.ATTRACTION_AT_EDGE
         return replace(
             contact,
-            problem=self.problem,
+            problem=replace(self.problem, undeformed_gap=gap),
             displacement=contact.displacement - state.traction_displacement,
             status=status,
             iterations=self.iterations,

@@ -1,8 +1,10 @@
 """The result of a solve: fields, and a status that says how far they can be trusted."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -274,3 +276,16 @@ class Solution:
                 "This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1)."
             )
         return self.traction
+
+
+def net_pressure(pressure: Array, adhesion: AdhesiveTraction | None) -> Array:
+    """Return the `pressure` (x, y) [Pa] less the attraction, under which the bodies deform."""
+    return pressure if adhesion is None else pressure - adhesion.attraction
+
+
+class CoupledSolution(NamedTuple):
+    """Contact that was solved together with a state of the bodies, and the `energy` [J] that the state adds."""
+
+    solution: Solution
+    state: Mapping[str, Array] = MappingProxyType({})
+    energy: float = 0.0

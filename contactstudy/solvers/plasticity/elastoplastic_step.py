@@ -71,6 +71,8 @@ class ElastoplasticStep:
         Number of Newton's iterations.
     contacts
         All solutions of the contact on the way, in order.
+    energy
+        Energy [J] of the residual stress, with what the step dissipates and hardening stores.
     """
 
     solution: Solution
@@ -79,6 +81,7 @@ class ElastoplasticStep:
     residual: float
     iterations: int
     contacts: tuple[Solution, ...]
+    energy: float
 
 
 def solve_elastoplastic_step(
@@ -89,6 +92,7 @@ def solve_elastoplastic_step(
     equivalent: Array,
     tolerance: float,
     around: Array | None = None,
+    guess: Array | None = None,
 ) -> ElastoplasticStep:
     """Return pressure and plastic strain at the end of a step in load.
 
@@ -113,7 +117,9 @@ def solve_elastoplastic_step(
     tolerance
         Largest error of plastic strain, in units of yield stress over Young's modulus.
     around
-        Stress (C, cells) [Pa] by plastic strain outside the volume.
+        Further stress (C, cells) [Pa], as by plastic strain outside the volume.
+    guess
+        Plastic strain (C, cells) to begin with; None begins with that before the step.
 
     Returns
     -------
@@ -128,7 +134,7 @@ def solve_elastoplastic_step(
         contacts.append(solution)
         return _mapped_state(bodies, solution, strain, before, equivalent, stress_around)
 
-    state = state_of(before)
+    state = state_of(before if guess is None else guess)
     stall, iterations = Stall(CONSTANTS.stall_iterations), 0
     while (
         tolerance < state.error
@@ -140,7 +146,13 @@ def solve_elastoplastic_step(
         state = _line_search(state_of, state, step)
     flow = SQRT_TWO_THIRDS * state.mapped.multiplier
     return ElastoplasticStep(
-        state.solution, state.mapped.strain, flow, state.error, iterations, tuple(contacts)
+        state.solution,
+        state.mapped.strain,
+        flow,
+        state.error,
+        iterations,
+        tuple(contacts),
+        state.stored,
     )
 
 
@@ -149,7 +161,8 @@ class _State:
     """Plastic strain (C, cells), the contact under it, and the return mapping of its trial stress.
 
     The `residual` (C, cells) is the difference of the strain from the mapped one, `error` the largest of it in units of
-    yield stress over Young's modulus, and `energy` [J] the forward-backward envelope.
+    yield stress over Young's modulus, `energy` [J] the forward-backward envelope, and `stored` [J] its part that does
+    not depend on the contact.
     """
 
     strain: Array
@@ -158,6 +171,7 @@ class _State:
     residual: Array
     error: float
     energy: float
+    stored: float
 
 
 def _mapped_state(
@@ -174,12 +188,11 @@ def _mapped_state(
     mapped = bodies.law.return_mapping(stress, strain, before, equivalent)
     residual = strain - mapped.strain
     error = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
-    elastic = bodies.inner(strain, relaxed / 2 - around) - _energy(solution, bodies.cell_area)
-    squared = np.einsum("ck,ck->k", residual, residual)
     dissipation = bodies.law.incremental_potential(mapped.strain, before, equivalent)
-    density = bodies.law.twice_shear / 2 * squared + dissipation
-    energy = elastic + bodies.inner(stress, residual) + float((density * bodies.volumes).sum())
-    return _State(strain, solution, mapped, residual, error, energy)
+    stored = bodies.inner(strain, relaxed) / 2 + float((dissipation * bodies.volumes).sum())
+    energy = stored - bodies.inner(strain, around) - _energy(solution, bodies.cell_area)
+    energy += bodies.inner(stress + bodies.law.twice_shear / 2 * residual, residual)
+    return _State(strain, solution, mapped, residual, error, energy, stored)
 
 
 def _energy(solution: Solution, cell_area: float) -> float:

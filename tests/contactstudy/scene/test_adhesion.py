@@ -40,7 +40,7 @@ def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> No
         ({"rolling": cs.Rolling(1.0)}, r"^Scene\.rolling is Rolling"),
         (
             {"solids": (cs.ElasticPlasticHalfSpace(1e6, 0.3, 1e4, 0.0), RIGID)},
-            r"^Scene\.solids\[0\] yields together with Adhesion",
+            r"^Adhesion\.range is None together with a body that yields",
         ),
     ],
 )

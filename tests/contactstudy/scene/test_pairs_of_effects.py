@@ -54,7 +54,7 @@ def scene_with(first: str, second: str) -> dict[str, Any]:
         fields["solids"] = one["solids"][0], other["solids"][0]
     if "shapes" in one and "shapes" in other:
         fields["shapes"] = (*one["shapes"], *other["shapes"][1:])
-    if "adhesion" in (first, second) and "friction" in fields:
+    if "adhesion" in (first, second) and ("friction" in fields or "yielding" in (first, second)):
         fields["adhesion"] = cs.Adhesion(work=5.0, range=2e-7)
         if "partial slip" in (first, second):
             fields["friction"] = cs.Fretting.cycle(0.3, 1e4)

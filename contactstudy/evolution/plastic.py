@@ -293,9 +293,9 @@ class PlasticState:
     ) -> ElastoplasticStep:
         """Return pressure and plastic strain at the end of a step of bodies that slide.
 
-        Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous iteration,
-        from that of the `first` contact on, until it changes by less than the tolerance. `pulled` (C, cells) [Pa] is the
-        stress by an attraction.
+        Friction makes the problem unsymmetric. Its stress is lagged: it follows from the pressure of the previous
+        iteration, from that of the `first` contact on, until it changes by less than the tolerance. `pulled` (C, cells)
+        [Pa] is the stress by an attraction.
         """
         contacts = [first]
         shear, outer_iterations = self._stress_of_friction(bodies, first.pressure), 0

@@ -8,6 +8,7 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.reuse import cached_array
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients, kernel
 from contactstudy.elasticity.convolution import (
     GeneralConvolution,
@@ -98,8 +99,13 @@ def general_convolution(
 ) -> GeneralConvolution:
     """Return the convolution with `coefficients` on `grid`."""
     padded = padded_cells(grid, paddings)
-    around = mirrored_by_parity(kernel(grid, paddings, coefficients), padded, coefficients.parity)
-    return GeneralConvolution(TRANSFORMS.forward(around, padded), grid.cells, padded)
+
+    def spectrum() -> ComplexField:
+        half = kernel(grid, paddings, coefficients)
+        return TRANSFORMS.forward(mirrored_by_parity(half, padded, coefficients.parity), padded)
+
+    key = "general", coefficients, grid, paddings
+    return GeneralConvolution(cached_array(key, spectrum), grid.cells, padded)
 
 
 @dataclass(frozen=True, eq=False)

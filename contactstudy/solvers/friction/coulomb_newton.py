@@ -32,7 +32,10 @@ class NewtonConstants:
     Attributes
     ----------
     forcing
-        Fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and more applications.
+        Largest fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and more applications.
+    forcing_by_residual
+        That fraction over the root of the residual: 3 takes two thirds of the steps of a constant fraction, and 0.95 of
+        the applications.
     max_vectors
         Vectors of one GMRES: ten times what was seen on any contact.
     max_halvings
@@ -48,6 +51,7 @@ class NewtonConstants:
     """
 
     forcing: float = 0.3
+    forcing_by_residual: float = 3.0
     max_vectors: int = 200
     max_halvings: int = 10
     least_shear: float = 1e-4
@@ -162,9 +166,9 @@ class CoulombNewton:
         """Return F (2, cells), and its root mean square over the largest shear."""
         projected = self._disks.project(shear - self._rho * slip)
         error = shear - projected
-        mean = float(np.einsum("cn,cn->", error, error)) / self._cells.size
+        mean = norm(error) / sqrt(self._cells.size)
         least = CONSTANTS.least_shear * float(self._disks.radius.max())
-        return error, sqrt(mean) / max(float(np.hypot(*projected).max()), least)
+        return error, mean / max(float(np.hypot(*projected).max()), least)
 
     def _newton_step(
         self, shear: Array, slip: Array, error: Array, forcing: float, most: int
@@ -204,10 +208,7 @@ class CoulombNewton:
         while True:
             half = project(shear - length * slip)
             half_slip = free + self.slip(half)
-            shear_change, slip_change = (
-                np.linalg.norm(half - shear),
-                np.linalg.norm(half_slip - slip),
-            )
+            shear_change, slip_change = norm(half - shear), norm(half_slip - slip)
             if length * slip_change <= 0.9 * shear_change:
                 break
             length *= 0.7
@@ -216,9 +217,18 @@ class CoulombNewton:
 
 
 def _forcing(tolerance: float, residual: float) -> float:
-    """Return the fraction of F that a Newton step may leave; the last steps end at the tolerance, not far below it."""
+    """Return the fraction of F that a Newton step may leave.
+
+    It is less where few cells change between stick and slip; the last steps end at the tolerance, not far below it.
+    """
+    forcing = min(CONSTANTS.forcing, CONSTANTS.forcing_by_residual * sqrt(residual))
     last = 0.5 * tolerance / residual
-    return last if last > 0.2 * CONSTANTS.forcing else CONSTANTS.forcing
+    return last if last > 0.2 * forcing else forcing
+
+
+def norm(values: Array) -> float:
+    """Return the root of the sum of squares of `values` (2, cells); BLAS waits for a core where all are busy."""
+    return sqrt(float(np.einsum("cn,cn->", values, values)))
 
 
 def gmres(
@@ -231,7 +241,7 @@ def gmres(
     those before it, so that a caller who keeps what it made of them needs no further application. Source: Saad & Schultz
     (1986).
     """
-    size = float(np.linalg.norm(target))
+    size = norm(target)
     basis = [target / size]
     columns: list[Array] = []
     rotations: list[tuple[float, float]] = []
@@ -242,7 +252,7 @@ def gmres(
         for row, basis_vector in enumerate(basis):
             entries[row] = np.einsum("cn,cn->", basis_vector, vector)
             vector = vector - entries[row] * basis_vector
-        entries[-1] = np.linalg.norm(vector)
+        entries[-1] = norm(vector)
         basis.append(vector / (entries[-1] or 1.0))
         for row, (cosine, sine) in enumerate(rotations):
             above, below = entries[row : row + 2]

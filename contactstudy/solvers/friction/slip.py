@@ -5,6 +5,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
+from contactstudy.elasticity.approximate_inverse import at_unpadded_waves
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.elasticity.transforms import TRANSFORMS
@@ -41,8 +42,8 @@ class SlipAtRest:
         return self._response(shear)
 
     def approximate_inverse(self, slip: Array) -> Array:
-        """Return `slip` divided by the spectra of A on the padded grid."""
-        return _divided(slip, self._inverse, self._response.xx)
+        """Return `slip` divided by the spectra of A on a grid that wraps: half the work, for a few applications more."""
+        return _filtered(slip, self._inverse)
 
 
 class RollingSlip:
@@ -57,7 +58,7 @@ class RollingSlip:
     """
 
     def __init__(self, response: ShearResponse, step: float) -> None:
-        self._response, self._length = response, abs(step)
+        self._length = abs(step)
         self._ahead = 1 if step > 0 else -1
         rows = response.xx.padded[0]
         waves = np.exp(2j * np.pi * self._ahead / rows * np.arange(rows))
@@ -72,7 +73,7 @@ class RollingSlip:
     def approximate_inverse(self, slip: Array) -> Array:
         """Return `slip` summed from the leading edge, which undoes the difference, and divided by the spectra of A."""
         summed = np.cumsum(slip[:, :: -self._ahead], axis=1)[:, :: -self._ahead]
-        return self._length * _divided(summed, self._inverse, self._response.xx)
+        return self._length * _filtered(summed, self._inverse)
 
 
 def _coefficients(part: GeneralConvolution) -> Array:
@@ -80,20 +81,18 @@ def _coefficients(part: GeneralConvolution) -> Array:
     return TRANSFORMS.backward(part.spectrum.copy(), part.cells, part.padded)
 
 
-def _inverses(response: ShearResponse) -> tuple[Array, Array]:
+def _inverses(response: ShearResponse) -> list[Array]:
     """Return the inverse spectra of both components, the zero wave number with the largest compliance of the others."""
-    xx, yy = (np.abs(part.spectrum.real) for part in (response.xx, response.yy))
-    for sizes in (xx, yy):
+    inverses = []
+    for part in (response.xx, response.yy):
+        sizes = at_unpadded_waves(np.abs(part.spectrum.real), part.cells, part.padded)
         sizes[0, 0] = 0
         sizes[0, 0] = largest = sizes.max()
-        np.maximum(sizes, 1e-9 * largest, out=sizes)
-    return 1 / xx, 1 / yy
+        inverses.append(1 / np.maximum(sizes, 1e-9 * largest))
+    return inverses
 
 
-def _divided(field: Array, inverses: tuple[Array, Array], part: GeneralConvolution) -> Array:
-    """Return a `field` (component, x, y) whose waves on the padded grid are multiplied by the `inverses`, in place."""
-    for component, inverse in zip(field, inverses, strict=True):
-        waves = TRANSFORMS.forward(component, part.padded)
-        waves *= inverse
-        component[:] = TRANSFORMS.backward(waves, part.cells, part.padded)
-    return field
+def _filtered(field: Array, factors: list[Array]) -> Array:
+    """Return a `field` (component, x, y) whose waves on a grid that wraps are multiplied by the `factors`."""
+    pairs = zip(field, factors, strict=True)
+    return np.stack([TRANSFORMS.filtered(component, factor, None) for component, factor in pairs])

@@ -31,6 +31,7 @@ ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity",
 VolumetricHeatCapacity = Annotated[
     float, Unit("J/(m^3*K)", "a volumetric heat capacity", "3.6 MJ/(m^3*K)")
 ]
+Kelvins = Annotated[float, Unit("K", "a temperature", "333 K")]
 PerKelvin = Annotated[float, Unit("1/K", "a fraction per temperature", "0.04 1/K")]
 PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]
 MetresPerSecond = Annotated[float, Unit("m/s", "a speed", "100 mm/s")]

@@ -1,6 +1,9 @@
 """Shear heating of a film: thermal properties of the lubricant and of the bodies."""
 
 from dataclasses import dataclass
+from math import exp, log
+
+import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -9,7 +12,17 @@ from contactstudy.domain.checks import (
     set_fields,
     suggest_fields,
 )
-from contactstudy.domain.units import PerKelvin, ThermalConductivity, VolumetricHeatCapacity
+from contactstudy.domain.fields import Array
+from contactstudy.domain.units import (
+    Kelvins,
+    PerKelvin,
+    ThermalConductivity,
+    VolumetricHeatCapacity,
+)
+
+# Roelands (1966): all lubricants have one viscosity [Pa s], at a temperature [K] to which none is cooled.
+LEAST_VISCOSITY, LEAST_TEMPERATURE = exp(-9.67), 138.0
+SUPPLY = "give the temperature of the supply, above 138 K, such as 313"
 
 
 @suggest_fields
@@ -49,11 +62,14 @@ class FilmHeat:
     Parameters
     ----------
     temperature_viscosity
-        beta [1/K], the relative fall of viscosity with temperature, at least 0 (0: temperatures change nothing).
+        beta [1/K], the relative fall of viscosity with temperature at the supply, at least 0 (0: temperatures change
+        nothing).
     conductivity
         Thermal conductivity of the lubricant [W/(m K)], above 0.
     first, second
         :class:`ThermalBody` of each body.
+    supply_temperature
+        Temperature of the lubricant's supply [K], above 138, at which viscosity and beta are given.
 
     Raises
     ------
@@ -65,6 +81,7 @@ class FilmHeat:
     conductivity: ThermalConductivity = 0.14
     first: ThermalBody = ThermalBody()
     second: ThermalBody = ThermalBody()
+    supply_temperature: Kelvins = 313.15
 
     def __post_init__(self) -> None:
         remedy = "must be at least 0 1/K, such as 0.04"
@@ -73,9 +90,27 @@ class FilmHeat:
         )
         remedy = "must be above 0 W/(m K), such as 0.14"
         conductivity = in_range("FilmHeat.conductivity", self.conductivity, remedy)
-        set_fields(self, temperature_viscosity=coefficient, conductivity=conductivity)
+        supply = in_range("FilmHeat.supply_temperature", self.supply_temperature, SUPPLY)
+        if supply <= LEAST_TEMPERATURE:
+            raise InvalidInput(f"FilmHeat.supply_temperature is {supply:g} K: {SUPPLY}.")
+        set_fields(
+            self,
+            temperature_viscosity=coefficient,
+            conductivity=conductivity,
+            supply_temperature=supply,
+        )
         for name in ("first", "second"):
             if not isinstance(body := getattr(self, name), ThermalBody):
                 raise InvalidInput(
                     f"FilmHeat.{name} is {body!r}: give a ThermalBody(conductivity=...)."
                 )
+
+    def thinning(self, rise: Array, viscosity: float) -> Array:
+        """Return the change of ``ln(eta)`` at a temperature rise [K] of a lubricant of ``viscosity`` [Pa s].
+
+        ``ln(eta / eta_l)`` falls as ``(T - T_l)^(-S)`` (Roelands 1966).
+        """
+        above = self.supply_temperature - LEAST_TEMPERATURE
+        height = log(viscosity / LEAST_VISCOSITY)
+        slope = self.temperature_viscosity * above / height
+        return np.asarray(height * np.expm1(-slope * np.log1p(rise / above)))

@@ -26,7 +26,7 @@ from contactstudy.domain.units import (
     Seconds,
 )
 from contactstudy.scene.bodies import BodyContext, creeps, yields
-from contactstudy.scene.film_heat import FilmHeat
+from contactstudy.scene.film_heat import LEAST_VISCOSITY, FilmHeat
 from contactstudy.scene.load import History
 
 
@@ -60,6 +60,10 @@ class ViscosityLaw(Protocol):
         """
         ...
 
+    def temperature_factor(self, pressure: Array) -> Array:
+        """Return the relative fall of viscosity with temperature at ``pressure`` [Pa], over that at zero pressure."""
+        ...
+
 
 @suggest_fields
 @dataclass(frozen=True)
@@ -69,6 +73,10 @@ class Barus:
     def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
         """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
         return coefficient * pressure, np.full_like(pressure, coefficient)
+
+    def temperature_factor(self, pressure: Array) -> Array:
+        """Return one: the pressure coefficient does not depend on the temperature."""
+        return np.ones_like(pressure)
 
 
 @suggest_fields
@@ -110,6 +118,10 @@ class Roelands:
             coefficient * p0 / z * (stretched**z - 1),
             coefficient * stretched ** (z - 1),
         )
+
+    def temperature_factor(self, pressure: Array) -> Array:
+        """Return ``(1 + p / p0)^z``: Roelands' pressure coefficient falls as the temperature rises."""
+        return np.asarray((1 + pressure / self.reference_pressure) ** self.exponent)
 
 
 @runtime_checkable
@@ -536,6 +548,11 @@ class Lubrication:
         if isinstance(self.mean_speed, ChangingSpeed):
             raise InvalidInput(
                 "Lubrication.thermal is supported at a steady speed only: give one, or leave it out."
+            )
+        if self.lubricant.viscosity <= LEAST_VISCOSITY:
+            raise InvalidInput(
+                f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "
+                "give one above 6.3e-5, or leave Lubrication.thermal out."
             )
         if abs(self.slide_roll_ratio) == 2:
             raise InvalidInput(

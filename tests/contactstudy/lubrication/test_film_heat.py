@@ -67,12 +67,37 @@ def test_the_friction_is_isothermal_where_heat_has_no_effect(heat: cs.FilmHeat) 
 
 
 def test_traction_rises_with_sliding_and_falls_again_as_the_film_heats_up() -> None:
-    hot = [solve_lubricated(_at(heated(slide), 40.0), grid(160, 8)) for slide in (0.02, 0.2, 1.9)]
-    cold = solve_lubricated(_at(heated(1.9, heat=None), 40.0), grid(160, 8))
+    law = {"viscosity_law": cs.Roelands()}
+    hot = [
+        solve_lubricated(_at(heated(slide, **law), 40.0), grid(160, 8))
+        for slide in (0.02, 0.2, 1.9)
+    ]
+    cold = solve_lubricated(_at(heated(1.9, heat=None, **law), 40.0), grid(160, 8))
     small, middle, large = (one.friction for one in hot)
     assert small < middle
     assert large < 0.95 * middle < 0.95 * cold.friction
     assert hot[0].flash_temperature < hot[1].flash_temperature < hot[2].flash_temperature
+
+
+@pytest.mark.parametrize("pressure", [1e5, 5e8, 1e9])
+@pytest.mark.parametrize("rise", [1.0, 20.0, 50.0])
+def test_viscosity_falls_with_temperature_as_measured_in_a_mineral_oil(
+    pressure: float, rise: float
+) -> None:
+    """M100, viscosimeter of Mann, fitted by Arana, Larranaga & Ulacia (2019), eq. 30 and table 3; supply at 60 C."""
+
+    def log_viscosity(temperature: float, pressure: float) -> float:
+        stiffness = -2.28e7 + 2.26e5 * temperature
+        growth = -0.0682 + 2.768e-4 * temperature
+        at_rest = np.log(86.86e-6) + 890 / (temperature - 182)
+        return float(at_rest + pressure / (stiffness + growth * pressure))
+
+    supply = 333.15
+    heat = cs.FilmHeat(890 / (supply - 182) ** 2, supply_temperature=supply)
+    thinning = heat.thinning(np.array(rise), np.exp(log_viscosity(supply, 0.0)))
+    fall = cs.Roelands(0.664).temperature_factor(np.array(pressure)) * thinning
+    measured = log_viscosity(supply + rise, pressure) - log_viscosity(supply, pressure)
+    assert fall == pytest.approx(measured, rel=0.1)
 
 
 def test_equal_bodies_at_nearly_equal_speeds_share_the_heat_evenly() -> None:
@@ -129,6 +154,10 @@ def test_heat_is_refused_where_it_has_no_meaning() -> None:
         heated(slide=2.0)
     with pytest.raises(cs.InvalidInput, match=r"FilmHeat\.conductivity is 0"):
         cs.FilmHeat(conductivity=0)
+    with pytest.raises(cs.InvalidInput, match=r"FilmHeat\.supply_temperature is 60"):
+        cs.FilmHeat(supply_temperature=60)
+    with pytest.raises(cs.InvalidInput, match=r"Lubricant\.viscosity is 6e-05"):
+        cs.Lubrication(cs.Lubricant(6e-5, 1e-8), 1.0, thermal=cs.FilmHeat())
     with pytest.raises(cs.InvalidInput, match=r"Lubrication\.thermal is 3"):
         heated(heat=3)  # type: ignore[arg-type]
 

@@ -98,7 +98,7 @@ class Answer:
         reached = f"{100 * bound:.2g} % {measure}" if isfinite(bound) else f"no bound {measure}"
         if self.requested is None:
             return f"error at most {reached}" if isfinite(bound) else reached
-        why = "" if self.met else self.error.l1.reason
+        why = "" if self.met else parts.reason or self.error.l1.reason
         if not (why or isfinite(bound)):
             why = next(iter(self.error.warnings), "")
         elif not (why or self.met):

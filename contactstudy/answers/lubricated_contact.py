@@ -16,6 +16,14 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+# What a bound is said to be in, by the number of the largest one.
+MEASURES = {
+    "friction_coefficient": "friction",
+    "flash_temperature": "flash temperature",
+    "film_temperature": "film temperature",
+    "contact_load_fraction": "load fraction of asperities",
+}
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LubricatedContact(Answer, FilmSolution):
@@ -24,7 +32,7 @@ class LubricatedContact(Answer, FilmSolution):
     Parameters
     ----------
     requested
-        Relative error of the central and the minimum film thickness that was asked for.
+        Relative error that was asked for, of the film and of what its motion adds: friction, heat, load fraction.
     time
         Time [s] of a frame of an evolution; None for others.
     """
@@ -46,10 +54,10 @@ class LubricatedContact(Answer, FilmSolution):
 
     @property
     def judged(self) -> tuple[str, ErrorParts]:
-        """The larger bound of the central and the minimum film thickness."""
-        films = self.error.central_film, self.error.minimum_film
-        film_errors = [parts for parts in films if parts is not None]
-        return "in the film", max(film_errors, key=lambda parts: parts.total)
+        """The largest bound of the numbers that the scene asks for."""
+        errors = self.errors_asked_for(self.error)
+        name = max(errors, key=lambda name: errors[name].total)
+        return f"in the {MEASURES.get(name, 'film')}", errors[name]
 
     @property
     def counts(self) -> Counts:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactstudy.domain.errors import ErrorEstimate
+from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import FilmScales
@@ -203,6 +203,25 @@ class FilmSolution:
             f"limit of a lubricant, {SHEAR_LIMIT_OVER_PRESSURE:g} of the pressure. "
             "Give Lubricant.shear a limit, such as LimitingShear(0.07)."
         )
+
+    def errors_asked_for(self, estimate: ErrorEstimate) -> dict[str, ErrorParts]:
+        """Return the errors, by name, of all numbers that the scene asks for: the film, and what its motion adds.
+
+        That of a load fraction is a fraction of the load.
+        """
+        motion = self.scales.lubrication
+        names = ["central_film", "minimum_film"]
+        if motion.slide_roll_ratio:
+            names.append("friction_coefficient")
+            if motion.thermal is not None:
+                names += ["flash_temperature", "film_temperature"]
+        if motion.boundary is not None:
+            names.append("contact_load_fraction")
+        errors = {name: parts for name, parts in estimate if name in names}
+        if "contact_load_fraction" in errors:
+            of_load = errors["contact_load_fraction"].scaled(self.contact_load_fraction or 1.0)
+            errors["contact_load_fraction"] = of_load
+        return errors
 
     @property
     def power_loss(self) -> float:

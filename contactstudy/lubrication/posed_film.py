@@ -312,7 +312,9 @@ def restart(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
             asperities = between_cells(touching, contact.grid, x, y) / scales.hertz.peak_pressure
     separation = contact.separation / scales.film
     film = raised(posed.equation, pressure, void, separation, lowest, asperities)
-    return film, (pressure == 0) & ~fixed
+    # lubricant fills a longer inlet, as far as the other one was flooded
+    inside = (x > contact.grid.x[1])[:, None]
+    return film, (pressure == 0) & ~fixed & inside
 
 
 def between_cells(values: Array, grid: Grid, x: Array, y: Array) -> Array:

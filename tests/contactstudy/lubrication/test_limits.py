@@ -72,8 +72,13 @@ def test_friction_that_no_lubricant_bears_has_no_bound_and_names_the_limit() -> 
             newtonian.lubrication, lubricant=replace(OIL, shear=cs.LimitingShear(0.07))
         ),
     )
-    without, with_limit = (solve_lubricated(one, error=5e-2) for one in (newtonian, limited))
+    without, with_limit = (cs.solve(one, error=5e-2) for one in (newtonian, limited))
     assert without.friction > 1
+    assert total(without.error.minimum_film) < 5e-2
+    # the verdict is on all numbers, and not on the film alone
+    assert not without.met
+    assert "no bound in the friction; Friction has no bound" in without.accuracy
+    assert with_limit.met
     assert total(without.estimate.friction_coefficient) == np.inf
     assert "LimitingShear" in " ".join(without.estimate.warnings)
     assert with_limit.friction_reason == ""
@@ -117,6 +122,27 @@ def test_a_film_starts_from_one_with_other_cells_along_the_length() -> None:
         for start in (None, coarse)
     )
     assert warm.film == pytest.approx(cold.film, rel=1e-6)
+
+
+def test_a_spike_that_cells_hide_leaves_the_peak_pressure_without_an_error() -> None:
+    """Half of it is missing on 96 cells; no cell rises above the one before it and falls again."""
+    coarse, fine = (solve_lubricated(by_moes(5.3, 9.2), grid(cells, 4.2)) for cells in (96, 640))
+    assert fine.peak_pressure > 1.5 * coarse.peak_pressure
+    assert total(film_error(coarse).peak_pressure) == np.inf
+    isoviscous = film_error(solve_lubricated(by_moes(10, 0), grid(160, 2.3)))
+    assert np.isfinite(total(isoviscous.peak_pressure))
+
+
+def test_a_longer_inlet_starts_full_of_lubricant() -> None:
+    """A film of few iterations from a shorter one; from an inlet that fills slowly it took hundreds of times as many."""
+    scene = by_moes(90, 10, cs.Waviness(1e-8, across=A / 2, along=A / 2))
+    short = solve_lubricated(scene, grid(48, 2.0, 8), tolerance=1e-6)
+    cold, warm = (
+        solve_lubricated(scene, grid(96, 4.0, 8), start=start, tolerance=1e-6)
+        for start in (None, short)
+    )
+    assert warm.status is cold.status
+    assert warm.linear_iterations <= 3 * cold.linear_iterations
 
 
 @pytest.mark.cases(1)

@@ -92,6 +92,21 @@ def test_without_contact_the_film_is_that_without_a_boundary_film() -> None:
     assert both.friction == pytest.approx(film.friction, rel=1e-10)
 
 
+def test_ridges_as_high_as_the_film_converge_on_fine_cells() -> None:
+    """Three waves whose rms height is that of the film, at M = 28, L = 9."""
+    waves = ((0.0601, 0.309, 4.53), (0.0468, 0.216, 0.58), (0.0371, 0.139, 3.53))
+    shapes = (
+        cs.Waviness(height * UNIT, across=wave * A, phase=phase) for height, wave, phase in waves
+    )
+    scene = by_moes(28.31, 9.14, *shapes, shear=cs.Eyring(5e6))
+    motion = replace(scene.lubrication, boundary=cs.Boundary(0.00953 * UNIT))
+    contact = solve_lubricated(
+        replace(scene, lubrication=motion), cs.Grid((656, 1), (4.518 * A, A))
+    )
+    assert contact.status is cs.Status.CONVERGED
+    assert contact.contact_load_fraction == 0
+
+
 @pytest.mark.whole
 def test_shares_near_the_dry_contact_settle_with_finer_cells_within_their_error() -> None:
     coarse, fine = (solve_lubricated(mixed(0.06, 0.01), grid(cells)) for cells in (800, 1200))

@@ -337,10 +337,10 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_of
         from contactstudy.evolution.evolve import evolve
-        from contactstudy.planning.grid_requirements import CONSTANTS as GRID_CONSTANTS
+        from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         requested, steps = self.requested, self.steps
-        fraction = None if requested is None else (1 - GRID_CONSTANTS.cell_fraction) * requested
+        fraction = None if requested is None else (1 - GRID.cell_fraction) * requested
         first, padding = self.planned(requested)
 
         def solve_on(grid: Grid) -> "Evolution":

@@ -10,11 +10,7 @@ from contactstudy.accuracy.coarser import (
     change_between_grids,
     coarse_solution,
 )
-from contactstudy.accuracy.discretisation import (
-    around_contact,
-    contact_area,
-    discretisation_errors,
-)
+from contactstudy.accuracy.discretisation import around_contact, contact_area, discretisation_errors
 from contactstudy.accuracy.image_errors import image_errors
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.residual_errors import residual_errors

@@ -205,10 +205,7 @@ class SmoothedExtension(CoveringExtension):
     """Extension by the weighted mean of the contact's displacement; `smoothed` is a symmetric, positive convolution."""
 
     def __init__(
-        self,
-        contact: Array,
-        smoothed: Callable[[Array], Array],
-        pressure: Callable[[Array], Array],
+        self, contact: Array, smoothed: Callable[[Array], Array], pressure: Callable[[Array], Array]
     ) -> None:
         super().__init__(contact, pressure)
         xp = arrays()

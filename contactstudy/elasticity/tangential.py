@@ -10,11 +10,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.reuse import cached_array
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients, kernel
-from contactstudy.elasticity.convolution import (
-    GeneralConvolution,
-    mirrored_by_parity,
-    padded_cells,
-)
+from contactstudy.elasticity.convolution import GeneralConvolution, mirrored_by_parity, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,

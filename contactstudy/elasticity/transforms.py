@@ -151,12 +151,7 @@ class Ducc(Transforms):
             field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=threads())
         else:
             field = self._fft.c2r(
-                rows,
-                axes=(1,),
-                lastsize=padded[1],
-                forward=False,
-                inorm=2,
-                nthreads=count,
+                rows, axes=(1,), lastsize=padded[1], forward=False, inorm=2, nthreads=count
             )
         return np.ascontiguousarray(field[:, : cells[1]])
 

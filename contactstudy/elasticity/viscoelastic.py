@@ -297,10 +297,7 @@ def _panels(kernel: Kernel, count: int, step: float, length: float) -> tuple[Arr
     onward = np.tensordot(weights, values, (0, 1))
     # Gauss points are symmetric: read backwards, only the weights change
     backward = np.tensordot(weights[::-1], values, (0, 1))
-    return (
-        np.concatenate([first[0][None], onward]),
-        np.concatenate([first[1][None], backward]),
-    )
+    return (np.concatenate([first[0][None], onward]), np.concatenate([first[1][None], backward]))
 
 
 def _integral(kernel: Kernel, start: float, edges: Array, length: float, sign: int) -> Array:

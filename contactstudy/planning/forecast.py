@@ -10,21 +10,10 @@ from contactstudy.accuracy.estimate import SHARP_EDGE
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.planning.cost import (
-    CONSTANTS as TIMING_CONSTANTS,
-)
-from contactstudy.planning.cost import (
-    CostModel,
-    memory,
-    timed,
-)
-from contactstudy.planning.grid_requirements import (
-    CONSTANTS as GRID_CONSTANTS,
-)
-from contactstudy.planning.grid_requirements import (
-    GridRequirements,
-    halvable_count,
-)
+from contactstudy.planning.cost import CONSTANTS as TIMING
+from contactstudy.planning.cost import CostModel, memory, timed
+from contactstudy.planning.grid_requirements import CONSTANTS as GRID
+from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
 from contactstudy.planning.refinement import GridRefinement
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
@@ -196,21 +185,18 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     grid
         The grid.
     """
-    padding, orders = (
-        requirements.padding(),
-        (GRID_CONSTANTS.rough_order, GRID_CONSTANTS.rough_order),
-    )
+    padding, orders = (requirements.padding(), (GRID.rough_order, GRID.rough_order))
     # the law is that of Hertz's contact
     if requirements.is_smooth and scene.hardness > requirements.hertz.peak_pressure:
         return GridForecast(
             grid,
             (requirements.error(grid.cell_size), 0.0),
             orders,
-            (GRID_CONSTANTS.min_cells, 1),
+            (GRID.min_cells, 1),
             grid.extent[0] < 2 * requirements.hertz.half_width,
             "",
             CONSTANTS.estimate_cost
-            * CostModel().seconds(grid, padding, TIMING_CONSTANTS.smooth_convolutions),
+            * CostModel().seconds(grid, padding, TIMING.smooth_convolutions),
         )
     refinement = replace(
         _refinement(scene, requirements, CONSTANTS.given_error),
@@ -220,9 +206,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     try:
         levels = refinement.solve_levels(grid.extent)
         _, timing = timed(
-            lambda of: scene.problem(of, padding),
-            levels[-1].grid,
-            10.0**-TIMING_CONSTANTS.tolerance_digits,
+            lambda of: scene.problem(of, padding), levels[-1].grid, 10.0**-TIMING.tolerance_digits
         )
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
         return GridForecast(

@@ -12,7 +12,7 @@ from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.rolling import solve_rolling
 from contactstudy.evolution.steps import TimeSteps
 from contactstudy.planning.cost import timed
-from contactstudy.planning.grid_requirements import CONSTANTS as GRID_CONSTANTS
+from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.transient_requirements import transient_requirements
 from contactstudy.scene.load import LineLoad
 from contactstudy.scene.scene import Scene
@@ -127,7 +127,7 @@ def pilot(
     coarse = Grid((min(nx, across), min(ny, CONSTANTS.cells[1])), grid.extent)
     try:
         seconds, solves = _seconds_and_solves(
-            scene, coarse, padding, (1 - GRID_CONSTANTS.cell_fraction) * error, steps
+            scene, coarse, padding, (1 - GRID.cell_fraction) * error, steps
         )
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")

@@ -13,15 +13,8 @@ from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
-from contactstudy.planning.cost import (
-    CONSTANTS as TIMING_CONSTANTS,
-)
-from contactstudy.planning.cost import (
-    CostModel,
-    memory,
-    speedup,
-    stress_seconds,
-)
+from contactstudy.planning.cost import CONSTANTS as TIMING
+from contactstudy.planning.cost import CostModel, memory, speedup, stress_seconds
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.forecast import (
     GridForecast,
@@ -30,9 +23,7 @@ from contactstudy.planning.forecast import (
     with_width,
     within_memory,
 )
-from contactstudy.planning.grid_requirements import (
-    CONSTANTS as GRID_CONSTANTS,
-)
+from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
     flat_grid,
@@ -205,7 +196,7 @@ def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
 def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Plan:
     """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
     grid, padding = flat_grid(scales, period), (ExactPeriodicity(), ExactPeriodicity())
-    seconds = CostModel().seconds(grid, padding, TIMING_CONSTANTS.rough_convolutions)
+    seconds = CostModel().seconds(grid, padding, TIMING.rough_convolutions)
     return Plan(
         grid=grid,
         padding=padding,
@@ -291,11 +282,7 @@ def _axis_reasons(forecast: GridForecast, *, own_points: bool) -> Iterator[str]:
 
 
 def _plan_time_dependent(
-    scene: Scene,
-    error: float | None,
-    period: float | None,
-    grid: Grid | None,
-    times: "TimeSteps",
+    scene: Scene, error: float | None, period: float | None, grid: Grid | None, times: "TimeSteps"
 ) -> Plan:
     """Plan a scene that changes in time: wide enough for its widest contact, fine enough for its narrowest."""
     # imported only for scenes that change in time
@@ -304,7 +291,7 @@ def _plan_time_dependent(
     transient = transient_requirements(scene, times.last)
     plastic = transient.plastic
     error_factor = plastic.error_factor if plastic else 1.0
-    fraction = 1.0 if scene.rolls else GRID_CONSTANTS.cell_fraction
+    fraction = 1.0 if scene.rolls else GRID.cell_fraction
     discretisation_error = fraction * (error or DEFAULT_ERROR) / error_factor
     narrow_plan = _plan_static(
         transient.narrow, discretisation_error, period, grid, ONE_THREAD, width=transient.width

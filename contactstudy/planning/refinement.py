@@ -8,23 +8,15 @@ import numpy as np
 from scipy import fft
 
 from contactstudy.accuracy.bounded_solution import CONSTANTS as BOUND
-from contactstudy.accuracy.bounded_solution import (
-    BoundedSolution,
-    bounded,
-)
+from contactstudy.accuracy.bounded_solution import BoundedSolution, bounded
 from contactstudy.accuracy.coarser import halved
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
-from contactstudy.planning.grid_requirements import (
-    CONSTANTS as GRID_CONSTANTS,
-)
-from contactstudy.planning.grid_requirements import (
-    GridRequirements,
-    grid_requirements,
-)
+from contactstudy.planning.grid_requirements import CONSTANTS as GRID
+from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -290,7 +282,7 @@ class GridRefinement:
         # random heights depend on the extent
         if any(getattr(shape, "extent", ()) is None for shape in self.scene.shapes):
             return None
-        needed = GRID_CONSTANTS.width_factor * _contact_width(solution)
+        needed = GRID.width_factor * _contact_width(solution)
         return needed if needed < CONSTANTS.narrowing * width else None
 
     def _with_width(self, grid: Grid, width: float) -> Grid:

@@ -9,7 +9,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.plastic import layers
-from contactstudy.planning.grid_requirements import CONSTANTS as GRID_CONSTANTS
+from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.scene.bodies import Body, instantaneous, yields
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace
 from contactstudy.scene.load import ChangingLoad, LineLoad
@@ -191,14 +191,11 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolls:
         return TransientRequirements(
-            elastic,
-            2 * GRID_CONSTANTS.width_factor * half_width * 1.5,
-            CONSTANTS.rolling_fields,
-            (),
+            elastic, 2 * GRID.width_factor * half_width * 1.5, CONSTANTS.rolling_fields, ()
         )
     plastic = expected_plastic_zone(scene)
     if plastic is not None:
-        half_width = max(half_width, plastic.half_extent / GRID_CONSTANTS.width_factor)
+        half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     if scene.wear is not None and hertz is not None and duration:
         worn_area = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
         half_width = float(np.cbrt(half_width**3 + worn_area))
@@ -210,7 +207,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
         reasons = (f"load: the cells are those for the smallest load, {readable(least, 'N m-1')}.",)
     return TransientRequirements(
         replace(elastic, load=LineLoad(least)),
-        2 * GRID_CONSTANTS.width_factor * half_width,
+        2 * GRID.width_factor * half_width,
         fields,
         reasons,
         warnings,

@@ -1,6 +1,6 @@
 """Preconditioned conjugate gradients with a trial step and a start from coarser grids."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import prod
 
 from contactstudy.domain.device import arrays
@@ -245,7 +245,7 @@ def _shift_and_beta(
 ) -> tuple[float, float]:
     """Return what to add to the direction against the residual: a uniform pressure, and beta times the last step.
 
-    Hestenes & Stiefel (1952), eq. 3:1, for directions without a control; 0 for the multiple where the direction would
+    Beta is that of Hestenes & Stiefel (1952), eq. 3:1, for directions that keep the load; 0 where the direction would
     not be one of descent.
     """
     operations = problem.operations
@@ -326,14 +326,11 @@ class PreconditionedCG:
             start=last.pressure,
         )
         better = min(last, following, key=lambda iterate: iterate.residual)
-        return Iterate(
-            better.pressure,
-            better.displacement,
-            better.approach,
-            better.residual,
-            last.iterations + following.iterations,
-            last.convolutions + following.convolutions,
-            f"Preconditioned conjugate gradients stalled at a residual of {last.residual:.1e} after "
+        return replace(
+            better,
+            iterations=last.iterations + following.iterations,
+            convolutions=last.convolutions + following.convolutions,
+            note=f"Preconditioned conjugate gradients stalled at a residual of {last.residual:.1e} after "
             f"{last.iterations} iterations; Polonsky & Keer's scheme went on from there.",
         )
 

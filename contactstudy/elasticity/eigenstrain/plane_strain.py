@@ -191,11 +191,7 @@ PLANE_STRAIN_BASIS = np.array(
     )
 )
 # The derivatives of the stress function in -(xx, zz, sqrt(2) xz) by strain (xx, zz, sqrt(2) xz), and their factors.
-DERIVATIVES = (
-    ((2, 2), (2, 0), (2, 1)),
-    ((0, 2), (0, 0), (0, 1)),
-    ((1, 2), (1, 0), (1, 1)),
-)
+DERIVATIVES = (((2, 2), (2, 0), (2, 1)), ((0, 2), (0, 0), (0, 1)), ((1, 2), (1, 0), (1, 1)))
 FACTORS = np.array(((1, 1, 2**0.5), (1, 1, 2**0.5), (-(2**0.5), -(2**0.5), -2)))
 # Number of the component that is odd in x.
 ODD = 2

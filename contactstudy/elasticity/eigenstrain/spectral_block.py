@@ -148,10 +148,7 @@ class Aliases:
         return total
 
     def _stress_of_other_layer(
-        self,
-        thicknesses: tuple[float, float],
-        tops: tuple[float, float],
-        components: Components,
+        self, thicknesses: tuple[float, float], tops: tuple[float, float], components: Components
     ) -> Array:
         """Return the stress (components, 5, waves) in the second of two layers by unit strains in the first."""
         total = np.zeros((len(components.value), 5, len(self.x)))

@@ -47,11 +47,7 @@ class LayerResponse:
     @cached_property
     def _mismatch(self) -> tuple[float, float, float, float]:
         """Mismatch of the materials (Burmister 1945): lambda, kappa, ``1 - lambda`` and ``1 - kappa``."""
-        m, nu1, nu2 = (
-            self.shear_ratio,
-            self.coating_poisson_ratio,
-            self.substrate_poisson_ratio,
-        )
+        m, nu1, nu2 = (self.shear_ratio, self.coating_poisson_ratio, self.substrate_poisson_ratio)
         below, above = 1 + m * (3 - 4 * nu2), m + 3 - 4 * nu1
         lam = (m * (3 - 4 * nu2) - (3 - 4 * nu1)) / below
         return lam, (m - 1) / above, 4 * (1 - nu1) / below, 4 * (1 - nu1) / above

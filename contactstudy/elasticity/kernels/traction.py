@@ -143,13 +143,7 @@ SURFACE["x"] = CellKernel(
     SURFACE,
 )
 SURFACE["y"] = CellKernel(
-    "y / r^2",
-    (1, -1),
-    lambda x, y, z, r, nu: y / (r * r),
-    _swapped(_half_log),
-    _zero,
-    "x",
-    SURFACE,
+    "y / r^2", (1, -1), lambda x, y, z, r, nu: y / (r * r), _swapped(_half_log), _zero, "x", SURFACE
 )
 SURFACE["xx"] = CellKernel(
     "x^2 / r^3",

@@ -218,12 +218,7 @@ class WaveCoefficients:
 
 @lru_cache(maxsize=8)
 def _lattice(
-    waves: WaveResponse,
-    thickness: float,
-    dx: float,
-    dy: float,
-    across: int,
-    along: int,
+    waves: WaveResponse, thickness: float, dx: float, dy: float, across: int, along: int
 ) -> dict[str, Array]:
     """Return the response (across, along) to one cell of a lattice at all its points, for each field.
 

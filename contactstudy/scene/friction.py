@@ -30,7 +30,7 @@ from contactstudy.scene.bodies import (
 from contactstudy.scene.coated import CoatedHalfSpace
 from contactstudy.scene.inelastic import RollingHalfSpace
 from contactstudy.scene.shapes.shape import Shape
-from contactstudy.solvers.friction.laws import CiavarellaJaeger, CoulombDisks, FullSliding
+from contactstudy.solvers.friction.laws import CiavarellaJaeger, FullSliding, PartialSlipShear
 
 if TYPE_CHECKING:
     from contactstudy.analytic import HertzLine
@@ -228,13 +228,13 @@ class PartialSlip:
 
     def law(
         self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> CiavarellaJaeger | CoulombDisks:
+    ) -> CiavarellaJaeger | PartialSlipShear:
         """Return superposition where it is exact for this gap, else the problem of two components."""
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
             limit = self.coefficient * scene.load.largest
             return CiavarellaJaeger(self.coefficient, self.tangential / limit)
         response = shear_response(sheared(scene.solids), grid, paddings, datum)
-        return CoulombDisks(self.coefficient, self.tangential, response)
+        return PartialSlipShear(self.coefficient, self.tangential, response)
 
     def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""

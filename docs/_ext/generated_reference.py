@@ -91,7 +91,7 @@ INNER = (
     "scene.coated_stress.CoatedStress",
     "scene.surfaces.preparation.Missing",
     "scene.surfaces.preparation.Seam",
-    "solvers.friction.laws.CoulombDisks",
+    "solvers.friction.laws.PartialSlipShear",
     "solvers.friction.laws.FullSliding",
     "solvers.friction.laws.CiavarellaJaeger",
     "solvers.lagged.LaggedSolution",

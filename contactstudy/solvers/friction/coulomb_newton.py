@@ -4,10 +4,10 @@ With the slip ``s = s0 + D q`` of the first against the second body, Coulomb's l
 
     ``F(q) = q - Proj(q - rho s) = 0``
 
-with the projection onto the disks ``|q| <= mu p``, with a given resultant if there is one, and the inverse rho of a
-cell's own slip. The derivative of F is ``1 - P (1 - rho D)`` with that of the projection, P: ``rho D`` in cells that
-stick. Its equations are solved by GMRES. Where no fraction of a Newton step reduces F, extragradient iterations, of two
-projections each, are taken before the next one.
+with the projection onto the friction set ``|q| <= mu p``, with a given resultant if there is one, and the inverse rho
+of a cell's own slip. The derivative of F is ``1 - P (1 - rho D)`` with that of the projection, P: ``rho D`` in cells
+that stick. Its equations are solved by GMRES. Where no fraction of a Newton step reduces F, extragradient iterations,
+of two projections each, are taken before the next one.
 
 Source: semismooth Newton of Alart & Curnier (1991); Saad & Schultz (1986); extragradient of Korpelevich (1976).
 """
@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.solvers.friction.disks import Disks
+from contactstudy.solvers.friction.friction_set import FrictionSet, Projection
 from contactstudy.solvers.friction.slip import SlipOperator
 from contactstudy.solvers.solution import Status
 
@@ -71,6 +71,17 @@ def shear_status(
     return Status.ITERATION_LIMIT if applications >= max_applications else Status.STALLED
 
 
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Shear and slip (2, cells), the `projection` of the trial shear, and F (2, cells), `error`, with its `residual`."""
+
+    shear: Array
+    slip: Array
+    projection: Projection
+    error: Array
+    residual: float
+
+
 class CoulombNewton:
     """Newton's method, and its fallback, for the shear (2, cells) of the cells in contact on one grid.
 
@@ -86,14 +97,9 @@ class CoulombNewton:
 
     def __init__(self, slip: SlipOperator, limit: Array, total: Array | None = None) -> None:
         self._operator, self._shape, self._cells = slip, limit.shape, np.flatnonzero(limit)
-        self._disks = Disks(limit.ravel()[self._cells], total)
+        self._set = FrictionSet(limit.ravel()[self._cells], total)
         self._rho = 1 / slip.self_compliance
         self.applications = 0
-
-    @property
-    def rigid(self) -> Array:
-        """Rigid slip (2,): the multiplier of the given sum in the last projection."""
-        return self._disks.shift / self._rho
 
     def slip(self, shear: Array) -> Array:
         """Return the slip (2, cells) by elastic deformation under `shear` (2, cells)."""
@@ -117,64 +123,63 @@ class CoulombNewton:
 
     def project(self, shear: Array) -> Array:
         """Return the nearest shear (2, cells) that friction carries, with the given sum if there is one."""
-        return self._disks.project(shear)
+        return self._set.project(shear).traction
 
     def sticks(self, shear: Array, slip: Array) -> NDArray[np.bool_]:
         """Return which cells (x, y) stick: whose trial shear, by `shear` and `slip` (2, cells), is below its limit.
 
         The trial shear decides, not the shear, which rounding may leave just inside the disk of a slipping cell.
         """
-        radius, stick = self._disks.radius, np.zeros(self._shape, dtype=bool)
+        radius, stick = self._set.radius, np.zeros(self._shape, dtype=bool)
         trial = np.hypot(*(shear - self._rho * slip))
         stick.ravel()[self._cells] = trial < radius - CONSTANTS.sticking * radius.max()
         return stick
 
     def solve(
         self, free_slip: Array, shear: Array, tolerance: float, max_applications: int
-    ) -> tuple[Array, Array, float]:
-        """Return shear and slip (2, cells) from a first `shear`, and the residual.
+    ) -> tuple[Array, Array, Array, float]:
+        """Return shear and slip (2, cells) from a first `shear`, the rigid slip (2,), and the residual.
 
-        `free_slip` (component, x, y) is the slip without shear. The residual is the root mean square of F over the
-        largest shear, or a ten-thousandth of its largest limit if that is more.
+        The rigid slip is the multiplier of the given sum; the slip (2, cells) is without it. `free_slip` (component, x,
+        y) is the slip without shear. The residual is the root mean square of F over the largest shear, or a
+        ten-thousandth of its largest limit if that is more.
         """
-        free, most = self.gathered(free_slip), max_applications + self.applications
+        free, max_total = self.gathered(free_slip), max_applications + self.applications
         shear = self.project(shear)
-        slip: Array = free + self.slip(shear)
-        error, residual = self._residual(shear, slip)
+        state = self._state(shear, free + self.slip(shear))
         length, projections = self._rho, CONSTANTS.first_projections
-        while residual > tolerance and self.applications < most:
-            forcing = _forcing(tolerance, residual)
-            change, slip_change = self._newton_step(shear, slip, error, forcing, most)
+        while state.residual > tolerance and self.applications < max_total:
+            forcing = _forcing(tolerance, state.residual)
+            change, slip_change = self._newton_step(state, forcing, max_total)
             # slip is linear in the shear: shorter steps cost nothing
             for halving in range(CONSTANTS.max_halvings):
                 part = 0.5**halving
-                trial = shear + part * change, slip + part * slip_change
-                trial_error, trial_residual = self._residual(*trial)
-                if trial_residual <= (1 - 0.1 * part) * residual:
-                    (shear, slip), error, residual = trial, trial_error, trial_residual
+                trial = self._state(state.shear + part * change, state.slip + part * slip_change)
+                if trial.residual <= (1 - 0.1 * part) * state.residual:
+                    state = trial
                     break
             else:
                 for _ in range(projections):
-                    shear, slip, length = self._extragradient(free, shear, slip, length)
-                    error, residual = self._residual(shear, slip)
-                    if residual <= tolerance or self.applications >= most:
+                    shear, slip, length = self._extragradient(free, state.shear, state.slip, length)
+                    state = self._state(shear, slip)
+                    if state.residual <= tolerance or self.applications >= max_total:
                         break
                 projections *= 2
-        return shear, slip, residual
+        return state.shear, state.slip, state.projection.multiplier / self._rho, state.residual
 
-    def _residual(self, shear: Array, slip: Array) -> tuple[Array, float]:
-        """Return F (2, cells), and its root mean square over the largest shear."""
-        projected = self._disks.project(shear - self._rho * slip)
+    def _state(self, shear: Array, slip: Array) -> "_State":
+        """Return the state of this `shear` and `slip` (2, cells)."""
+        projection = self._set.project(shear - self._rho * slip)
+        projected = projection.traction
         error = shear - projected
         mean = norm(error) / sqrt(self._cells.size)
-        least = CONSTANTS.least_shear * float(self._disks.radius.max())
-        return error, mean / max(float(np.hypot(*projected).max()), least)
+        least = CONSTANTS.least_shear * float(self._set.radius.max())
+        residual = mean / max(float(np.hypot(*projected).max()), least)
+        return _State(shear, slip, projection, error, residual)
 
-    def _newton_step(
-        self, shear: Array, slip: Array, error: Array, forcing: float, most: int
-    ) -> tuple[Array, Array]:
+    def _newton_step(self, state: "_State", forcing: float, max_total: int) -> tuple[Array, Array]:
         """Return the changes of shear and slip (2, cells) that leave the fraction `forcing` of the linearised F."""
-        projection = self._disks.derivative(shear - self._rho * slip)
+        projection = state.projection.derivative()
         steps: list[tuple[Array, Array]] = []
 
         def derivative(values: Array) -> Array:
@@ -183,9 +188,9 @@ class CoulombNewton:
             steps.append((change, slip_change))
             return change - projection(change - self._rho * slip_change)
 
-        vectors = min(CONSTANTS.max_vectors, most - self.applications)
-        weights = gmres(derivative, -error, forcing, vectors)
-        change, slip_change = np.zeros_like(shear), np.zeros_like(slip)
+        max_vectors = min(CONSTANTS.max_vectors, max_total - self.applications)
+        weights = gmres(derivative, -state.error, forcing, max_vectors)
+        change, slip_change = np.zeros_like(state.shear), np.zeros_like(state.slip)
         for weight, (shear_step, its_slip) in zip(weights, steps, strict=True):
             change += weight * shear_step
             slip_change += weight * its_slip
@@ -204,15 +209,14 @@ class CoulombNewton:
         self, free: Array, shear: Array, slip: Array, length: float
     ) -> tuple[Array, Array, float]:
         """Return shear and slip after two projections, and their step length, which is shortened as needed."""
-        project = self._disks.project
         while True:
-            half = project(shear - length * slip)
+            half = self.project(shear - length * slip)
             half_slip = free + self.slip(half)
             shear_change, slip_change = norm(half - shear), norm(half_slip - slip)
             if length * slip_change <= 0.9 * shear_change:
                 break
             length *= 0.7
-        shear = project(shear - length * half_slip)
+        shear = self.project(shear - length * half_slip)
         return shear, free + self.slip(shear), length
 
 
@@ -232,21 +236,20 @@ def norm(values: Array) -> float:
 
 
 def gmres(
-    apply: Callable[[Array], Array], target: Array, tolerance: float, most: int
+    apply: Callable[[Array], Array], right_side: Array, tolerance: float, max_vectors: int
 ) -> list[float]:
-    """Return the weights of the Krylov vectors that minimise the residual of ``apply(x) = target``: GMRES.
+    """Return the weights of the Krylov vectors that minimise the residual of ``apply(x) = right_side``: GMRES.
 
-    Vector i is the i-th argument of `apply`. The residual is at most `tolerance` of the target, unless `most`
-    applications do not suffice. Every vector is orthogonal to
-    those before it, so that a caller who keeps what it made of them needs no further application. Source: Saad & Schultz
-    (1986).
+    Vector i is the i-th argument of `apply`. The residual is at most `tolerance` of the right side, unless
+    `max_vectors` do not suffice. Every vector is orthogonal to those before it, so that a caller who keeps what it made
+    of them needs no further application. Source: Saad & Schultz (1986).
     """
-    size = norm(target)
-    basis = [target / size]
+    size = norm(right_side)
+    basis = [right_side / size]
     columns: list[Array] = []
     rotations: list[tuple[float, float]] = []
     reduced = [size]
-    while len(columns) < max(most, 1) and abs(reduced[-1]) > tolerance * size:
+    while len(columns) < max(max_vectors, 1) and abs(reduced[-1]) > tolerance * size:
         vector = apply(basis[-1])
         entries = np.empty(len(basis) + 1)
         for row, basis_vector in enumerate(basis):

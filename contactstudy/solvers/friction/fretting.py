@@ -28,14 +28,14 @@ class FrettingShear:
     ----------
     coefficient
         Coefficient of friction mu.
-    forces
+    forces_per_length
         Tangential forces along x [N/m], each less than friction bears, starting from 0.
     response
         Displacement under shear, A.
     """
 
     coefficient: float
-    forces: tuple[float, ...]
+    forces_per_length: tuple[float, ...]
     response: ShearResponse
 
     def solve(
@@ -50,7 +50,7 @@ class FrettingShear:
         displacements = [0.0]
         shears = []
         # without a load there is no tangential force
-        forces = self.forces if limit.any() else ()
+        forces = self.forces_per_length if limit.any() else ()
         for force in forces:
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
             step = slip_step(
@@ -67,7 +67,7 @@ class FrettingShear:
                     step.residual, step.applications, options.tolerance, options.max_iterations
                 )
             )
-        cycle_start = _cycle_start(self.forces)
+        cycle_start = _cycle_start(self.forces_per_length)
         slip_distance = sum(sliding[cycle_start:], start=np.zeros_like(limit))
         traction = FrettingTraction(
             shear=shear,

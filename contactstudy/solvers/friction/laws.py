@@ -15,8 +15,9 @@ from contactstudy.solvers.lagged import solve_by_substitution
 from contactstudy.solvers.solution import Solution, Status, TangentialTraction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Errors fall by at least 1.7 from one pass to the next where both bodies are elastic and friction is below 1.
-MAX_PASSES = 200
+# Outer iterations between pressure and shear: errors fall by at least 1.7 from one to the next where both bodies are
+# elastic and friction is below 1.
+MAX_SLIDING_ITERATIONS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,25 +44,27 @@ class FullSliding:
         if coupling is None:
             solution = solve_contact(problem, options, start, on)
             return replace(solution, traction=self.traction(solution.pressure))
-        passes = 0
+        applications = 0
 
-        def lagged(pressure: Array) -> Array:
-            nonlocal passes
-            passes += 1
+        def gap_change(pressure: Array) -> Array:
+            nonlocal applications
+            applications += 1
             return self.coefficient * coupling(pressure)
 
-        solution = solve_by_substitution(problem, lagged, options, start, on, MAX_PASSES)
+        solution = solve_by_substitution(
+            problem, gap_change, options, start, on, MAX_SLIDING_ITERATIONS
+        )
         return replace(
             solution,
-            convolutions=solution.convolutions + passes,
-            traction=self.traction(solution.pressure, passes),
+            convolutions=solution.convolutions + applications,
+            traction=self.traction(solution.pressure, applications),
         )
 
-    def traction(self, pressure: Array, passes: int = 1) -> TangentialTraction:
+    def traction(self, pressure: Array, applications: int = 1) -> TangentialTraction:
         """Return the traction of full sliding under `pressure` (x, y) [Pa]."""
         shear = np.stack([self.coefficient * pressure, np.zeros_like(pressure)])
         method = "full sliding" if self.coupling is None else "full sliding, shear lagged"
-        return TangentialTraction(shear, np.zeros(pressure.shape, dtype=bool), method, passes)
+        return TangentialTraction(shear, np.zeros(pressure.shape, dtype=bool), method, applications)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,16 +102,16 @@ class CiavarellaJaeger:
 
 
 @dataclass(frozen=True, eq=False)
-class CoulombDisks:
+class PartialSlipShear:
     """Shear of two components: of least complementary energy among ``|q| <= mu p`` with a given resultant along x.
 
     It minimises ``1/2 q A q``: A is symmetric and positive and the set convex, so that there is one answer. Cells within
-    their disk stick, those on its rim slip against the shear. Loading is monotonic. `coefficient` is mu, `force`
+    their limit stick, those at it slip against the shear. Loading is monotonic. `coefficient` is mu, `force_per_length`
     the resultant [N/m], and `response` is A. Source: Kalker (1990), ch. 4.
     """
 
     coefficient: float
-    force: float
+    force_per_length: float
     response: ShearResponse
 
     def solve(
@@ -123,7 +126,9 @@ class CoulombDisks:
             np.zeros((2, *limit.shape)),
             options.tolerance,
             options.max_iterations,
-            total=np.array([self.force * problem.grid.length / problem.grid.cell_area, 0.0]),
+            total=np.array(
+                [self.force_per_length * problem.grid.length / problem.grid.cell_area, 0.0]
+            ),
         )
         status = shear_status(
             step.residual, step.applications, options.tolerance, options.max_iterations

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
-from contactstudy.solvers.friction.slip import SlipAtRest
+from contactstudy.solvers.friction.slip import QuasiStaticSlip
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,15 +89,14 @@ def slip_step(
     if not limit.any():
         zeros, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
         return SlipStep(zeros, zeros, displacement, np.zeros(limit.shape, dtype=bool), 0.0, 0)
-    newton = CoulombNewton(SlipAtRest(response), limit, total)
+    newton = CoulombNewton(QuasiStaticSlip(response), limit, total)
     free_slip = -response(reference)
     if rigid is not None:
         free_slip -= rigid[:, None, None]
     first = newton.gathered(reference if start is None else start)
-    shear, slip, residual = newton.solve(free_slip, first, tolerance, max_applications - 1)
+    shear, slip, found, residual = newton.solve(free_slip, first, tolerance, max_applications - 1)
     if rigid is None:
-        rigid = newton.rigid
-        slip = slip - rigid[:, None]
+        rigid, slip = found, slip - found[:, None]
     shear = newton.project(shear)
     return SlipStep(
         newton.field(shear),

@@ -1,4 +1,8 @@
-"""Shear of steady rolling with the creepage, the slip and the power that belong to it."""
+"""Shear of steady rolling with the creepage, the slip and the power that belong to it.
+
+Slip is that of the first body against the second one, as in Coulomb's law; creepage is that of the second body against
+the first one, so that a positive creepage drags the first body to larger x: the rigid slip is minus the creepage.
+"""
 
 from dataclasses import dataclass
 from math import inf
@@ -70,7 +74,8 @@ class RollingTraction(TangentialTraction):
     power
         Frictional power per area (x, y) [W/m^2], from the mean of the shear before and after a step of one cell.
     power_outside_contact
-        Fraction of the power outside the contact: the error of the power by the size of the cells.
+        Fraction of the power outside the contact, an error by the cells that one grid shows. `errors` has the one that
+        coarser grids show; the bound of the power is their sum.
     errors
         Estimated errors of force, creepage and power.
     creepage_given

@@ -1,4 +1,4 @@
-"""Slip of the first against the second body by elastic deformation under shear: linear and monotone in the shear."""
+"""Elastic part of the slip of the first against the second body under shear: linear and monotone in the shear."""
 
 from typing import Protocol
 
@@ -12,7 +12,7 @@ from contactstudy.elasticity.transforms import TRANSFORMS
 
 
 class SlipOperator(Protocol):
-    """Linear map D from shear to slip, both (component, x, y); its symmetric part is positive."""
+    """Linear map D from shear to elastic slip, both (component, x, y); its symmetric part is positive."""
 
     @property
     def self_compliance(self) -> float:
@@ -28,8 +28,8 @@ class SlipOperator(Protocol):
         ...
 
 
-class SlipAtRest:
-    """Slip of a contact at rest: the displacement A q itself, from a state without shear."""
+class QuasiStaticSlip:
+    """Elastic slip of a contact at rest: the displacement A q itself, from a state without shear."""
 
     def __init__(self, response: ShearResponse) -> None:
         self._response = response
@@ -47,7 +47,7 @@ class SlipAtRest:
 
 
 class RollingSlip:
-    """Slip of steady rolling per distance rolled: ``(D q)(x) = [(A q)(x) - (A q)(x + step)] / |step|``.
+    """Elastic slip of steady rolling per distance rolled: ``(D q)(x) = [(A q)(x) - (A q)(x + step)] / |step|``.
 
     Parameters
     ----------

@@ -272,8 +272,8 @@ def _steady(
     `rigid` (component, x, y) is the slip without shear, under the given `creepage`. A force enters the projection as a
     resultant, whose multiplier is the creepage.
     """
-    values, _, residual = newton.solve(rigid, newton.gathered(shear), tolerance, max_applications)
-    rigid_slip = newton.rigid
+    first = newton.gathered(shear)
+    values, _, rigid_slip, residual = newton.solve(rigid, first, tolerance, max_applications)
     values = newton.project(values)
     slip = rigid - rigid_slip[:, None, None] + newton.slip_field(values)
     creepage = replace(creepage, longitudinal=creepage.longitudinal + float(rigid_slip[0]))

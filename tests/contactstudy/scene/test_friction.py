@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction import dundurs
-from contactstudy.solvers.friction.laws import CiavarellaJaeger, CoulombDisks
+from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(infinite, 0.3)
@@ -111,7 +111,7 @@ def test_without_poissons_ratio_disks_give_the_superposition(padding: cs.Padding
     problem = one.problem(grid, padding)
     assert isinstance(problem.friction, CiavarellaJaeger)
     response = shear_response((cork, cork), grid, problem.paddings, 1e-4)
-    disks = replace(problem, friction=CoulombDisks(0.3, 1.2e4, response))
+    disks = replace(problem, friction=PartialSlipShear(0.3, 1.2e4, response))
     one_way, other_way = (cs.solve(each, tolerance=1e-9) for each in (problem, disks))
     # the solver's tolerance, times how much a narrow spot's traction answers to a gap: measured below 30
     assert np.abs(other_way.shear - one_way.shear).sum() <= 1e-6 * one_way.shear.sum()
@@ -123,7 +123,7 @@ def test_disks_meet_every_condition_of_coulombs_law() -> None:
     one = scene(cs.PartialSlip(mu, -1.4e4), shapes=ROUGH)
     grid = cs.Grid((48, 48), (3e-4, 3e-4))
     problem = one.problem(grid, cs.ExactPeriodicity())
-    assert isinstance(problem.friction, CoulombDisks)
+    assert isinstance(problem.friction, PartialSlipShear)
     solution = cs.solve(problem, tolerance=1e-9)
     shear, size = solution.shear, np.hypot(*solution.shear)
     radius = mu * solution.pressure
@@ -149,7 +149,7 @@ def test_a_gap_that_does_not_vary_takes_the_superposition_and_disks_agree() -> N
     grid = cs.Grid((96, 1), (2.6 * one.hertz.half_width, 1e-3))
     problem = one.problem(grid, cs.ExactPeriodicity())
     response = shear_response((STEEL,) * 2, grid, problem.paddings, 1e-4)
-    disks = replace(problem, friction=CoulombDisks(0.3, 1.5e4, response))
+    disks = replace(problem, friction=PartialSlipShear(0.3, 1.5e4, response))
     both = [cs.solve(each, tolerance=1e-10).shear for each in (problem, disks)]
     np.testing.assert_allclose(both[1], both[0], atol=1e-7 * both[0].max())
 

@@ -6,7 +6,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
-from contactstudy.solvers.friction.disks import Disks
+from contactstudy.solvers.friction.friction_set import FrictionSet
 from contactstudy.solvers.friction.slip import RollingSlip
 
 GRID = cs.Grid((24, 12), (2.2, 2.2))
@@ -23,14 +23,14 @@ RIGID = -np.stack(
 )
 
 
-def settled() -> tuple[CoulombNewton, np.ndarray, np.ndarray, float]:
+def settled() -> tuple[CoulombNewton, np.ndarray, np.ndarray, np.ndarray, float]:
     rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell_size[0]), LIMIT)
     start = np.zeros((2, np.count_nonzero(LIMIT)))
     return rolled, *rolled.solve(RIGID, start, 1e-9, 2000)
 
 
 def test_shear_obeys_coulombs_law() -> None:
-    rolled, shear, slip, residual = settled()
+    rolled, shear, slip, _, residual = settled()
     assert residual <= 1e-9
     radius, size, speed = (
         rolled.gathered(np.stack([LIMIT] * 2))[0],
@@ -47,7 +47,7 @@ def test_shear_obeys_coulombs_law() -> None:
 
 
 def test_slip_is_the_rigid_one_and_the_change_of_displacement_from_the_cell_ahead() -> None:
-    rolled, shear, slip, _ = settled()
+    rolled, shear, slip, *_ = settled()
     displacement = RESPONSE(rolled.field(shear))
     change = (displacement[:, :-1] - displacement[:, 1:]) / GRID.cell_size[0]
     expected = (RIGID[:, :-1] + change)[:, LIMIT[:-1] > 0]
@@ -97,12 +97,12 @@ TRIAL = CHANCE.normal(size=(2, 40))
 @pytest.mark.parametrize("fraction", [0.0, 0.01, 0.6, 0.999])
 def test_the_projection_is_nearest_among_those_with_the_sum(fraction: float) -> None:
     total = np.array([fraction * RADIUS.sum(), 0.0])
-    found = Disks(RADIUS, total).project(TRIAL)
+    found = FrictionSet(RADIUS, total).project(TRIAL).traction
     assert (np.hypot(*found) <= RADIUS * (1 + 1e-14)).all()
     assert found.sum(axis=1) == pytest.approx(total, abs=1e-9)
     # no admissible direction comes nearer: others of the same sum, on their disks
     for _ in range(20):
-        other = Disks(RADIUS, total).project(CHANCE.normal(size=(2, 40)))
+        other = FrictionSet(RADIUS, total).project(CHANCE.normal(size=(2, 40))).traction
         assert ((TRIAL - found) * (other - found)).sum() <= 1e-7
 
 
@@ -110,7 +110,7 @@ def test_a_shift_that_belonged_to_another_trial_does_no_harm() -> None:
     """The first trial leaves a shift that brings all cells of the second one to their rims, on the wrong side."""
     radius = np.sqrt(1 - np.linspace(-0.99, 0.99, 60) ** 2)
     total = np.array([-0.6 * radius.sum(), 0.0])
-    disks = Disks(radius, total)
+    disks = FrictionSet(radius, total)
     for far in (1e3, -1e3, 1e6, 0.0):
-        found = disks.project(np.stack([radius + far, 0 * radius]))
+        found = disks.project(np.stack([radius + far, 0 * radius])).traction
         assert found.sum(axis=1) == pytest.approx(total, rel=1e-8)

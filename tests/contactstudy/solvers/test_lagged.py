@@ -61,7 +61,7 @@ def test_passes_over_the_shear_of_unlike_bodies_end_in_equilibrium() -> None:
 
 
 def test_passes_that_do_not_converge_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(laws, "MAX_PASSES", 2)
+    monkeypatch.setattr(laws, "MAX_SLIDING_ITERATIONS", 2)
     posed = UNLIKE.problem(cs.Grid((96, 1), (4e-4, 1e-3)), cs.ExactPeriodicity())
     found = cs.solve(posed, tolerance=1e-9)
     assert found.status is cs.Status.NOT_CONVERGED

@@ -1,6 +1,7 @@
 """Coulomb's limit on the shear of every cell as a convex set, and the projection onto it."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from contactstudy.domain.fields import Array
 MAX_ITERATIONS = 200
 
 
-class Disks:
+class FrictionSet:
     """Convex set of tractions (2, cells) with ``|q| <= radius`` in each cell, and with a given sum if there is one.
 
     Parameters
@@ -25,53 +26,15 @@ class Disks:
         self.radius, self.total = radius, total
         self._shift: Array | None = None
 
-    @property
-    def shift(self) -> Array:
-        """Vector (2,) by which the last trial was shifted to meet the sum, zero where any sum is met."""
-        return np.zeros(2) if self._shift is None else self._shift
+    def project(self, trial: Array) -> "Projection":
+        """Return the projection of a `trial` traction (2, cells), with the traction of this set that is nearest to it.
 
-    def project(self, trial: Array) -> Array:
-        """Return the traction of this set that is nearest to a `trial` one, both (2, cells).
-
-        The trial is shifted by one vector, which meets the sum, and cut off at the disks.
+        The trial is shifted by one vector, which meets the sum, and cut off at the radius.
         """
         if self.total is not None:
             self._shift = self._shift_to(self.total, trial)
-        shifted = trial + self.shift[:, None]
-        return np.asarray(shifted * (self.radius / np.maximum(np.hypot(*shifted), self.radius)))
-
-    def derivative(self, trial: Array) -> Callable[[Array], Array]:
-        """Return the derivative of the projection at `trial` as a map of (2, cells).
-
-        Where a sum is given, :meth:`project` was called with the same trial before.
-
-        With ``n = z / |z|`` at the shifted trial z it is ``G = (radius / |z|) (1 - n n^T)`` in the cells whose disk cuts
-        z off, and 1 in those that stick. A given sum takes ``G 1 (1^T G 1)^-1 1^T G`` from G.
-        """
-        shifted = trial + self.shift[:, None]
-        length = np.hypot(*shifted)
-        stick = length <= self.radius
-        normal = np.where(stick, 0, shifted / np.maximum(length, np.finfo(float).tiny))
-        cut = self.radius / np.maximum(length, self.radius)
-
-        def of_cells(change: Array) -> Array:
-            along = np.einsum("cn,cn->n", normal, change)
-            return np.asarray(cut * (change - normal * along))
-
-        if self.total is None:
-            return of_cells
-        prescribed = ~np.isnan(self.total)
-        rigid = np.stack(
-            [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[prescribed]]
-        )
-        inverse = np.linalg.pinv(rigid.sum(axis=2)[:, prescribed], rcond=1e-12)
-
-        def balanced(change: Array) -> Array:
-            shear_change = of_cells(change)
-            shift = inverse @ shear_change.sum(axis=1)[prescribed]
-            return np.asarray(shear_change - np.einsum("g,gcn->cn", shift, rigid))
-
-        return balanced
+        shift = np.zeros(2) if self._shift is None else self._shift
+        return Projection(self.radius, self.total, trial + shift[:, None], shift)
 
     def _shift_to(self, total: Array, trial: Array) -> Array:
         """Return the shift of a `trial` (2, cells) that gives its projection the sum `total`.
@@ -124,3 +87,53 @@ class Disks:
             self._shift = None
             return self._shift_to(total, trial)
         return shift
+
+
+@dataclass(frozen=True, eq=False)
+class Projection:
+    """Projection of a trial traction onto a friction set.
+
+    `shifted` (2, cells) is the trial, shifted by the `multiplier` (2,) to meet the sum, which is zero where any sum is
+    met.
+    """
+
+    radius: Array
+    total: Array | None
+    shifted: Array
+    multiplier: Array
+
+    @property
+    def traction(self) -> Array:
+        """Nearest traction (2, cells) of the set."""
+        shifted, radius = self.shifted, self.radius
+        return np.asarray(shifted * (radius / np.maximum(np.hypot(*shifted), radius)))
+
+    def derivative(self) -> Callable[[Array], Array]:
+        """Return the derivative of the projection as a map of (2, cells).
+
+        With ``n = z / |z|`` at the shifted trial z it is ``G = (radius / |z|) (1 - n n^T)`` in the cells whose limit
+        cuts z off, and 1 in those that stick. A given sum takes ``G 1 (1^T G 1)^-1 1^T G`` from G.
+        """
+        shifted, length = self.shifted, np.hypot(*self.shifted)
+        stick = length <= self.radius
+        normal = np.where(stick, 0, shifted / np.maximum(length, np.finfo(float).tiny))
+        cut = self.radius / np.maximum(length, self.radius)
+
+        def of_cells(change: Array) -> Array:
+            along = np.einsum("cn,cn->n", normal, change)
+            return np.asarray(cut * (change - normal * along))
+
+        if self.total is None:
+            return of_cells
+        prescribed = ~np.isnan(self.total)
+        rigid = np.stack(
+            [of_cells(np.repeat(axis[:, None], cut.size, axis=1)) for axis in np.eye(2)[prescribed]]
+        )
+        inverse = np.linalg.pinv(rigid.sum(axis=2)[:, prescribed], rcond=1e-12)
+
+        def balanced(change: Array) -> Array:
+            shear_change = of_cells(change)
+            shift = inverse @ shear_change.sum(axis=1)[prescribed]
+            return np.asarray(shear_change - np.einsum("g,gcn->cn", shift, rigid))
+
+        return balanced

@@ -19,7 +19,7 @@ from contactstudy.evolution.state_variables import Contact, State
 from contactstudy.problem.problem import Field, ResidualStress
 from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
-from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
+from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
 from contactstudy.solvers.plasticity.elastoplastic_step import (
     ElastoplasticStep,
     solve_elastoplastic_step,
@@ -261,14 +261,14 @@ class PlasticState:
                 )
             else:
                 step = solve_under(pulled)
-            if not self._grown(bodies.split(step.flow)):
+            if not self._grown(bodies.split(step.equivalent_increment)):
                 break
         strains = bodies.split(step.strain)
-        equivalents = bodies.split(equivalent + step.flow)
+        equivalents = bodies.split(equivalent + step.equivalent_increment)
 
         # rounding may put a cell that is on the yield surface beyond it
-        yielded_cells = step.flow > tolerance * bodies.yield_strain
-        integral = float((step.flow * yielded_cells * bodies.volumes).sum())
+        yielded_cells = step.equivalent_increment > tolerance * bodies.yield_strain
+        integral = float((step.equivalent_increment * yielded_cells * bodies.volumes).sum())
         after: dict[str, Array] = {"flow": state["flow"] + integral if integral else np.zeros(1)}
         parts = zip(self.bodies, self.operators, strains, equivalents, strict=True)
         for body, operator, strain, hardened in parts:
@@ -353,7 +353,7 @@ class PlasticState:
             if body.place == place:
                 wide = self._across_grid(number, deepest)
                 strain, _ = _embedded_state(state, body, wide.volume)
-                return partial(_at_depths, wide.volume.depths, wide.tensor_of_strain(strain))
+                return partial(_at_depths, wide.volume.depths, wide.residual_stress_tensor(strain))
         return None
 
     def _across_grid(self, number: int, deepest: float = 0.0) -> EigenstrainOperator:
@@ -390,7 +390,7 @@ class PlasticState:
             strains, equivalents = zip(
                 *(_embedded_state(state, body, volume) for state in states), strict=True
             )
-            residual = np.stack([wide.tensor_of_strain(strain) for strain in strains])
+            residual = np.stack([wide.residual_stress_tensor(strain) for strain in strains])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
             layer = (f"z{place}",)
             cells = "time", *layer, "x", "y"
@@ -422,8 +422,8 @@ class PlasticState:
     def _length(self) -> float:
         return self.elastic.problem.scales.length
 
-    def _tangent(self, solution: Solution) -> ContactTangent:
-        return ContactTangent.from_solution(solution, self.precision)
+    def _tangent(self, solution: Solution) -> ContactStiffness:
+        return ContactStiffness.from_solution(solution, self.precision)
 
     def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
         """Return strains and equivalent strains of `state` by body, after enlarging the present volumes to hold them."""

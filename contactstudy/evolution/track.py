@@ -18,7 +18,7 @@ from contactstudy.evolution.time_stepper import (
 )
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.motion import RollingPressure
-from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
+from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
 from contactstudy.solvers.plasticity.elastoplastic_step import (
     ElastoplasticStep,
     Tangent,
@@ -46,7 +46,7 @@ class SolvedContact(WarmStartedContact):
 
     def tangent(self, solution: Solution) -> Tangent:
         """Return the linearised contact in which the same cells stay in contact."""
-        return ContactTangent.from_solution(solution, self.options.precision)
+        return ContactStiffness.from_solution(solution, self.options.precision)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +221,7 @@ class Track:
                     [outer_strain.stress(track.mean_strain_behind, track.front.strain)]
                 ),
             )
-            (flow,) = bodies.split(step.flow)
+            (flow,) = bodies.split(step.equivalent_increment)
             volume = operator.volume
             if not flow[-1].any():
                 break
@@ -247,7 +247,7 @@ class Track:
     def residual_stress(self) -> Array:
         """Return all stresses (6, layers, x, 1) [Pa] in the window without pressure, tension positive."""
         around = self.outer_strain.tensor(self.mean_strain_behind, self.front.strain)
-        return self.operator.tensor_of_strain(self.strain) + around
+        return self.operator.residual_stress_tensor(self.strain) + around
 
 
 def _with_both_gaps(contact: ContactWithAddedGap, first: Array, second: Array) -> Solution:

@@ -137,11 +137,11 @@ class PeriodicOperator:
         """Basis of the five components (5, 6) in terms of xx, yy, zz, yz, xz, xy."""
         return BASIS
 
-    def stress_of_strain(self, strain: Array) -> Array:
+    def relaxed_stress(self, strain: Array) -> Array:
         """Return the deviatoric stress (5, layers, x, y) [Pa] that plastic `strain` relaxes."""
         return self._from_strain(strain, Components.DEVIATOR, -1.0)
 
-    def tensor_of_strain(self, strain: Array) -> Array:
+    def residual_stress_tensor(self, strain: Array) -> Array:
         """Return the residual stress (6, layers, x, y) [Pa] of plastic `strain` without pressure."""
         return self._from_strain(strain, Components.TENSOR, 1.0)
 
@@ -189,10 +189,10 @@ class PeriodicOperator:
         along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
         shear = -sign * ny * self._antiplane(strain[3:].mean(axis=-1))
         if components is Components.TENSOR:
-            along[..., :1] = (sign * ny) * self._plane.tensor_of_strain(plane)
+            along[..., :1] = (sign * ny) * self._plane.residual_stress_tensor(plane)
             along[5, ..., 0], along[3, ..., 0] = shear / 2**0.5
         else:
-            along[:3, ..., :1] = (-sign * ny) * self._plane.stress_of_strain(plane)
+            along[:3, ..., :1] = (-sign * ny) * self._plane.relaxed_stress(plane)
             along[3:, ..., 0] = shear
         for group, waves in self._grouped(strain):
             stress = group.waves.stress(waves, components)

@@ -222,7 +222,7 @@ class PlaneStrainOperator:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `shear` along x (x, 1) [Pa]."""
         return self.deviator(self._stress_of_traction(shear, stress_means_under_shear))
 
-    def stress_of_strain(self, strain: Array) -> Array:
+    def relaxed_stress(self, strain: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes."""
         stress = self.deviator(self._relaxed(strain))
         stress[1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2 * strain[1]
@@ -238,7 +238,7 @@ class PlaneStrainOperator:
         waves = np.einsum("clk,clk->k", spectrum.conj(), fft.rfft(moments, padded, axis=-1))
         return np.asarray(fft.irfft(waves, padded)[: volume.grid.cells[0], None])
 
-    def tensor_of_strain(self, strain: Array) -> Array:
+    def residual_stress_tensor(self, strain: Array) -> Array:
         """Return the residual stress (6, layers, x, 1) [Pa] of plastic `strain` without pressure."""
         return self.tensor(-self._relaxed(strain), strain[1])
 

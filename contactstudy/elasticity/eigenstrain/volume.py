@@ -106,7 +106,7 @@ class EigenstrainOperator(Protocol):
         """Return the deviatoric stress (C, layers, x, y) [Pa] under `shear` along x (x, y) [Pa] on the whole grid."""
         ...
 
-    def stress_of_strain(self, strain: Array) -> Array:
+    def relaxed_stress(self, strain: Array) -> Array:
         """Return the deviatoric stress B e (C, layers, x, y) [Pa] that plastic `strain` relaxes; 0 < B < 2G."""
         ...
 
@@ -117,7 +117,7 @@ class EigenstrainOperator(Protocol):
         """
         ...
 
-    def tensor_of_strain(self, strain: Array) -> Array:
+    def residual_stress_tensor(self, strain: Array) -> Array:
         """Return the residual stress xx, yy, zz, yz, xz, xy of plastic `strain` e, (6, layers, x, y) [Pa].
 
         It is the stress without pressure; its deviator is -B e.

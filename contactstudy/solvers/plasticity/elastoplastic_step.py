@@ -63,8 +63,8 @@ class ElastoplasticStep:
         The last solution of the contact.
     strain
         Plastic strain (C, cells).
-    flow
-        Growth of the equivalent plastic strain in the step (cells,).
+    equivalent_increment
+        Increment of the equivalent plastic strain in the step (cells,).
     residual
         Largest error of plastic strain, in units of yield stress over Young's modulus.
     iterations
@@ -77,7 +77,7 @@ class ElastoplasticStep:
 
     solution: Solution
     strain: Array
-    flow: Array
+    equivalent_increment: Array
     residual: float
     iterations: int
     contacts: tuple[Solution, ...]
@@ -88,10 +88,10 @@ def solve_elastoplastic_step(
     bodies: YieldingBodies,
     contact: Callable[[Array], Solution],
     tangent: Callable[[Solution], Tangent | None],
-    before: Array,
-    equivalent: Array,
+    strain_n: Array,
+    equivalent_n: Array,
     tolerance: float,
-    around: Array | None = None,
+    outer_stress: Array | None = None,
     guess: Array | None = None,
 ) -> ElastoplasticStep:
     """Return pressure and plastic strain at the end of a step in load.
@@ -110,13 +110,13 @@ def solve_elastoplastic_step(
         Solves for the pressure over a surface that is lowered by a field (x, y) [m].
     tangent
         Linearisation of `contact` at a solution; None for a given pressure.
-    before
+    strain_n
         Plastic strain (C, cells) at the end of the last step.
-    equivalent
+    equivalent_n
         Equivalent plastic strain (cells,) at the end of the last step.
     tolerance
         Largest error of plastic strain, in units of yield stress over Young's modulus.
-    around
+    outer_stress
         Further stress (C, cells) [Pa], as by plastic strain outside the volume.
     guess
         Plastic strain (C, cells) to begin with; None begins with that before the step.
@@ -127,14 +127,14 @@ def solve_elastoplastic_step(
         The last state, also where the tolerance was not reached.
     """
     contacts: list[Solution] = []
-    stress_around = np.zeros_like(before) if around is None else around
+    outer = np.zeros_like(strain_n) if outer_stress is None else outer_stress
 
     def state_of(strain: Array) -> _State:
         solution = contact(bodies.residual_displacement(strain))
         contacts.append(solution)
-        return _mapped_state(bodies, solution, strain, before, equivalent, stress_around)
+        return _mapped_state(bodies, solution, strain, strain_n, equivalent_n, outer)
 
-    state = state_of(before if guess is None else guess)
+    state = state_of(strain_n if guess is None else guess)
     stall, iterations = Stall(CONSTANTS.stall_iterations), 0
     while (
         tolerance < state.error
@@ -144,11 +144,11 @@ def solve_elastoplastic_step(
         iterations += 1
         step = _newton_step(bodies, tangent(state.solution), state)
         state = _line_search(state_of, state, step)
-    flow = SQRT_TWO_THIRDS * state.mapped.multiplier
+    equivalent_increment = SQRT_TWO_THIRDS * state.mapped.multiplier
     return ElastoplasticStep(
         state.solution,
         state.mapped.strain,
-        flow,
+        equivalent_increment,
         state.error,
         iterations,
         tuple(contacts),
@@ -178,24 +178,26 @@ def _mapped_state(
     bodies: YieldingBodies,
     solution: Solution,
     strain: Array,
-    before: Array,
-    equivalent: Array,
-    around: Array,
+    strain_n: Array,
+    equivalent_n: Array,
+    outer_stress: Array,
 ) -> _State:
     """Return the state of a plastic `strain` (C, cells) with the contact `solution` over its residual displacement."""
-    relaxed = bodies.stress_of_strain(strain)
-    stress = bodies.stress_of_pressure(solution.pressure) + around - relaxed
-    mapped = bodies.law.return_mapping(stress, strain, before, equivalent)
+    relaxed = bodies.relaxed_stress(strain)
+    stress = bodies.stress_of_pressure(solution.pressure) + outer_stress - relaxed
+    mapped = bodies.law.return_mapping(stress, strain, strain_n, equivalent_n)
     residual = strain - mapped.strain
     error = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
-    dissipation = bodies.law.incremental_potential(mapped.strain, before, equivalent)
+    dissipation = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
     stored = bodies.inner(strain, relaxed) / 2 + float((dissipation * bodies.volumes).sum())
-    energy = stored - bodies.inner(strain, around) - _energy(solution, bodies.cell_area)
+    energy = (
+        stored - bodies.inner(strain, outer_stress) - _contact_energy(solution, bodies.cell_area)
+    )
     energy += bodies.inner(stress + bodies.law.twice_shear / 2 * residual, residual)
     return _State(strain, solution, mapped, residual, error, energy, stored)
 
 
-def _energy(solution: Solution, cell_area: float) -> float:
+def _contact_energy(solution: Solution, cell_area: float) -> float:
     """Return the energy of the contact [J], ``1/2 p K p + p h`` with the undeformed gap h."""
     heights = solution.problem.undeformed_gap + solution.displacement / 2
     return float(np.einsum("xy,xy->", solution.pressure, heights)) * cell_area
@@ -248,6 +250,6 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
 def _relaxed(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
     """Return the stress (C, cells) [Pa] that `strain` relaxes, with the change of the pressure: ``(B + S Pi S^T) e``."""
     if tangent is None:
-        return bodies.stress_of_strain(strain)
+        return bodies.relaxed_stress(strain)
     change = tangent(bodies.residual_displacement(strain))
-    return bodies.stress_of_strain(strain) + bodies.stress_of_pressure(change)
+    return bodies.relaxed_stress(strain) + bodies.stress_of_pressure(change)

@@ -28,36 +28,38 @@ class YieldLaw:
     kinematic: Array
 
     @property
-    def slope(self) -> Array:
+    def hardening_modulus(self) -> Array:
         """Hardening modulus: stress over plastic strain along the flow, ``2/3 (H_i + H_k)`` (cells,) [Pa]."""
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
     def return_mapping(
-        self, stress: Array, strain: Array, before: Array, equivalent: Array
+        self, stress: Array, strain: Array, strain_n: Array, equivalent_n: Array
     ) -> "ReturnMapping":
         """Return the plastic strain that puts the trial `stress` at `strain` back onto the yield surface.
 
-        `before` (C, cells) and `equivalent` (cells,) are the plastic strain and its equivalent at the start of the step.
-        Radial return (Simo & Hughes 1998, box 3.1): the proximal step 1 / 2G of the energy.
+        `strain_n` (C, cells) and `equivalent_n` (cells,) are the plastic strain and its equivalent at the start of the
+        step. Radial return (Simo & Hughes 1998, box 3.1): the proximal step 1 / 2G of the energy.
         """
-        trial = stress + self.twice_shear * (strain - before) - (2 / 3) * self.kinematic * before
+        trial = (
+            stress + self.twice_shear * (strain - strain_n) - (2 / 3) * self.kinematic * strain_n
+        )
         size = np.sqrt(np.einsum("ck,ck->k", trial, trial))
-        limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent)
-        multiplier = np.maximum(size - limit, 0.0) / (self.twice_shear + self.slope)
+        limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent_n)
+        multiplier = np.maximum(size - limit, 0.0) / (self.twice_shear + self.hardening_modulus)
         flows = multiplier > 0
         direction = np.divide(trial, size, out=np.zeros_like(trial), where=flows)
         return ReturnMapping(
-            self, before + multiplier * direction, direction, size, multiplier, flows
+            self, strain_n + multiplier * direction, direction, size, multiplier, flows
         )
 
-    def incremental_potential(self, strain: Array, before: Array, equivalent: Array) -> Array:
-        """Return the potential of the step from `before` to `strain`, per volume (cells,) [Pa].
+    def incremental_potential(self, strain: Array, strain_n: Array, equivalent_n: Array) -> Array:
+        """Return the potential of the step from `strain_n` to `strain`, per volume (cells,) [Pa].
 
         It is the work that the yield stress dissipates in the step, with the energy of isotropic hardening in the step
         and that of kinematic hardening at its end.
         """
-        squared = np.einsum("ck,ck->k", strain - before, strain - before)
-        limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent)
+        squared = np.einsum("ck,ck->k", strain - strain_n, strain - strain_n)
+        limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent_n)
         stored = self.kinematic / 3 * np.einsum("ck,ck->k", strain, strain)
         return np.asarray(limit * np.sqrt(squared) + self.isotropic / 3 * squared + stored)
 
@@ -79,15 +81,17 @@ class ReturnMapping:
     flows: NDArray[np.bool_]
 
     @property
-    def _across(self) -> Array:
-        """Inverse tangent across the flow, trial stress over the multiplier (cells,) [Pa]; 0 where nothing flows."""
+    def _transverse(self) -> Array:
+        """Inverse tangent transverse to the flow: trial stress over multiplier (cells,) [Pa], 0 where nothing flows."""
         return np.asarray(self.size / np.where(self.flows, self.multiplier, np.inf))
 
     def inverse_tangent(self, strain: Array) -> Array:
         """Return the inverse derivative of the return times `strain` (C, cells) [Pa]; 0 for cells that do not flow."""
-        law, across = self.law, self._across
+        law, transverse = self.law, self._transverse
         along = np.einsum("ck,ck->k", self.direction, strain) * self.direction
-        return np.asarray(along * (law.twice_shear + law.slope) + across * (strain - along))
+        return np.asarray(
+            along * (law.twice_shear + law.hardening_modulus) + transverse * (strain - along)
+        )
 
     @property
     def stiffness(self) -> Array:
@@ -96,10 +100,10 @@ class ReturnMapping:
         The matrices are positive semidefinite.
         """
         flows, direction = self.flows, self.direction[:, self.flows]
-        across = (self._across - self.law.twice_shear)[flows][:, None, None]
-        along = self.law.slope[flows][:, None, None]
+        transverse = (self._transverse - self.law.twice_shear)[flows][:, None, None]
+        along = self.law.hardening_modulus[flows][:, None, None]
         dyads = np.einsum("ik,jk->kij", direction, direction)
-        return np.asarray(across * np.eye(len(direction)) + (along - across) * dyads)
+        return np.asarray(transverse * np.eye(len(direction)) + (along - transverse) * dyads)
 
 
 @dataclass(frozen=True)
@@ -176,10 +180,10 @@ class YieldingBodies:
         """Return the deviatoric stress S p (C, cells) [Pa] under `pressure` (x, y) [Pa]."""
         return self.concatenated([o.stress_of_pressure(pressure) for o in self.operators])
 
-    def stress_of_strain(self, strain: Array) -> Array:
+    def relaxed_stress(self, strain: Array) -> Array:
         """Return the deviatoric stress B e (C, cells) [Pa] that plastic `strain` relaxes."""
         parts = zip(self.operators, self.split(strain), strict=True)
-        return self.concatenated([operator.stress_of_strain(part) for operator, part in parts])
+        return self.concatenated([operator.relaxed_stress(part) for operator, part in parts])
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain`, of all bodies together."""

@@ -35,7 +35,7 @@ def dense(operator: PeriodicOperator) -> np.ndarray:
     shape = 5, *operator.volume.shape
     root = np.sqrt(np.broadcast_to(operator.volume.cell_volumes, shape)).ravel()
     units = np.eye(len(root))
-    columns = [operator.stress_of_strain(unit.reshape(shape)).ravel() for unit in units]
+    columns = [operator.relaxed_stress(unit.reshape(shape)).ravel() for unit in units]
     return np.array(columns).T * root[:, None] / root
 
 
@@ -66,8 +66,8 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
     strain = noise(plane)
     along = np.zeros((5, *operator.volume.shape))
     along[:3] = strain
-    found = operator.stress_of_strain(along)
-    assert np.abs(found[:3] - plane.stress_of_strain(strain)).max() < 1e-13
+    found = operator.relaxed_stress(along)
+    assert np.abs(found[:3] - plane.relaxed_stress(strain)).max() < 1e-13
     assert np.abs(found[3:]).max() < 1e-13
     assert operator.residual_displacement(along) == pytest.approx(
         np.repeat(plane.residual_displacement(strain), 6, 1), abs=1e-13
@@ -77,7 +77,7 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
     assert np.abs(stress - plane.stress_of_pressure(pressure)).max() < 1e-13
     shear = np.zeros((5, *operator.volume.shape))
     shear[3:] = strain[:2]
-    found = operator.stress_of_strain(shear)
+    found = operator.relaxed_stress(shear)
     assert np.abs(found[3:, ..., 0] - antiplane(strain[:2, ..., 0])).max() < 1e-13
 
 
@@ -116,7 +116,7 @@ def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
         waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2
     )
     found = found[:, :, :cells].real
-    plane = PlaneStrainOperator(volume, STEEL).stress_of_strain(strain[:3])
+    plane = PlaneStrainOperator(volume, STEEL).relaxed_stress(strain[:3])
     shear = AntiplaneOperator(volume, STEEL)(strain[3:, ..., 0])
     # short waves between layers further apart than the next: a per mille; the period: 1 / X
     assert np.abs(found[:3] - plane).max() < 2e-3
@@ -138,7 +138,7 @@ def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:
     for component in range(5):
         strain = np.zeros((5, *volume.shape))
         strain[component] = inside
-        stress = operator.stress_of_strain(strain)
+        stress = operator.relaxed_stress(strain)
         core = x**2 + y**2 + (volume.depths[:, None, None] - middle) ** 2 < (radius / 2) ** 2
         # Eshelby (1957), eq. 3.14: 1 - beta; the sphere is made of cells, images have (R / L)^3
         fraction = 1 - 2 * (4 - 5 * 0.3) / (15 * (1 - 0.3))
@@ -156,7 +156,7 @@ def test_the_surface_is_free_of_traction() -> None:
     shape = np.exp(-((x**2 + y**2) + (z - 3) ** 2) / 4)
     shape[:2] = 0
     strain = np.array([0.3, -0.5, 0.8, 0.6, -0.4])[:, None, None, None] * shape
-    tensor = operator.tensor_of_strain(strain)[:, 0]
+    tensor = operator.residual_stress_tensor(strain)[:, 0]
     # edges of cells a cell away, exp(-pi), are not reflected; the layer's middle is half a per mille deep
     assert np.abs(tensor[[2, 3, 4]]).max() < 2e-3 * np.abs(tensor).max()
 
@@ -172,8 +172,8 @@ def test_a_source_turned_by_a_right_angle_makes_the_field_turned_but_for_its_nei
         strain, turned = np.zeros((2, 5, *operator.volume.shape))
         strain[[0, 2], 1] = along
         turned[[0, 1, 4], 1] = np.array((0.5, 0.75**0.5, 1))[:, None, None] * across
-        tensor = operator.tensor_of_strain(strain)
-        found = operator.tensor_of_strain(turned)[[1, 0, 2, 4, 3, 5]].swapaxes(2, 3)
+        tensor = operator.residual_stress_tensor(strain)
+        found = operator.residual_stress_tensor(turned)[[1, 0, 2, 4, 3, 5]].swapaxes(2, 3)
         middle = slice(cells // 2 - 3, cells // 2 + 3)
         difference[cells] = np.abs(found - tensor)[:, :, middle, middle].max()
     # they repeat along y alone, and act like one over their distance cubed: 8, less what is next in order

@@ -1,4 +1,4 @@
-"""Derivative of the contact pressure by the gap under a fixed load."""
+"""Stiffness of a contact under a fixed load: minus the derivative of the pressure by the gap."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,39 +13,39 @@ from contactstudy.problem.problem import Scales
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solvers.solution import Solution
 
-# With linear systems solved to REDUCTION of their first residual, the Newton method of a plastic step takes as many
-# iterations as with exact ones.
+# Reduction of the residual of linear systems, with which the Newton method of a plastic step takes as many iterations as
+# with exact ones, and the limit of their products.
 REDUCTION, MAX_PRODUCTS = 1e-2, 200
 
 
 @dataclass(frozen=True, eq=False)
-class ContactTangent:
-    """Derivative ``-dp/dgap`` of the pressure under a fixed load, on the active set.
+class ContactStiffness:
+    """Stiffness ``-dp/dgap`` of the cells in contact under a fixed load.
 
     It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
-    contact is. `active` (x, y) is 1 on the active set and 0 elsewhere.
+    contact is. `contact` (x, y) is 1 in the cells in contact, those at a hardness too, and 0 elsewhere.
     """
 
     bare: BareProblem
     scales: Scales
-    active: Array
+    contact: Array
 
     @classmethod
-    def from_solution(cls, solution: Solution, precision: Precision) -> "ContactTangent":
-        """Return the tangent for the active set of `solution`, in this `precision`."""
+    def from_solution(cls, solution: Solution, precision: Precision) -> "ContactStiffness":
+        """Return the stiffness of the cells in contact of `solution`, in this `precision`."""
         problem = solution.problem
-        active = (solution.pressure > 0).astype(precision.real)
-        return cls(problem.bare(precision), problem.scales, active)
+        contact = (solution.pressure > 0).astype(precision.real)
+        return cls(problem.bare(precision), problem.scales, contact)
 
     def __call__(self, gap: Array) -> Array:
         """Return minus the change of the pressure, ``Pi gap`` (x, y) [Pa], by a change of the gap (x, y) [m]."""
-        count = total(self.active)
+        count = total(self.contact)
         if count < 2:
             return np.zeros_like(gap)
         real = self.bare.undeformed_gap.dtype
-        deviation = self._deviation(((gap / self.scales.gap) * self.active).astype(real), count)
+        deviation = self._deviation(((gap / self.scales.gap) * self.contact).astype(real), count)
         pressure = conjugate_gradients(
-            lambda field: self._deviation(self.bare.operator(field) * self.active, count),
+            lambda field: self._deviation(self.bare.operator(field) * self.contact, count),
             lambda field: self._preconditioned(field, count),
             inner,
             deviation,
@@ -59,10 +59,10 @@ class ContactTangent:
         return self._deviation(self._extension.pressure(self._extension(residual)), count)
 
     def _deviation(self, field: Array, count: float) -> Array:
-        """Return `field` less its mean over the `count` cells of the active set, and zero elsewhere."""
-        return np.asarray((field - total(field) / count) * self.active)
+        """Return `field` less its mean over the `count` cells in contact, and zero elsewhere."""
+        return np.asarray((field - total(field) / count) * self.contact)
 
     @cached_property
     def _extension(self) -> Extension:
-        """Preconditioner on the active set."""
-        return self.bare.operator.approximate_inverse().extension(self.active)
+        """Preconditioner on the cells in contact."""
+        return self.bare.operator.approximate_inverse().extension(self.contact)

@@ -32,7 +32,7 @@ from contactstudy.scene.inelastic import rolling_bodies
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.motion import check_slow
 from contactstudy.solvers.friction.rolling_traction import Creepage
-from contactstudy.solvers.friction.tractive_rolling import Coupling, TractiveShear
+from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
 
 STATIONARY_HEIGHTS = (
     "The heights stand still in the contact: shear under moving roughness is not computed."
@@ -153,7 +153,7 @@ class TractiveRolling:
             self.tangential,
             self.speed,
             partial(_response, sheared(solids), paddings, datum),
-            Coupling(*coupling) if coupling else None,
+            ShearPressureCoupling(*coupling) if coupling else None,
             STATIONARY_HEIGHTS if self._has_moving_roughness(scene) else "",
         )
 

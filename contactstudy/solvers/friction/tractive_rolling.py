@@ -41,9 +41,9 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 # Fewest cells along an axis of a coarser grid.
 COARSEST = 24
 # Residual on coarser grids, whose own error is larger.
-COARSE_TOLERANCE = 1e-3
+LEVEL_TOLERANCE = 1e-3
 # Outer iterations between pressure and shear of elastically dissimilar bodies.
-MAX_PASSES = 60
+MAX_COUPLED_ITERATIONS = 60
 # Distance [cells] within which the edge of stick is found.
 EDGE = 0.3
 # Least creepage over that at which all slides, and least force over mu P, that an error is related to.
@@ -51,7 +51,7 @@ LEAST_SLIDING = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Coupling:
+class ShearPressureCoupling:
     """Normal displacement by shear [m/Pa], along both axes: odd, and the reverse for displacement by pressure."""
 
     across: GeneralConvolution
@@ -103,7 +103,7 @@ class TractiveShear:
     force: float | None
     speed: float
     shear_response: Callable[[Grid], ShearResponse]
-    coupling: Coupling | None
+    coupling: ShearPressureCoupling | None
     note: str = ""
 
     def solve(
@@ -113,7 +113,7 @@ class TractiveShear:
         state: SteadyShear | None = None
         applications, convolutions = 0, 0.0
 
-        def lagged(pressure: Array) -> Array:
+        def gap_change(pressure: Array) -> Array:
             """Return the change of the gap by the shear that belongs to a pressure."""
             nonlocal state, applications, convolutions
             state = self.steady(problem.grid, pressure, options, state)
@@ -125,11 +125,13 @@ class TractiveShear:
             return self.coupling.gap(state.shear)
 
         if self.coupling is not None:
-            normal = solve_by_substitution(problem, lagged, options, start, on, MAX_PASSES)
+            normal = solve_by_substitution(
+                problem, gap_change, options, start, on, MAX_COUPLED_ITERATIONS
+            )
         else:
             normal = solve_contact(problem, options, start, on)
             if normal.pressure.any():
-                lagged(normal.pressure)
+                gap_change(normal.pressure)
         if state is None:
             zeros = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
@@ -200,7 +202,7 @@ class TractiveShear:
                 creepage,
                 free_slip,
                 on_grid(shear, level),
-                options.tolerance if fine else max(COARSE_TOLERANCE, options.tolerance),
+                options.tolerance if fine else max(LEVEL_TOLERANCE, options.tolerance),
                 options.max_iterations,
             )
             shear = steady.shear

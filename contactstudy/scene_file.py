@@ -12,16 +12,16 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.steps import TimeSteps
-from contactstudy.io.document import (
-    KINDS,
-    CrownFile,
-    Document,
-    MeasuredFile,
-    MovingShapeFile,
-    PlanSettings,
-    ProfileFile,
-)
 from contactstudy.io.materials import with_materials
+from contactstudy.io.scene_schema import (
+    KINDS,
+    CrownTable,
+    LundbergProfileTable,
+    MeasuredSurfaceTable,
+    MovingShapeTable,
+    PlanSettings,
+    SceneDocument,
+)
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.io.structuring import structured
 from contactstudy.planning.plan import Plan, plan
@@ -119,7 +119,7 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
         raw = with_materials(raw)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from error
-    document = structured(raw, Document, KINDS, str(path))
+    document = structured(raw, SceneDocument, KINDS, str(path))
     try:
         return replace(scene_file_from(document, path.parent), vary=groups)
     except InvalidInput as error:
@@ -146,10 +146,10 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
     path = Path(path)
     if not path.parent.is_dir():
         raise InvalidInput(
-            f"{path} cannot be written (no such folder): give a path in a folder that is there."
+            f"{path} cannot be written (no such folder): give a path in an existing folder."
         )
     if isinstance(described, Scene):
-        text = scene_text(described, beside=path)
+        text = scene_text(described, scene_path=path)
     else:
         text = scene_text(
             described.scene,
@@ -160,7 +160,7 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
                 "solve": described.settings,
                 "evolve": described.time_steps,
             },
-            beside=path,
+            scene_path=path,
         )
     try:
         path.write_text(text, encoding="utf-8")
@@ -170,15 +170,15 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
         ) from None
 
 
-def scene_file_from(document: Document, folder: Path = Path()) -> SceneFile:
+def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile:
     """Return the scene of `document`; files of surfaces start at `folder`."""
     modulus = contact_modulus(document.solids)
     curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
 
     def read(shape: Any) -> Shape:
-        if isinstance(shape, MovingShapeFile):
+        if isinstance(shape, MovingShapeTable):
             return MovingShape(read(shape.shape), shape.body)
-        if isinstance(shape, MeasuredFile | CrownFile | ProfileFile):
+        if isinstance(shape, MeasuredSurfaceTable | CrownTable | LundbergProfileTable):
             return shape.shape(folder, (curvature, modulus))
         described: Shape = shape
         return described
@@ -229,7 +229,7 @@ def _paths(table: Mapping[str, object], before: str = "") -> dict[str, object]:
     return paths
 
 
-def _with_length(document: Document, shapes: Iterable[Shape]) -> ConstantLoad | ChangingLoad:
+def _with_length(document: SceneDocument, shapes: Iterable[Shape]) -> ConstantLoad | ChangingLoad:
     """Return the load; a total load on shapes without a length is spread over the length of the grid, if known."""
     load = document.load
     has_length = any(

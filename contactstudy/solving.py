@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.answers.contact import Contact, contact_of
+from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.checks import InvalidInput, checked_relative_error
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
@@ -152,7 +152,7 @@ def solve(
             f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
         )
     if scene.lubrication is not None:
-        if scene.changing is not None:
+        if scene.time_dependent_field is not None:
             request.refuse_unless("a film that changes in time", "times")
             return request.time_dependent_film()
         request.refuse_unless("a steady film", "start")
@@ -250,7 +250,7 @@ class _Request:
             options = replace(
                 options, solver=ReportingSolver(self._residual_reporter(problem), options.solver)
             )
-        return contact_of(solve_contact(problem, options, self.first_pressure, self.on))
+        return contact_answer(solve_contact(problem, options, self.first_pressure, self.on))
 
     def _residual_reporter(self, problem: Problem) -> Callable[[float, Array], None]:
         """Return what takes residual and pressure of each iteration, and reports them as progress."""
@@ -295,7 +295,7 @@ class _Request:
             on=self.on,
             progress=self._grid_reporter,
         )
-        return contact_of(refined.solution, estimate=refined.estimate, requested=requested)
+        return contact_answer(refined.solution, estimate=refined.estimate, requested=requested)
 
     @property
     def _grid_reporter(self) -> "Callable[[BoundedSolution], None] | None":
@@ -319,23 +319,23 @@ class _Request:
 
         def solve_on(grid: Grid) -> Contact:
             rolling = solve_rolling(self.scene, grid, padding, options=self.options)
-            return contact_of(rolling.solution, rolling=rolling)
+            return contact_answer(rolling.solution, rolling=rolling)
 
         answer = replace(solve_on(grid), requested=self.requested)
         return answer if self.grid is not None else self._refined(answer, solve_on)
 
     def repeated_rolling(self) -> "Evolution":
         """Roll a contact over a body that yields, as often as its scene says."""
-        from contactstudy.answers.evolution import passes_of
+        from contactstudy.answers.evolution import passes_answer
         from contactstudy.evolution.repeated_rolling import roll_repeatedly
 
         grid, padding = self.planned(self.requested)
         rolled = roll_repeatedly(self.scene, grid, padding, options=self.options)
-        return passes_of(rolled, self.requested)
+        return passes_answer(rolled, self.requested)
 
     def time_dependent(self) -> "Evolution":
         """Follow a dry scene through time."""
-        from contactstudy.answers.evolution import evolution_of
+        from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.evolve import evolve
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
@@ -361,7 +361,7 @@ class _Request:
                 folder=folder,
                 progress=self._time_reporter,
             )
-            return evolution_of(trajectory, requested)
+            return evolution_answer(trajectory, requested)
 
         answer = solve_on(first)
         refines = requested is not None and self.grid is None
@@ -369,7 +369,7 @@ class _Request:
 
     def quasi_static(self) -> "Evolution":
         """Follow a contact that is in equilibrium at each instant through a history of loads."""
-        from contactstudy.answers.evolution import evolution_of
+        from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.quasi_static import follow_load
 
         grid, padding = self.planned(self.requested)
@@ -381,7 +381,7 @@ class _Request:
             options=self.options,
             progress=self._time_reporter,
         )
-        return evolution_of(trajectory, self.requested)
+        return evolution_answer(trajectory, self.requested)
 
     @property
     def _time_reporter(self) -> Callable[[float, float], None] | None:
@@ -397,7 +397,7 @@ class _Request:
 
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""
-        from contactstudy.answers.lubricated_contact import lubricated
+        from contactstudy.answers.lubricated_contact import film_answer
         from contactstudy.lubrication.solve_lubricated import solve_lubricated, varies_along
 
         smooth = self.grid is None and not any(map(varies_along, self.scene.shapes))
@@ -411,11 +411,11 @@ class _Request:
             max_iterations=min(self.options.max_iterations, FILM_ITERATIONS),
             start=self.start,
         )
-        return lubricated(contact, requested=self.requested)
+        return film_answer(contact, requested=self.requested)
 
     def time_dependent_film(self) -> "Evolution":
         """Follow a film through time."""
-        from contactstudy.answers.evolution import films_of
+        from contactstudy.answers.evolution import films_answer
         from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 
         requested, steps = self.requested, self.steps
@@ -430,7 +430,7 @@ class _Request:
             tolerance=self.options.tolerance,
             progress=self._time_reporter,
         )
-        return films_of(films, requested)
+        return films_answer(films, requested)
 
     def _refined(self, answer: Any, solve_on: Callable[[Grid], Any]) -> Any:
         """Solve again on finer grids until the bound of the answer meets the requested error, where that is possible."""

@@ -133,12 +133,12 @@ def _parabola_excess(values: Array, index: int) -> float:
 
 def _largest_at(solution: Solution, depth: float) -> float:
     """Return the largest von Mises stress [Pa] at a `depth` [m] below a solution; 0 if its scene names no stress."""
-    from contactstudy.scene.stress import StressBelow, von_mises
+    from contactstudy.scene.stress import SubsurfaceStressOperator, von_mises
 
     for output in solution.problem.outputs:
-        if isinstance(output, StressBelow):
+        if isinstance(output, SubsurfaceStressOperator):
             below = replace(output, depths=(depth,))
             if solution.traction is not None:
-                below = below.under(solution.traction.shear)
+                below = below.with_shear(solution.traction.shear)
             return float(von_mises(below(net_pressure(solution.pressure, solution.adhesion))).max())
     return 0.0

@@ -136,12 +136,14 @@ class SubgridHeights:
         if source is None or problem.paddings is None:
             return None
         try:
-            points = CONSTANTS.points if source.names_scales else CONSTANTS.points_without_scales
+            points = (
+                CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
+            )
             parts = (
                 _hidden_heights(problem, axis, points) for axis in (0, 1) if grid.cells[axis] >= 4
             )
             along = tuple(part for part in parts if part is not None)
-            examined = not source.names_scales and min(grid.cells) >= 4
+            examined = not source.has_length_scales and min(grid.cells) >= 4
             return cls(along, _between_lines(problem, confidence) if examined else None)
         except InvalidInput:
             return None
@@ -244,7 +246,7 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
             *parts, grid.cell_size[axis], wraps=paddings[axis].wraps
         )
         of_any = heights.missed, heights.corner(), heights.protrusion
-        of_unknown = () if source.names_scales else (heights.kink(),)
+        of_unknown = () if source.has_length_scales else (heights.kink(),)
         examined.append((*of_any, *of_unknown))
     on_lines = [
         np.broadcast_to(axis_first(np.concatenate(fields, axis=1), axis), lines)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 # What to change where the bound is too large, by the cause of its largest part.
 REMEDIES = {
-    "images": "the images that the padding leaves out: give ExactPeriodicity",
+    "images": "the images that the padding omits: give ExactPeriodicity",
     "discretisation": "the cells: give an error to plan for, or a grid of more cells",
     "residual": "the residual of the solver: give a smaller tolerance",
     "steps": "the steps in time: give them a smaller error",
@@ -79,7 +79,7 @@ class Answer:
         raise NotImplementedError
 
     @property
-    def judged(self) -> tuple[str, ErrorParts]:
+    def judged_error(self) -> tuple[str, ErrorParts]:
         """Name of the error measure of the requested accuracy, and its bound by cause."""
         return "in L1", self.error.l1
 
@@ -88,12 +88,12 @@ class Answer:
         """True if the bound meets the requested accuracy; None without a request."""
         if self.requested is None:
             return None
-        return self.judged[1].total <= self.requested
+        return self.judged_error[1].total <= self.requested
 
     @property
     def accuracy(self) -> str:
         """Sentence on the accuracy, such as ``1 % met: 0.7 % in L1``."""
-        measure, parts = self.judged
+        measure, parts = self.judged_error
         bound = parts.total
         reached = f"{100 * bound:.2g} % {measure}" if isfinite(bound) else f"no bound {measure}"
         if self.requested is None:

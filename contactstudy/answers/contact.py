@@ -39,7 +39,7 @@ class Contact(Answer, Solution):
     Parameters
     ----------
     requested
-        Relative error that was asked for.
+        Requested relative error.
     estimate
         Estimate of its errors, where it is known already; None computes it on first access.
     rolling
@@ -125,8 +125,8 @@ class Contact(Answer, Solution):
         fields: dict[str, Field] = {}
         for output in self.problem.outputs:
             sheared = self.traction is not None and isinstance(output, DependsOnShear)
-            under = output.under(self.traction.shear) if sheared else output  # type: ignore[union-attr, attr-defined]
-            fields |= under.fields(net_pressure(self.pressure, self.adhesion))
+            with_shear = output.with_shear(self.traction.shear) if sheared else output  # type: ignore[union-attr, attr-defined]
+            fields |= with_shear.fields(net_pressure(self.pressure, self.adhesion))
         return fields
 
     @cached_property
@@ -135,11 +135,11 @@ class Contact(Answer, Solution):
         return contact_quantities(self, self.error, self.derived, self.rolling)
 
     @property
-    def judged(self) -> tuple[str, ErrorParts]:
+    def judged_error(self) -> tuple[str, ErrorParts]:
         """Bound of the pull-off load for a PullOff, else of the pressure in L1."""
         if self.error.pull_off is not None:
             return "in the pull-off load", self.error.pull_off
-        return super().judged
+        return super().judged_error
 
     @property
     def accuracy(self) -> str:
@@ -193,12 +193,12 @@ class Contact(Answer, Solution):
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of pressure, gap and stress as a matplotlib figure."""
         with needed_for("Contact.plot"):
-            from contactstudy.io.pictures.contact import picture
+            from contactstudy.io.pictures.contact import contact_picture
 
-        return picture(self.to_dataset() if dataset is None else dataset)
+        return contact_picture(self.to_dataset() if dataset is None else dataset)
 
 
-def contact_of(solution: Solution, **further_fields: Any) -> Contact:
+def contact_answer(solution: Solution, **further_fields: Any) -> Contact:
     """Return `solution` as an answer, with `further_fields` of :class:`Contact`."""
     return Contact(
         **{field.name: getattr(solution, field.name) for field in fields(Solution)},

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.answers.answer import Answer, Counts
-from contactstudy.answers.contact import Contact, contact_of
+from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
@@ -20,7 +20,7 @@ from contactstudy.io.evolution_quantities import (
     evolution_quantities,
     passes_quantities,
 )
-from contactstudy.io.quantities import Quantities, own_length
+from contactstudy.io.quantities import Quantities, roller_length
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status, worst
@@ -61,9 +61,13 @@ class Evolution(Answer):
     posed
         The scene with grid and padding.
     requested
-        Relative error that was asked for, of cells and steps together.
-    trajectory, films, passes
-        What was recorded: of a dry contact, of a film, or of a contact that rolls repeatedly; the others are None.
+        Requested relative error, of cells and steps together.
+    trajectory
+        Recorded frames of a dry contact; None for others.
+    films
+        Recorded instants of a film; None for others.
+    passes
+        Recorded passes of a repeatedly rolling contact; None for others.
     """
 
     frames: "tuple[Contact | LubricatedContact, ...]"
@@ -135,7 +139,7 @@ class Evolution(Answer):
             [frame.quantities for frame in self.frames],
             [float(time) for time in self.times],
             last_frame,
-            own_length(self.posed),
+            roller_length(self.posed),
             (self.grid.cell_area, self.grid.length),
             plastic_fields,
             self.error.l1,
@@ -214,7 +218,7 @@ class Evolution(Answer):
         return pictures.evolution_picture(dataset)
 
 
-def evolution_of(trajectory: "Trajectory", requested: float | None = None) -> Evolution:
+def evolution_answer(trajectory: "Trajectory", requested: float | None = None) -> Evolution:
     """Return the frames of a dry contact as an answer."""
     frames = tuple(_frame(trajectory, frame) for frame in trajectory.frames)
     posed = trajectory.description
@@ -224,7 +228,7 @@ def evolution_of(trajectory: "Trajectory", requested: float | None = None) -> Ev
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     """Return a recorded frame as an answer; its gap includes the worn depth and the residual displacement."""
     if frame.solution is not None:
-        return contact_of(
+        return contact_answer(
             frame.solution, time=frame.time, state=frame.fields, rolling=frame.rolling
         )
     problem = trajectory.problem
@@ -239,7 +243,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         replace(steps, reason=reason),
         ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES),
     )
-    area = unknown if frame.pressure.any() else l1  # bodies that are apart have no area
+    area = unknown if frame.pressure.any() else l1  # separated bodies have no area
     stress = unknown if outputs else None
     return Contact(
         problem=problem,
@@ -261,21 +265,21 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     )
 
 
-def passes_of(rolled: "RepeatedRolling", requested: float | None = None) -> Evolution:
-    """Return the passes of a contact that rolls again and again as an answer."""
+def passes_answer(rolled: "RepeatedRolling", requested: float | None = None) -> Evolution:
+    """Return the passes of a contact under repeated rolling as an answer."""
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_PASSES)
     estimate = ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(NO_BOUND_OF_PASSES,))
     frames = tuple(
-        contact_of(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
+        contact_answer(replace(each_pass.solution, status=each_pass.status), estimate=estimate)
         for each_pass in rolled.passes
     )
     numbers = np.arange(1.0, len(frames) + 1)
     return Evolution(frames, numbers, rolled.description, requested, passes=rolled)
 
 
-def films_of(films: "FilmTrajectory", requested: float | None = None) -> Evolution:
+def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evolution:
     """Return the instants of a film as an answer."""
-    from contactstudy.answers.lubricated_contact import lubricated
+    from contactstudy.answers.lubricated_contact import film_answer
 
     parts = ErrorParts(discretisation=inf, steps=films.step_error, reason=NO_BOUND_OF_FILMS)
 
@@ -287,7 +291,7 @@ def films_of(films: "FilmTrajectory", requested: float | None = None) -> Evoluti
         friction_coefficient=of("friction"), warnings=(NO_BOUND_OF_FILMS,),
     )  # fmt: skip
     frames = [
-        lubricated(replace(contact, estimate=estimate), time=time)
+        film_answer(replace(contact, estimate=estimate), time=time)
         for contact, time in zip(films.contacts, films.times, strict=True)
     ]
     first = frames[0]

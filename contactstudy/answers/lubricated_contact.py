@@ -32,7 +32,7 @@ class LubricatedContact(Answer, FilmSolution):
     Parameters
     ----------
     requested
-        Relative error that was asked for, of the film and of what its motion adds: friction, heat, load fraction.
+        Requested relative error, of the film and of what its motion adds: friction, heat, load fraction.
     time
         Time [s] of a frame of an evolution; None for others.
     """
@@ -53,7 +53,7 @@ class LubricatedContact(Answer, FilmSolution):
         return film_quantities(self, self.error)
 
     @property
-    def judged(self) -> tuple[str, ErrorParts]:
+    def judged_error(self) -> tuple[str, ErrorParts]:
         """The largest bound of the numbers that the scene asks for."""
         errors = self.errors_asked_for(self.error)
         name = max(errors, key=lambda name: errors[name].total)
@@ -107,7 +107,7 @@ class LubricatedContact(Answer, FilmSolution):
         )
 
 
-def lubricated(contact: FilmSolution, **further_fields: Any) -> LubricatedContact:
+def film_answer(contact: FilmSolution, **further_fields: Any) -> LubricatedContact:
     """Return a film as an answer, with `further_fields` of :class:`LubricatedContact`."""
     values = {field.name: getattr(contact, field.name) for field in fields(FilmSolution)}
     return LubricatedContact(**values, **further_fields)

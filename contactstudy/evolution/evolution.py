@@ -152,10 +152,12 @@ class Trajectory:
     def derived(self, frame: Frame, output: Derived) -> Derived:
         """Return an output of the scene beside the residual stress and under the shear at the instant of `frame`."""
         if self.coupled is not None and isinstance(output, DependsOnStrain):
-            output = output.beside(partial(self.coupled.residual_stress, frame.coupled_state))
+            output = output.with_residual_stress(
+                partial(self.coupled.residual_stress, frame.coupled_state)
+            )
         traction = self.traction(frame)
         if traction is not None and isinstance(output, DependsOnShear):
-            output = output.under(traction.shear)
+            output = output.with_shear(traction.shear)
         return output
 
     @property

@@ -37,10 +37,10 @@ class Comparison:
         ``b / a - 1``.
     approach
         ``b - a`` [m], meaningful if both have the same datum, as on one grid with one load. NaN for films.
-    largest, at
+    largest, position
         Largest ``|p_b - p_a|`` [Pa], and the place (x, y) [m] where it is.
     difference
-        Pressures ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the cells between the edges of both grids.
+        Pressures ``a``, ``b`` and ``b - a`` (x, y) [Pa] on the common refinement of both grids.
     differing
         Sentences on the keys of the scenes that differ.
     quantities
@@ -55,14 +55,14 @@ class Comparison:
     load: float
     approach: float
     largest: float
-    at: tuple[float, float]
+    position: tuple[float, float]
     difference: xr.Dataset
     differing: tuple[str, ...] = ()
     quantities: Mapping[str, float] = field(default_factory=dict)
     time: float | None = None
 
     def __str__(self) -> str:
-        x, y = (readable(coordinate, "m") for coordinate in self.at)
+        x, y = (readable(coordinate, "m") for coordinate in self.position)
         lines = [
             f"pressure in L1: {100 * self.l1:.3g} %",
             f"peak pressure: {100 * self.peak_pressure:+.3g} %",
@@ -85,9 +85,9 @@ class Comparison:
     def plot(self) -> "Figure":
         """Draw the difference as a map, and both pressures across the place where it is largest."""
         with needed_for("Comparison.plot"):
-            from contactstudy.io.pictures.contact import compare_picture
+            from contactstudy.io.pictures.contact import comparison_picture
 
-        return compare_picture(self.difference, self.at)
+        return comparison_picture(self.difference, self.position)
 
 
 def compare(a: Any, b: Any) -> Comparison:
@@ -101,13 +101,13 @@ def compare(a: Any, b: Any) -> Comparison:
     Parameters
     ----------
     a, b
-        Answers, or their datasets, on any two grids of one period. Two evolutions are compared at the instant of the
-        highest pressure of `a`, which both must have recorded.
+        Answers, or their datasets, on any two grids of the same period. Two evolutions are compared at the instant of
+        the highest pressure of `a`, which both must have recorded.
 
     Raises
     ------
     InvalidInput
-        For contacts of two periods or of two kinds, such as a roller with free ends and one period of an infinite
+        For contacts of different periods or kinds, such as a roller with free ends and one period of an infinite
         one, and for a dataset that does not hold a contact.
     """
     first, second, time = _at_one_instant(_labelled("a", a), _labelled("b", b))
@@ -115,9 +115,9 @@ def compare(a: Any, b: Any) -> Comparison:
     _check_kinds(*tables)
     x_a, x_b = _edges(first, "x"), _edges(second, "x")
     y_a, y_b = _one_period(first, second, _edges(first, "y"), _edges(second, "y"))
-    x, y = _union(x_a, x_b), _union(y_a, y_b)
-    p_a = _on(first["pressure"].values, x_a, y_a, x, y)
-    p_b = _on(second["pressure"].values, x_b, y_b, x, y)
+    x, y = _merged_edges(x_a, x_b), _merged_edges(y_a, y_b)
+    p_a = _resampled(first["pressure"].values, x_a, y_a, x, y)
+    p_b = _resampled(second["pressure"].values, x_b, y_b, x, y)
     area = np.diff(x)[:, None] * np.diff(y)[None, :]
     total = float((p_a * area).sum())
     if not total:
@@ -136,7 +136,9 @@ def compare(a: Any, b: Any) -> Comparison:
         },
         {"x": ("x", centres[0], first["x"].attrs), "y": ("y", centres[1], first["y"].attrs)},
     )
-    means = _sums(_sums(change * area, x, x_a, x_b), y, y_a, y_b, axis=1)
+    means = _sums_over_larger_cells(
+        _sums_over_larger_cells(change * area, x, x_a, x_b), y, y_a, y_b, axis=1
+    )
     return Comparison(
         l1=float(np.abs(means).sum()) / total,
         peak_pressure=float(p_b.max() / p_a.max() - 1),
@@ -144,7 +146,7 @@ def compare(a: Any, b: Any) -> Comparison:
         load=float((p_b * area).sum()) / total - 1,
         approach=float(second.get("approach", np.nan) - first.get("approach", np.nan)),
         largest=float(np.abs(change[index])),
-        at=(float(centres[0][index[0]]), float(centres[1][index[1]])),
+        position=(float(centres[0][index[0]]), float(centres[1][index[1]])),
         difference=difference,
         differing=_differing(*tables),
         quantities=_quantities(first, second),
@@ -171,12 +173,12 @@ def _scene(dataset: xr.Dataset) -> dict[str, object]:
     """Return the values of the scene in a dataset by their paths, without its grid; empty if it has no scene."""
     text = str(dataset.attrs.get("scene", ""))
     try:
-        return {} if text.startswith("#") else _flat(tomllib.loads(text), "")
+        return {} if text.startswith("#") else _flattened(tomllib.loads(text), "")
     except tomllib.TOMLDecodeError:
         return {}
 
 
-def _flat(value: object, path: str) -> dict[str, object]:
+def _flattened(value: object, path: str) -> dict[str, object]:
     entries: Iterable[tuple[object, object]]
     if isinstance(value, dict):
         entries = value.items()
@@ -186,7 +188,7 @@ def _flat(value: object, path: str) -> dict[str, object]:
         return {} if path.startswith("grid.") else {path: value}
     flat: dict[str, object] = {}
     for key, entry in entries:
-        flat |= _flat(entry, f"{path}.{key}" if path else str(key))
+        flat |= _flattened(entry, f"{path}.{key}" if path else str(key))
     return flat
 
 
@@ -213,10 +215,12 @@ def _differing(first: Mapping[str, object], second: Mapping[str, object]) -> tup
     keys = [key for key in {**first, **second} if first.get(key) != second.get(key)]
     if not first or not second:
         return ()
-    return tuple(f"{key}: {_short(first.get(key))} and {_short(second.get(key))}" for key in keys)
+    return tuple(
+        f"{key}: {_value_text(first.get(key))} and {_value_text(second.get(key))}" for key in keys
+    )
 
 
-def _short(value: object) -> str:
+def _value_text(value: object) -> str:
     return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
@@ -276,19 +280,19 @@ def _one_period(first: xr.Dataset, second: xr.Dataset, a: Array, b: Array) -> tu
     if abs(lengths[1] / lengths[0] - 1) > 1e-6:
         raise InvalidInput(
             f"The contacts have the periods {readable(lengths[0])} and {readable(lengths[1])}: compare contacts of "
-            "one period."
+            "the same period."
         )
     return a, b
 
 
-def _union(a: Array, b: Array) -> Array:
+def _merged_edges(a: Array, b: Array) -> Array:
     """Return the edges of both grids; edges that differ only by rounding are merged."""
     edges = np.unique(np.concatenate([a, b]))
     is_separate = np.diff(edges) > 1e-9 * (edges[-1] - edges[0])
     return np.asarray(edges[np.concatenate([[True], is_separate])])
 
 
-def _on(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
+def _resampled(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
     """Return the pressure on finer cells, zero beyond the grid."""
     rows, row_on_grid = _cell_indices(x, to_x)
     columns, column_on_grid = _cell_indices(y, to_y)
@@ -296,7 +300,9 @@ def _on(pressure: Array, x: Array, y: Array, to_x: Array, to_y: Array) -> Array:
     return np.where(on_grid, pressure[np.ix_(rows, columns)], 0.0)
 
 
-def _sums(values: Array, edges: Array, a: Array, b: Array, axis: int = 0) -> Array:
+def _sums_over_larger_cells(
+    values: Array, edges: Array, a: Array, b: Array, axis: int = 0
+) -> Array:
     """Return the sums of `values` on fine cells over the larger cells of the grids with the edges `a` and `b`."""
     coarse = a if np.diff(a).max() >= np.diff(b).max() else b
     rounding = 1e-9 * (edges[-1] - edges[0])

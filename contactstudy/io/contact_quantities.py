@@ -13,7 +13,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities import Quantity, bounded, own_length, per_length
+from contactstudy.io.quantities import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
@@ -47,7 +47,7 @@ def contact_quantities(
     derived: Mapping[str, Field],
     rolling: "SteadyRolling | None" = None,
 ) -> dict[str, Quantity]:
-    """Return the numbers of a dry contact, those of the effects that its scene names first; none without a pressure.
+    """Return the quantities of a dry contact, those of the effects that its scene names first; none without a pressure.
 
     Areas and volumes are per length where the scene has no length of its own.
 
@@ -65,17 +65,19 @@ def contact_quantities(
     pressure, gap, grid = solution.pressure, solution.gap, solution.problem.grid
     if not np.isfinite(pressure).all():
         return {}
-    scene, touching, why = scene_of(solution), pressure > 0, estimate.warnings
+    scene, touching, fallback_reasons = scene_of(solution), pressure > 0, estimate.warnings
     posed = solution.problem.description
-    length = own_length(posed if isinstance(posed, PosedScene) else None)
+    length = roller_length(posed if isinstance(posed, PosedScene) else None)
     area = float(np.count_nonzero(touching) * grid.cell_area)
     total = float(pressure.sum() * grid.cell_area)
     peak, peak_position = _largest(pressure, {"x": grid.x, "y": grid.y})
     half_width = _half_width(touching, grid.cell_size[0])
     solved = ErrorParts(residual=solution.residual)
-    wide = "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
-    numbers = {
-        "peak_pressure": bounded(
+    width_note = (
+        "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
+    )
+    quantities = {
+        "peak_pressure": with_bound(
             Quantity(
                 peak,
                 "Pa",
@@ -84,48 +86,52 @@ def contact_quantities(
                 detail=_mirrored(pressure, grid.y, peak_position),
             ),
             estimate.peak_pressure,
-            why,
+            fallback_reasons,
         )
     }
     coordinates = {"x": grid.x, "y": grid.y}
-    numbers |= _of_stress(scene, derived, coordinates, estimate)
+    quantities |= _of_stress(scene, derived, coordinates, estimate)
     if rolling is not None:
-        numbers |= _of_rolling(rolling, estimate)
+        quantities |= _of_rolling(rolling, estimate)
     if solution.traction is not None:
-        numbers |= _of_traction(solution, solution.traction, estimate)
+        quantities |= _of_traction(solution, solution.traction, estimate)
         if isinstance(solution.traction, RollingTraction):
-            numbers |= _of_creepage(solution.traction, grid, length)
+            quantities |= _of_creepage(solution.traction, grid, length)
         if isinstance(solution.traction, FrettingTraction):
-            numbers |= _of_cycle(solution, solution.traction, estimate, length)
+            quantities |= _of_cycle(solution, solution.traction, estimate, length)
     if solution.adhesion is not None:
-        numbers |= _of_adhesion(solution, solution.adhesion, estimate)
-    numbers |= {
-        "contact_area": bounded(
-            per_length(area, "m2", "contact area", length, grid.length), estimate.contact_area, why
+        quantities |= _of_adhesion(solution, solution.adhesion, estimate)
+    quantities |= {
+        "contact_area": with_bound(
+            per_length(area, "m2", "contact area", length, grid.length),
+            estimate.contact_area,
+            fallback_reasons,
         ),
         "half_width": Quantity(half_width, "m", "outermost half-width", grid.cell_size[0], ""),
-        "mean_pressure": bounded(
+        "mean_pressure": with_bound(
             Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact"),
             estimate.peak_pressure
             if solution.adhesion is not None and solution.adhesion.regularised
             else estimate.contact_area,
-            why,
+            fallback_reasons,
         ),
-        "mean_gap": bounded(
-            Quantity(solution.mean_gap, "m", "mean gap", detail=wide), estimate.mean_gap, why
+        "mean_gap": with_bound(
+            Quantity(solution.mean_gap, "m", "mean gap", detail=width_note),
+            estimate.mean_gap,
+            fallback_reasons,
         ),
         "approach": _approach(solution, estimate),
     }
     if scene is not None and scene.hardness < inf:
         depth = max(-float(gap.min()), 0.0)
-        numbers["yielded_depth"] = Quantity(depth, "m", "largest depth of yielding")
-    carried, of_load = solution.load_per_length * grid.length, estimate.load or solved
-    numbers["load_per_length"] = bounded(
-        Quantity(carried / (length or grid.length), "N m-1", "load per length"), of_load
+        quantities["yielded_depth"] = Quantity(depth, "m", "largest depth of yielding")
+    load, load_parts = solution.load_per_length * grid.length, estimate.load or solved
+    quantities["load_per_length"] = with_bound(
+        Quantity(load / (length or grid.length), "N m-1", "load per length"), load_parts
     )
     if length is not None:
-        numbers["total_load"] = bounded(Quantity(carried, "N", "load"), of_load)
-    return numbers
+        quantities["total_load"] = with_bound(Quantity(load, "N", "load"), load_parts)
+    return quantities
 
 
 def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
@@ -135,7 +141,7 @@ def _approach(solution: Solution, estimate: ErrorEstimate) -> Quantity:
     if solution.problem.control.approach is not None:
         return Quantity(solution.approach, "m", "approach", 0.0, "", detail=detail)
     approach = Quantity(solution.approach, "m", "approach", detail=detail)
-    return bounded(approach, estimate.approach, estimate.warnings)
+    return with_bound(approach, estimate.approach, estimate.warnings)
 
 
 def approach_datum(solution: Solution) -> float | None:
@@ -161,8 +167,8 @@ def _of_adhesion(
     touching = bool(solution.pressure.any())
     # in the JKR limit the attraction grows as the peak pressure does
     error = estimate.peak_pressure if adhesion.regularised else estimate.l1
-    numbers = {
-        "attraction": bounded(
+    quantities = {
+        "attraction": with_bound(
             Quantity(attraction, "N m-1", "attraction per length"), error, estimate.warnings
         ),
         "energy": Quantity(adhesion.energy / grid.length, "J m-1", "energy per length"),
@@ -171,11 +177,13 @@ def _of_adhesion(
         "detached": Quantity(float(not touching), "1", "1 if the bodies do not touch", 0.0, ""),
     }  # fmt: skip
     if adhesion.tabor is not None:
-        numbers["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor's parameter", 0.0, "")
+        quantities["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor's parameter", 0.0, "")
     if adhesion.first_unstable_load is not None:
         pull_off = Quantity(-solution.load_per_length, "N m-1", "pull-off load")
-        numbers = {"pull_off": bounded(pull_off, estimate.pull_off, estimate.warnings)} | numbers
-    return numbers
+        quantities = {
+            "pull_off": with_bound(pull_off, estimate.pull_off, estimate.warnings)
+        } | quantities
+    return quantities
 
 
 def _of_traction(
@@ -194,7 +202,7 @@ def _of_traction(
     friction = getattr(scene_of(solution), "friction", None)
     slides_freely = getattr(friction, "displacements", None) is not None
     if not (isinstance(traction, RollingTraction) or friction is None or slides_freely):
-        coefficient = bounded(coefficient, ErrorParts(residual=solution.residual))  # given
+        coefficient = with_bound(coefficient, ErrorParts(residual=solution.residual))  # given
     stick = Quantity(
         float(np.count_nonzero(traction.stick) / touching) if touching else 0.0,
         "1",
@@ -241,20 +249,22 @@ def _of_cycle(
     grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
     dissipated = per_length(energy, "J", "energy lost per cycle", length, grid.length)
-    slid = Quantity(float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle")
-    slips = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
-    border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slips))
-    wide = np.count_nonzero(slips) / border if border else 0.0
-    for_energy = ENERGY_ERROR / wide**2 if wide > 1 else inf
-    for_slip = (1 + SLIP_ZONE_MARGIN / wide) ** 1.5 - 1 if wide > 1 else inf
-    reason = estimate.l1.reason or ("" if wide > 1 else NO_BOUND_OF_ONE_CELL)
-    dissipated, slid = (
-        bounded(number, replace(estimate.l1, discretisation=relative, reason=reason))
-        for number, relative in ((dissipated, for_energy), (slid, for_slip))
+    largest_slip = Quantity(
+        float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle"
+    )
+    slipping = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
+    border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slipping))
+    slip_zone_cells = np.count_nonzero(slipping) / border if border else 0.0
+    energy_error = ENERGY_ERROR / slip_zone_cells**2 if slip_zone_cells > 1 else inf
+    slip_error = (1 + SLIP_ZONE_MARGIN / slip_zone_cells) ** 1.5 - 1 if slip_zone_cells > 1 else inf
+    reason = estimate.l1.reason or ("" if slip_zone_cells > 1 else NO_BOUND_OF_ONE_CELL)
+    dissipated, largest_slip = (
+        with_bound(number, replace(estimate.l1, discretisation=relative, reason=reason))
+        for number, relative in ((dissipated, energy_error), (largest_slip, slip_error))
     )
     return {
         "energy_per_cycle": dissipated,
-        "largest_slip": slid,
+        "largest_slip": largest_slip,
         "largest_shear": Quantity(traction.largest_shear, "Pa", "largest shear of all steps"),
     }
 
@@ -272,7 +282,7 @@ def _of_creepage(
         creepage = replace(creepage, bound=of_creepage, reason="")
     return {
         "creepage": creepage,
-        "frictional_power": bounded(
+        "frictional_power": with_bound(
             power, ErrorParts(discretisation=traction.power_outside_contact + of_power)
         ),
     }
@@ -282,7 +292,9 @@ def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, 
     """Return the rolling resistance over the load, and the distance of the pressure's centroid from the axis."""
     resistance = Quantity(rolling.resistance, "1", "rolling resistance over load")
     return {
-        "rolling_resistance": bounded(resistance, estimate.rolling_resistance, estimate.warnings),
+        "rolling_resistance": with_bound(
+            resistance, estimate.rolling_resistance, estimate.warnings
+        ),
         "pressure_shift": Quantity(rolling.shift, "m", "pressure centroid ahead of the axis"),
     }
 
@@ -307,12 +319,16 @@ def _of_stress(
         **{axis: derived[axis].values for axis in stress.dimensions if axis in derived},
     }
     largest, position = _largest(stress.values, axes, stress.dimensions)
-    why = estimate.warnings
+    fallback_reasons = estimate.warnings
     value = Quantity(largest, "Pa", f"largest von Mises stress{where}", position=position)
-    numbers = {"largest_von_mises": bounded(value, estimate.largest_von_mises, why)}
+    quantities = {
+        "largest_von_mises": with_bound(value, estimate.largest_von_mises, fallback_reasons)
+    }
     if "z" in position:
         depth = Quantity(position["z"], "m", f"depth of the largest von Mises stress{where}")
-        numbers["largest_von_mises_depth"] = bounded(depth, estimate.largest_von_mises_depth, why)
+        quantities["largest_von_mises_depth"] = with_bound(
+            depth, estimate.largest_von_mises_depth, fallback_reasons
+        )
     strength = strength_of_outputs(scene)
     if strength < inf and largest:
         margin = Quantity(strength / largest, "1", f"yield strength over von Mises stress{where}")
@@ -320,8 +336,8 @@ def _of_stress(
         if error is not None and error.total < 1:
             bound = margin.value * error.total / (1 - error.total)
             margin = replace(margin, bound=bound, reason="")
-        numbers["safety_factor"] = margin
-    return numbers
+        quantities["safety_factor"] = margin
+    return quantities
 
 
 def _wraps(solution: Solution) -> bool:

@@ -18,7 +18,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.io.quantities import Quantities, own_length, per_length
+from contactstudy.io.quantities import Quantities, per_length, roller_length
 from contactstudy.io.scene_writer import scene_text
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.load import ChangingLoad, ConstantLoad
@@ -71,7 +71,7 @@ def _statuses(dimension: str, statuses: Sequence[Status], long_name: str) -> xr.
     return flags((dimension,), values, list(Status.__members__), long_name)
 
 
-def _of_field(field: Field) -> xr.Variable:
+def _field_variable(field: Field) -> xr.Variable:
     return labelled(
         field.dimensions, field.values, field.units, field.long_name, **field.attributes
     )
@@ -100,7 +100,9 @@ def contact_fields(solution: Solution) -> xr.Dataset:
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
     )
-    return dataset.assign(_sheared(solution.traction)).assign(_attracted(solution.adhesion))
+    return dataset.assign(_traction_variables(solution.traction)).assign(
+        _adhesion_variables(solution.adhesion)
+    )
 
 
 def contact_dataset(
@@ -129,9 +131,9 @@ def contact_dataset(
         "history": f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}"
     }
     if isinstance(description, PosedScene):
-        dataset = dataset.assign(_of_scene(description))
-        dataset.attrs |= _measured(description) | {"scene": scene_attribute(description)}
-    dataset = dataset.assign({name: _of_field(field) for name, field in derived.items()})
+        dataset = dataset.assign(_scene_variables(description))
+        dataset.attrs |= _measured_surfaces(description) | {"scene": scene_attribute(description)}
+    dataset = dataset.assign({name: _field_variable(field) for name, field in derived.items()})
     return with_quantities(_with_errors(dataset, error), quantities)
 
 
@@ -140,18 +142,18 @@ def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
 
     A name that the dataset has already, such as that of a coordinate, is left as it is.
     """
-    numbers: dict[str, xr.Variable] = {}
+    variables: dict[str, xr.Variable] = {}
     for name, quantity in quantities.items():
         if name in dataset:
             continue
-        numbers[name] = labelled((), quantity.value, quantity.unit, quantity.label)
-        numbers[f"{name}_bound"] = labelled(
+        variables[name] = labelled((), quantity.value, quantity.unit, quantity.label)
+        variables[f"{name}_bound"] = labelled(
             (), quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
         )
-    return dataset.assign(numbers)
+    return dataset.assign(variables)
 
 
-def _of_scene(posed: PosedScene) -> dict[str, xr.Variable]:
+def _scene_variables(posed: PosedScene) -> dict[str, xr.Variable]:
     """Return the load where it is given, and Hertz's values where they are those of this load."""
     load, values = posed.scene.load, {}
     if isinstance(load, ConstantLoad | ChangingLoad):
@@ -171,7 +173,7 @@ def _hertz(hertz: HertzLine) -> dict[str, xr.Variable]:
     }
 
 
-def _measured(posed: PosedScene) -> dict[str, str]:
+def _measured_surfaces(posed: PosedScene) -> dict[str, str]:
     """Return the files of measured surfaces, and the digests of their heights."""
     surfaces = [
         f"shapes[{number}]: {shape.file or 'no file'}, digest {shape.digest}"
@@ -197,7 +199,7 @@ def scene_attribute(posed: PosedScene) -> str:
         return f"# {error}\n# {posed!r}\n"
 
 
-def _sheared(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
+def _traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
     """Return the two components of shear and the area of stick; empty without friction."""
     if traction is None:
         return {}
@@ -237,7 +239,7 @@ def _sheared(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
     }
 
 
-def _attracted(adhesion: AdhesiveTraction | None) -> dict[str, xr.Variable]:
+def _adhesion_variables(adhesion: AdhesiveTraction | None) -> dict[str, xr.Variable]:
     """Return the attraction, and the history that the state belongs to as a CF flag; empty without adhesion."""
     if adhesion is None:
         return {}
@@ -287,7 +289,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             for name, units, long_name, *dimensions in labels
         }
 
-    length = own_length(evolution.description)
+    length = roller_length(evolution.description)
     of_one = per_length(1.0, "m2", "contact area", length, grid.length)
     area = labelled("time", evolution.contact_area * of_one.value, of_one.unit, of_one.label)
     statuses = [frame.status for frame in frames]
@@ -324,7 +326,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
 
 def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
     """Return shear and stick at every instant; empty without friction."""
-    tractions = [_sheared(evolution.traction(frame)) for frame in evolution.frames]
+    tractions = [_traction_variables(evolution.traction(frame)) for frame in evolution.frames]
     return {
         name: xr.Variable.concat(
             [traction[name] for traction in tractions], "time", combine_attrs="override"
@@ -340,7 +342,7 @@ def _states(evolution: "Trajectory") -> dict[str, xr.Variable]:
     if evolution.coupled is not None:
         states = [frame.coupled_state for frame in frames]
         plastic_fields = evolution.coupled.over_time(states)
-        fields |= {name: _of_field(field) for name, field in plastic_fields.items()}
+        fields |= {name: _field_variable(field) for name, field in plastic_fields.items()}
     return fields
 
 
@@ -365,7 +367,7 @@ def _over_time(instants: Sequence[Mapping[str, Field]]) -> dict[str, xr.Variable
     """Return fields of several instants along the dimension ``time``; coordinates are taken from the first."""
     fields: dict[str, xr.Variable] = {}
     for name, field in instants[0].items():
-        variable = _of_field(field)
+        variable = _field_variable(field)
         if field.dimensions != (name,):
             values = np.stack([instant[name].values for instant in instants])
             variable = xr.Variable(("time", *field.dimensions), values, variable.attrs)
@@ -384,7 +386,7 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
     unloaded = "residual stress after unloading, tension positive"
     dataset = xr.Dataset(
         {
-            **_after_passes(rolling),
+            **_pass_variables(rolling),
             "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
             "window_plastic_strain": labelled(window, strain, "1", below),
             "window_residual_stress": labelled(window, stress, "Pa", unloaded),
@@ -401,7 +403,7 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
     return with_quantities(dataset, quantities)
 
 
-def _after_passes(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
+def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
     """Return strain, stress and displacement after each pass."""
 
     def after(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
@@ -440,9 +442,9 @@ def film_dataset(
         derived = output.of(contact.scene.solids, contact.grid, across_and_along(contact.padding))
         if isinstance(derived, DependsOnShear):
             # friction across on the first body
-            derived = derived.under(np.stack((-contact.shear, np.zeros_like(contact.shear))))
+            derived = derived.with_shear(np.stack((-contact.shear, np.zeros_like(contact.shear))))
         for name, field in derived.fields(contact.pressure).items():
-            dataset[name] = _of_field(field)
+            dataset[name] = _field_variable(field)
     return with_quantities(_with_errors(dataset, error), quantities)
 
 

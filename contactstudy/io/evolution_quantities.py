@@ -1,4 +1,4 @@
-"""Numbers of a contact in time, and of one that rolls again and again."""
+"""Numbers of a contact in time, and of one under repeated rolling."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.io.quantities import Quantity, bounded, per_length
+from contactstudy.io.quantities import Quantity, per_length, with_bound
 from contactstudy.problem.problem import Field
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; so
 def evolution_quantities(
     frames: Sequence[Mapping[str, Quantity]],
     times: Sequence[float],
-    last: "Frame | None",
+    last_frame: "Frame | None",
     length: float | None,
     cell: tuple[float, float],
     plastic_fields: Mapping[str, Field],
@@ -36,10 +36,10 @@ def evolution_quantities(
         Quantities of each recorded instant.
     times
         The instants [s].
-    last
+    last_frame
         The last frame of a dry contact, whose fields hold wear and dent; None for a film.
     length
-        Length of the roller [m]; None where the contact goes on for ever.
+        Length of the roller [m]; None for an endless contact.
     cell
         Cell area [m^2] and period [m] of the grid.
     plastic_fields
@@ -47,7 +47,7 @@ def evolution_quantities(
     error
         Relative L1 error of the pressure at the worst instant.
     """
-    numbers: dict[str, Quantity] = {}
+    quantities: dict[str, Quantity] = {}
     extremes: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
         ("peak_pressure", max, "largest peak pressure in time"),
         ("largest_von_mises", max, "largest von Mises stress in time"),
@@ -58,12 +58,14 @@ def evolution_quantities(
         ("frictional_power", max, "largest frictional power in time"),
         ("rolling_resistance", max, "largest rolling resistance in time"),
     )
-    for name, extreme, words in extremes:
+    for name, extreme, label in extremes:
         if name in frames[0]:
             values = [frame[name].value for frame in frames]
             number = values.index(extreme(values))
             position = {"time": float(times[number])}
-            numbers[name] = replace(frames[number][name], label=words, position=position, detail="")
+            quantities[name] = replace(
+                frames[number][name], label=label, position=position, detail=""
+            )
     reported = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
     moving = (
         "traction_coefficient",
@@ -73,17 +75,17 @@ def evolution_quantities(
         "rolling_resistance",
     )
     peak = frames[-1].get("peak_pressure")
-    is_apart = peak is not None and peak.value == 0  # bodies that are apart have no approach
+    is_separated = peak is not None and peak.value == 0  # separated bodies have no approach
     for name in (*reported, "friction_coefficient", *moving):
-        if name in frames[-1] and not (is_apart and name == "approach"):
+        if name in frames[-1] and not (is_separated and name == "approach"):
             final = frames[-1][name]
-            numbers[f"final_{name}"] = replace(
+            quantities[f"final_{name}"] = replace(
                 final,
                 label=f"{final.label} at the end",
                 position=None,
                 detail="" if final.position else final.detail,
             )
-    fields = {} if last is None else last.fields
+    fields = {} if last_frame is None else last_frame.fields
     if "worn_depth" in fields:
         worn, (area, period) = fields["worn_depth"].values, cell
         volume = float(worn.sum() * area)
@@ -91,24 +93,24 @@ def evolution_quantities(
         by_load = replace(error, images=None, discretisation=None)
         by_slip = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
         slips = "friction_energy" in fields
-        numbers["worn_volume"] = bounded(
+        quantities["worn_volume"] = with_bound(
             per_length(volume, "m3", "worn volume", length, period), by_slip if slips else by_load
         )
         deepest = Quantity(float(worn.max()), "m", "largest worn depth")
-        numbers["largest_worn_depth"] = bounded(deepest, by_slip if slips else error)
+        quantities["largest_worn_depth"] = with_bound(deepest, by_slip if slips else error)
     if "friction_energy" in fields:
         energy = float(fields["friction_energy"].values.sum() * cell[0])
         dissipated = per_length(energy, "J", "energy lost to friction", length, cell[1])
         slid = float(fields["slip_distance"].values.max())
-        numbers["friction_energy"] = replace(dissipated, bound=inf, reason=NO_BOUND_OF_SLIP)
-        numbers["largest_slip"] = Quantity(
+        quantities["friction_energy"] = replace(dissipated, bound=inf, reason=NO_BOUND_OF_SLIP)
+        quantities["largest_slip"] = Quantity(
             slid, "m", "largest distance slipped", inf, NO_BOUND_OF_SLIP
         )
     if "residual_displacement" in fields:
         residual = fields[
             "residual_displacement"
         ].values  # into the bodies, from the undeformed surface
-        for name, height, words in (
+        for name, height, label in (
             (
                 "dent_depth",
                 residual.max(),
@@ -120,17 +122,17 @@ def evolution_quantities(
                 "height of its shoulders, above the undeformed surface",
             ),
         ):
-            numbers[name] = Quantity(float(height), "m", words, inf, NO_BOUND_OF_STRAIN)
+            quantities[name] = Quantity(float(height), "m", label, inf, NO_BOUND_OF_STRAIN)
     for name, stress in plastic_fields.items():
         if name.startswith("residual_stress"):
             of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
             for end, extreme in (("highest", np.max), ("lowest", np.min)):
                 label = f"{end} residual stress{of}, across or along"
                 across_and_along = float(extreme(stress.values[-1, :2]))
-                numbers[f"{end}_{name}"] = Quantity(
+                quantities[f"{end}_{name}"] = Quantity(
                     across_and_along, "Pa", label, inf, NO_BOUND_OF_STRAIN
                 )
-    return numbers
+    return quantities
 
 
 def cycle_quantities(
@@ -150,18 +152,20 @@ def cycle_quantities(
         First load in contact and last load before [N/m]; None where contact is not made.
     """
     work, error, reason = lost_work
-    numbers = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, reason)}
+    quantities = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, reason)}
     if separation is not None:
         last_stable, first_unstable = separation
         pull = Quantity(
             -last_stable, "N m-1", "pull-off load", abs(last_stable - first_unstable), ""
         )
-        numbers = {"pull_off": pull} | numbers
+        quantities = {"pull_off": pull} | quantities
     if jump_in is not None:
         in_contact, separated = jump_in
         label = "load at which contact jumps in"
-        numbers["jump_in"] = Quantity(in_contact, "N m-1", label, abs(in_contact - separated), "")
-    return numbers
+        quantities["jump_in"] = Quantity(
+            in_contact, "N m-1", label, abs(in_contact - separated), ""
+        )
+    return quantities
 
 
 def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:

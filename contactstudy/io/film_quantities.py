@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities import FORMULA, Quantity, bounded
+from contactstudy.io.quantities import FORMULA, Quantity, with_bound
 from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:
@@ -20,9 +20,9 @@ NO_BOUND_OF_FLOW = (
 
 
 def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[str, Quantity]:
-    """Return the numbers of a lubricated contact with the `estimate` of its errors."""
-    scales, why = contact.scales, estimate.warnings
-    numbers = {
+    """Return the quantities of a lubricated contact with the `estimate` of its errors."""
+    scales, fallback_reasons = contact.scales, estimate.warnings
+    quantities = {
         "central_film": Quantity(contact.central_film, "m", "central film thickness"),
         "minimum_film": Quantity(contact.minimum_film, "m", "minimum film thickness"),
         "peak_pressure": Quantity(contact.peak_pressure, "Pa", "peak pressure"),
@@ -31,7 +31,7 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "sliding_loss": Quantity(
             contact.sliding_loss, "W m-1", "power lost by sliding per length"
         ),
-        "load_per_length": bounded(
+        "load_per_length": with_bound(
             Quantity(contact.load_per_length, "N m-1", "load per length"),
             ErrorParts(residual=contact.residual),
         ),
@@ -44,22 +44,22 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "flux_spread": Quantity(contact.flux_spread, "1", "relative imbalance of the mass flow"),
     }  # fmt: skip
     if scales.lubrication.supply is not None:
-        numbers["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
+        quantities["meniscus"] = Quantity(contact.meniscus, "m", "position of the inlet meniscus")
     if contact.contact_pressure is not None:
-        numbers["contact_load_fraction"] = Quantity(
+        quantities["contact_load_fraction"] = Quantity(
             contact.contact_load_fraction, "1", "fraction of the load on asperities"
         )
-        numbers["contact_area_fraction"] = Quantity(
+        quantities["contact_area_fraction"] = Quantity(
             contact.contact_area_fraction, "1", "real contact area over Hertz's contact area"
         )
     if (temperatures := contact.temperatures) is not None:
-        numbers["flash_temperature"] = Quantity(
+        quantities["flash_temperature"] = Quantity(
             contact.flash_temperature, "K", "largest temperature rise of a surface"
         )
-        numbers["film_temperature"] = Quantity(
+        quantities["film_temperature"] = Quantity(
             contact.film_temperature, "K", "load-weighted mean temperature rise of the film"
         )
-        numbers["thermal_reduction"] = Quantity(
+        quantities["thermal_reduction"] = Quantity(
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
     errors = dict(estimate)
@@ -67,7 +67,10 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
         "friction_coefficient" in errors
     ):  # the loss by sliding is that of the friction, at a known speed
         errors["sliding_loss"] = errors["friction_coefficient"]
-    return {name: bounded(quantity, errors.get(name), why) for name, quantity in numbers.items()}
+    return {
+        name: with_bound(quantity, errors.get(name), fallback_reasons)
+        for name, quantity in quantities.items()
+    }
 
 
 def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
@@ -77,19 +80,19 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
     unit = pi / (8 * load) * scales.film
     label = "minimum film thickness by Dowson and Higginson"
     film = dowson_higginson_film(load, viscosity) * unit
-    numbers = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}
+    quantities = {"dowson_higginson_film": Quantity(film, "m", label, reason=FORMULA)}
     for regime, asymptote in film_asymptotes(load, viscosity).items():
         name = f"{regime.replace(', ', '_')}_film"
-        numbers[name] = Quantity(asymptote * unit, "m", f"asymptote {regime}", reason=FORMULA)
+        quantities[name] = Quantity(asymptote * unit, "m", f"asymptote {regime}", reason=FORMULA)
     rough = [shape for shape in contact.scene.shapes if _rough(shape)]
     heights = sum((shape.gap(contact.grid) for shape in rough), start=np.zeros((1, 1)))
     if rough and (rms := float(np.std(heights))):
         detail = f", film by Moes over the rms height of {readable(rms, digits=3)}"
         ratio = scales.expected_film * scales.film / rms
-        numbers["lambda_ratio"] = Quantity(
+        quantities["lambda_ratio"] = Quantity(
             ratio, "1", "lambda ratio", reason=FORMULA, detail=detail
         )
-    return numbers
+    return quantities
 
 
 def _rough(shape: object) -> bool:

@@ -30,7 +30,7 @@ class Material:
         Poisson's ratio.
     source
         Publications that give the constants and the strength.
-    also
+    synonyms
         Synonyms.
     yield_strength
         Tensile stress at which it yields [Pa], infinite for brittle materials.
@@ -42,7 +42,7 @@ class Material:
     youngs_modulus: float
     poisson_ratio: float
     source: str
-    also: tuple[str, ...] = ()
+    synonyms: tuple[str, ...] = ()
     yield_strength: float = inf
     hardness: float = inf
 
@@ -63,7 +63,7 @@ def materials() -> Mapping[str, Material]:
     return {
         name: Material(
             name,
-            also=tuple(entry.pop("also")),
+            synonyms=tuple(entry.pop("synonyms")),
             **{key: entry.pop(key) * 1e9 for key in PRESSURES if key in entry},
             **entry,
         )
@@ -76,12 +76,12 @@ def material(name: str) -> HalfSpace:
 
     Raises :class:`~contactstudy.InvalidInput` for a name that is not in the table.
     """
-    return HalfSpace(**_named("material", name).as_body())
+    return HalfSpace(**_material_named("material", name).as_body())
 
 
-def _named(field: str, name: object) -> Material:
+def _material_named(field: str, name: object) -> Material:
     """Return the material of that name, or of another name for it, in any case."""
-    names = {alias: m for m in materials().values() for alias in (m.name, *m.also)}
+    names = {alias: m for m in materials().values() for alias in (m.name, *m.synonyms)}
     lower_case = {alias.lower(): m for alias, m in names.items()}
     if not isinstance(name, str) or name.lower() not in lower_case:
         hint = suggestion(str(name), names)
@@ -100,7 +100,7 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         inner = {key: solid(entry, f"{path}.{key}") for key, entry in value.items()}
         if "material" not in inner:
             return inner
-        constants = _named(f"{path}.material", inner.pop("material"))
+        constants = _material_named(f"{path}.material", inner.pop("material"))
         return constants.as_body(inner.get("kind")) | inner
 
     solids = table.get("solids")

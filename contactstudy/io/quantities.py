@@ -9,8 +9,8 @@ from contactstudy.domain.units import readable
 from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import PosedScene
 
-NO_ESTIMATE = "no estimate is known for it"
-FORMULA = "it is the value of a formula"
+NO_ESTIMATE = "No bound: no estimate of its error is known."
+FORMULA = "No bound: the value is that of a formula."
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,11 @@ class Quantity:
     detail: str = ""
 
     @property
+    def is_formula(self) -> bool:
+        """True for the value of a formula, which has no error estimate."""
+        return self.reason == FORMULA
+
+    @property
     def relative_bound(self) -> float:
         """Bound over the size of the value."""
         if not self.bound:
@@ -59,7 +64,9 @@ class Quantity:
 Quantities = Mapping[str, Quantity]
 
 
-def bounded(quantity: Quantity, parts: ErrorParts | None, why: Sequence[str] = ()) -> Quantity:
+def with_bound(
+    quantity: Quantity, parts: ErrorParts | None, fallback_reasons: Sequence[str] = ()
+) -> Quantity:
     """Return a quantity with the bound of its relative error, and the reason where that is infinite.
 
     Parameters
@@ -68,17 +75,17 @@ def bounded(quantity: Quantity, parts: ErrorParts | None, why: Sequence[str] = (
         The quantity.
     parts
         Its relative error; None where no estimate is known.
-    why
-        Reasons to fall back on where `parts` has none; the first is taken.
+    fallback_reasons
+        Reasons where `parts` has none; the first is taken.
     """
     if parts is None:
         return quantity
     if isfinite(parts.total):
         return replace(quantity, bound=parts.total * abs(quantity.value), reason="")
-    return replace(quantity, reason=parts.reason or next(iter(why), NO_ESTIMATE))
+    return replace(quantity, reason=parts.reason or next(iter(fallback_reasons), NO_ESTIMATE))
 
 
-def own_length(posed: PosedScene | None) -> float | None:
+def roller_length(posed: PosedScene | None) -> float | None:
     """Return the length [m] of the roller of a scene on a grid; None for an endless one, of which that is a period."""
     if posed is None:
         return None
@@ -113,7 +120,7 @@ def as_text(quantities: Quantities) -> str:
             ", ".join(_position_text(axis, at) for axis, at in (quantity.position or {}).items()),
         )
         for quantity in quantities.values()
-        if quantity.reason != FORMULA
+        if not quantity.is_formula
     ]
     widths = [max((len(row[column]) for row in rows), default=0) for column in range(3)]
     lines = []
@@ -123,7 +130,7 @@ def as_text(quantities: Quantities) -> str:
     formulas = [
         f"{quantity.label}{quantity.detail} {readable(quantity.value, quantity.unit)}"
         for quantity in quantities.values()
-        if quantity.reason == FORMULA
+        if quantity.is_formula
     ]
     lines += [f"  by formulas: {'; '.join(formulas)}"] * bool(formulas)
     return "\n".join(lines)

@@ -20,22 +20,24 @@ def scene_text(
     grid: Grid | None = None,
     padding: Padding | Paddings | None = None,
     settings: Mapping[str, object] | None = None,
-    beside: Path | None = None,
+    scene_path: Path | None = None,
 ) -> str:
     """Return the TOML of `scene`, with its grid, its padding and the tables of `settings` if they are given.
 
-    Heights that came from no file are written to files next to the path `beside`; without it their digest stands in
+    Heights that came from no file are written to files next to the path `scene_path`; without it their digest stands in
     their place. Raises
     :class:`~contactstudy.InvalidInput` for a shape or a body that no file can hold.
     """
     tables = {"grid": grid, **_paddings(padding), **(settings or {})}
-    return _text(scene, tables, beside)
+    return _scene_toml(scene, tables, scene_path)
 
 
 def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions) -> str:
     """Return the TOML tables of a grid, a padding and the options of a solve, to be added to a scene's."""
     tables = {"grid": grid, **_paddings(padding), "solve": options}
-    return _toml({name: _plain(value, name) for name, value in tables.items() if value is not None})
+    return _toml(
+        {name: _toml_value(value, name) for name, value in tables.items() if value is not None}
+    )
 
 
 def _toml(table: Mapping[str, object]) -> str:
@@ -48,23 +50,25 @@ def _paddings(padding: Padding | Paddings | None) -> dict[str, object]:
     return {"padding": along, "padding_across": across}
 
 
-def _text(scene: Scene, settings: Mapping[str, object], beside: Path | None) -> str:
+def _scene_toml(scene: Scene, settings: Mapping[str, object], scene_path: Path | None) -> str:
     table = _fields(scene, "Scene")
     if scene.shapes:
         table["shapes"] = [
-            _measured(shape, number, beside)
+            _measured_surface_table(shape, number, scene_path)
             if isinstance(shape, MeasuredSurface)
-            else _plain(shape, f"Scene.shapes[{number}]")
+            else _toml_value(shape, f"Scene.shapes[{number}]")
             for number, shape in enumerate(scene.shapes)
         ]
-    table |= {name: _plain(value, name) for name, value in settings.items() if value is not None}
+    table |= {
+        name: _toml_value(value, name) for name, value in settings.items() if value is not None
+    }
     return _toml(table)
 
 
 def _fields(value: Any, name: str) -> dict[str, Any]:
     """Return the fields of a dataclass that are not at their default, less the shapes of a scene."""
     return {
-        member.name: _plain(getattr(value, member.name), f"{name}.{member.name}")
+        member.name: _toml_value(getattr(value, member.name), f"{name}.{member.name}")
         for member in fields(value)
         if member.init
         and not _is_default(member, getattr(value, member.name))
@@ -78,14 +82,14 @@ def _is_default(field: Field[Any], value: object) -> bool:
     return field.default_factory is not MISSING and bool(value == field.default_factory())
 
 
-def _plain(value: object, name: str) -> Any:
+def _toml_value(value: object, name: str) -> Any:
     """Return a value as types of TOML: tables with their kind, lists, texts, numbers."""
     if isinstance(value, Enum):
         return value.name.lower()
     if is_dataclass(value) and type(value).__module__.startswith("contactstudy."):
         return {"kind": type(value).__name__} | _fields(value, name)
     if isinstance(value, tuple | list):
-        return [_plain(entry, f"{name}[{number}]") for number, entry in enumerate(value)]
+        return [_toml_value(entry, f"{name}[{number}]") for number, entry in enumerate(value)]
     if isinstance(value, bool | int | float | str):
         return value
     raise InvalidInput(
@@ -93,7 +97,9 @@ def _plain(value: object, name: str) -> Any:
     )
 
 
-def _measured(surface: MeasuredSurface, number: int, beside: Path | None) -> dict[str, Any]:
+def _measured_surface_table(
+    surface: MeasuredSurface, number: int, scene_path: Path | None
+) -> dict[str, Any]:
     """Return a measured surface as a table that names its file."""
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
     if surface.file is not None:
@@ -106,11 +112,11 @@ def _measured(surface: MeasuredSurface, number: int, beside: Path | None) -> dic
             table["turn"] = "quarter"
         if surface.window is not None:
             table["window"] = _fields(surface.window, f"Scene.shapes[{number}].window")
-    elif beside is None:
+    elif scene_path is None:
         table["file"] = f"heights with the digest {surface.digest}, not stored"
     else:
-        table["file"] = f"{beside.stem}-surface-{number}.nc"
-        surface.write(beside.parent / table["file"])
+        table["file"] = f"{scene_path.stem}-surface-{number}.nc"
+        surface.write(scene_path.parent / table["file"])
     for name in ("missing", "trend", "seam", "seam_across"):
-        table[name] = _plain(getattr(surface, name), f"Scene.shapes[{number}].{name}")
+        table[name] = _toml_value(getattr(surface, name), f"Scene.shapes[{number}].{name}")
     return table

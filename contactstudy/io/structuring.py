@@ -28,7 +28,7 @@ SYMBOLS = re.compile(
 )
 
 
-def quantity(field: str, value: object, unit: Unit) -> float:
+def in_si(field: str, value: object, unit: Unit) -> float:
     """Return `value`, a number or a text with a unit, in the SI unit `unit`.
 
     Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else and for a unit of another
@@ -58,10 +58,10 @@ def quantity(field: str, value: object, unit: Unit) -> float:
     pint = import_for("a unit", "pint")  # slow to import, and needed only here
     registry = _registry()
     try:
-        read = registry.Quantity(
+        parsed = registry.Quantity(
             Decimal(match[1]), registry.parse_units(match[2].replace("·", "*"))
         )
-        return float(read.to(unit.symbol).magnitude)
+        return float(parsed.to(unit.symbol).magnitude)
     except (
         pint.PintError,
         ArithmeticError,
@@ -116,7 +116,7 @@ def structured(raw: object, target: type[Target], kinds: Kinds, source: str) -> 
     try:
         return _Structure(kinds).converter.structure(raw, target)
     except cattrs.BaseValidationError as error:
-        raise InvalidInput(_sentences(source, error)) from error
+        raise InvalidInput(_messages(source, error)) from error
 
 
 class _Structure:
@@ -127,7 +127,7 @@ class _Structure:
         self.converter = cattrs.Converter(forbid_extra_keys=True)
         hooks: tuple[tuple[Callable[[Any], bool], Callable[[Any, Any], Any]], ...] = (
             (lambda target: get_origin(target) is Annotated, _number),
-            (lambda target: isinstance(target, type) and issubclass(target, Enum), _member),
+            (lambda target: isinstance(target, type) and issubclass(target, Enum), _enum_member),
             (lambda target: get_origin(target) is tuple, self._tuple),
             (self._has_kinds, self._of_kind),
         )
@@ -193,8 +193,8 @@ class _Structure:
             if not unknown:
                 return base(value, target)
             # a key is read as the one that was likely meant, which is then not missing
-            intended = {key: _closest(key, names - set(value)) for key in unknown}
-            corrected = {intended.get(key, key): entry for key, entry in value.items()}
+            meant = {key: _closest(key, names - set(value)) for key in unknown}
+            corrected = {meant.get(key, key): entry for key, entry in value.items()}
             errors: list[Exception] = [ForbiddenExtraKeysError(None, target, unknown)]
             try:
                 base({key: entry for key, entry in corrected.items() if key is not None}, target)
@@ -210,11 +210,11 @@ def _kind_of(table: Mapping[str, object], kinds: Mapping[str, type]) -> type:
     named = {name: kind for name, kind in kinds.items() if name != NO_KIND}
     if "kind" not in table:
         default = kinds.get(NO_KIND)
-        fitting = {
+        matching_kinds = {
             kind for kind in named.values() if set(table) <= {field.name for field in fields(kind)}
         }
-        if len(fitting) == 1 and default not in fitting:
-            return fitting.pop()
+        if len(matching_kinds) == 1 and default not in matching_kinds:
+            return matching_kinds.pop()
         own_fields = {field.name for field in fields(default)} if default is not None else set()
         for name, kind in named.items():
             foreign = {field.name for field in fields(kind)} & set(table) - own_fields
@@ -239,7 +239,7 @@ def _closest(key: str, names: set[str]) -> str | None:
 
 def _number(value: object, target: Any) -> float:
     unit = next(note for note in target.__metadata__ if isinstance(note, Unit))
-    return quantity("it", value, unit)
+    return in_si("it", value, unit)
 
 
 def _whole(value: object, _: Any) -> int:
@@ -254,7 +254,7 @@ def _text(value: object, _: Any) -> str:
     return value
 
 
-def _member(value: object, target: Any) -> Enum:
+def _enum_member(value: object, target: Any) -> Enum:
     """Return the member of an enumeration with that name, in any case."""
     names: dict[str, Enum] = {member.name.lower(): member for member in target}
     if not isinstance(value, str) or value.lower() not in names:
@@ -262,7 +262,7 @@ def _member(value: object, target: Any) -> Enum:
     return names[value.lower()]
 
 
-def _sentences(source: str, error: cattrs.BaseValidationError) -> str:
+def _messages(source: str, error: cattrs.BaseValidationError) -> str:
     """Return a line for every key that cannot be used."""
     lines = []
     for line in cattrs.transform_error(error, path="", format_exception=_sentence):
@@ -275,7 +275,7 @@ def _sentence(error: BaseException, target: type | None) -> str:
     if isinstance(error, ForbiddenExtraKeysError):
         names = [entry.name for entry in fields(error.cl)]
         unknown = sorted(error.extra_fields)
-        return "; ".join(f"{key!r} is not known, {suggestion(key, names)}" for key in unknown) + "."
+        return "; ".join(f"unknown key {key!r}: {suggestion(key, names)}" for key in unknown) + "."
     if isinstance(error, KeyError):
         unit = next((note for note in get_args(target) if isinstance(note, Unit)), None)
         return "it is missing." if unit is None else f"it is missing: {_remedy(unit)}."

@@ -125,7 +125,7 @@ def solve_lubricated(
         0,
         "give a whole number of at least 0",
     )
-    if isinstance(scene, Scene) and (changing := scene.changing) is not None:
+    if isinstance(scene, Scene) and (changing := scene.time_dependent_field) is not None:
         raise InvalidInput(
             f"{changing} changes in time, and this film is a steady one: call contactstudy.solve."
         )

@@ -109,7 +109,7 @@ def _grid(
 ) -> Grid:
     """Return the grid of the surfaces alone, wider by `fading_distance` [m] and with cells of at most `cell` [m]."""
     base = requirements.grid(error, period)
-    width = min(base.extent[0] + 2 * fading_distance, requirements.widest)
+    width = min(base.extent[0] + 2 * fading_distance, requirements.known_width)
     across = halvable_count(width / min(base.cell_size[0], cell))
     along = base.cells[1]
     if along > 1:

@@ -174,13 +174,15 @@ def stress_seconds(scene: Scene, grid: Grid, padding: Padding | Paddings) -> flo
 
     Shear takes as long again as the pressure.
     """
-    from contactstudy.scene.stress import StressBelow  # imported only where a scene names it
+    from contactstudy.scene.stress import (
+        SubsurfaceStressOperator,  # imported only where a scene names it
+    )
 
     most = CONSTANTS.stress_cells if grid.cells[1] > 1 else (prod(CONSTANTS.stress_cells), 1)
     across, along = (min(pair) for pair in zip(grid.cells, most, strict=True))
     sample, seconds = Grid((across, along), grid.extent), 0.0
     for output in scene.problem(sample, padding).outputs:
-        if not isinstance(output, StressBelow):
+        if not isinstance(output, SubsurfaceStressOperator):
             continue
         count = len(output.depths) or replace(output, grid=grid).count_searched(grid.extent[0])
         at_one_depth = replace(output, depths=(grid.extent[0] / 8,))

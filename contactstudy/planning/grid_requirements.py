@@ -103,10 +103,10 @@ class GridRequirements:
     def grid_on_measured_points(self, period: float | None) -> Grid:
         """Return a grid whose cells are the points of a measured surface, as wide as the contact may become."""
         assert self.point_spacing is not None
-        width = min(2 * CONSTANTS.width_factor * self.half_width, self.widest)
+        width = min(2 * CONSTANTS.width_factor * self.half_width, self.known_width)
         length = self.length(period, width)
         across = max(round(width / self.point_spacing[0] - 0.5 + 1e-9), 2)
-        if width < self.widest:
+        if width < self.known_width:
             across += 1
         along = max(round(length / self.point_spacing[1]), 1) if self.varies else 1
         return Grid((across, along), (across * self.point_spacing[0], length))
@@ -152,9 +152,9 @@ class GridRequirements:
         return max((scales.longest for scales in self.length_scales), default=0.0)
 
     @property
-    def widest(self) -> float:
+    def known_width(self) -> float:
         """Largest width at which all shapes are known [m]."""
-        return min((scales.widest for scales in self.length_scales), default=inf)
+        return min((scales.known_width for scales in self.length_scales), default=inf)
 
     @property
     def half_width(self) -> float:
@@ -218,7 +218,7 @@ class GridRequirements:
         period
             Length of the grid [m]; chosen if None.
         """
-        width = min(2 * CONSTANTS.width_factor * self.half_width, self.widest)
+        width = min(2 * CONSTANTS.width_factor * self.half_width, self.known_width)
         length = self.length(period, width)
         # cells for each source of error alone; both are then reduced to the requested error
         step = self.hertz.half_width / l1_factor() ** (1 / CONSTANTS.rough_order)
@@ -260,7 +260,7 @@ class GridRequirements:
             return self.roller_length
         if not self.varies:
             return width
-        repeats = {scales.repeat for scales in self.length_scales if scales.repeat}
+        repeats = {scales.period for scales in self.length_scales if scales.period}
         unit = (
             _common_period(repeats)
             if repeats
@@ -298,9 +298,9 @@ class GridRequirements:
         if self.roller_length or not self.varies:
             return ""
         broken = [
-            scales.repeat
+            scales.period
             for scales in self.length_scales
-            if scales.repeat and _whole_parts(period, scales.repeat) is None
+            if scales.period and _whole_parts(period, scales.period) is None
         ]
         if broken:
             return (
@@ -462,9 +462,11 @@ def flat_grid(scales: LengthScales, period: float | None) -> Grid:
         Length of the grid [m]; that after which the surface repeats if None.
     """
     assert scales.spacing is not None
-    length = period or scales.repeat or scales.widest
-    along = round(length / scales.spacing[1]) if scales.repeat else 1
-    return Grid((round(scales.widest / scales.spacing[0]), along), (scales.widest, length))
+    length = period or scales.period or scales.known_width
+    along = round(length / scales.spacing[1]) if scales.period else 1
+    return Grid(
+        (round(scales.known_width / scales.spacing[0]), along), (scales.known_width, length)
+    )
 
 
 def _cells_per_wave(grid: Grid, finest: tuple[float, float]) -> float:

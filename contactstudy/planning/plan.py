@@ -129,12 +129,12 @@ def plan(
         roller a FiniteLength.
     """
     planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, on=on)
-    if scene.changing is None and scene.outputs:
+    if scene.time_dependent_field is None and scene.outputs:
         stress = stress_seconds(scene, planned.grid, planned.padding)
         planned = replace(planned, seconds=planned.seconds + stress)
     if (
         scene.lubrication is not None
-        or not (scene.rolls or scene.changing)
+        or not (scene.rolls or scene.time_dependent_field)
         or scene.adhesion is not None
     ):
         return planned
@@ -171,7 +171,12 @@ def plan_grid(
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
     scales = measured_length_scales(scene)
-    if scene.hertz is None and scales is not None and scene.changing is None and grid is None:
+    if (
+        scene.hertz is None
+        and scales is not None
+        and scene.time_dependent_field is None
+        and grid is None
+    ):
         return _plan_of_flat(scales, period, on)
     if scene.lubrication is not None:
         return _plan_of_film(scene, error or FILM_ERROR, period, grid, times)
@@ -179,7 +184,7 @@ def plan_grid(
         return _plan_of_adhesion(
             scene, grid_requirements(scene), error or DEFAULT_ERROR, period, grid
         )
-    if scene.changing is not None or scene.rolls:
+    if scene.time_dependent_field is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
     return _plan_static(scene, error, period, grid, on)
 
@@ -322,8 +327,8 @@ def _warnings(
     if forecast.contact_exceeds_grid:
         remedy = "give a width of "
         width = WIDENING * grid.extent[0]
-        if width > requirements.widest:
-            remedy = f"the surface is known over {readable(requirements.widest)} only; give a smaller load, or "
+        if width > requirements.known_width:
+            remedy = f"the surface is known over {readable(requirements.known_width)} only; give a smaller load, or "
             remedy += "a surface as wide as "
         yield f"Grid.extent[0] is {readable(grid.extent[0])}: the contact is wider, {remedy}{readable(width)}."
     needed = memory(grid, requirements.padding())
@@ -359,7 +364,7 @@ def _plan_of_film(
     from contactstudy.planning.film_requirements import film_requirements
 
     requirements, instants = grid_requirements(scene), 0
-    if scene.changing is not None:
+    if scene.time_dependent_field is not None:
         assert scene.lubrication is not None
         speed = scene.lubrication.mean_speed
         instants = 2  # at least, where the scene has no end

@@ -276,7 +276,7 @@ class GridRefinement:
         """Return the width that suits the contact, if that of the grid does not."""
         if self.keeps_width:
             return None
-        width, widest = solution.problem.grid.extent[0], self.requirements.widest
+        width, widest = solution.problem.grid.extent[0], self.requirements.known_width
         if solution.pressure[[0, -1]].any() and width < widest:
             return min(CONSTANTS.widening * width, widest)
         # random heights depend on the extent

@@ -40,7 +40,7 @@ class Derived(Protocol):
 class DependsOnShear(Protocol):
     """Derived quantities that also depend on shear on the surface."""
 
-    def under(self, shear: Array) -> Derived:
+    def with_shear(self, shear: Array) -> Derived:
         """Return the quantities under `shear` (component, x, y) [Pa] on the first body."""
         ...
 
@@ -53,8 +53,10 @@ ResidualStress = Callable[[Array], Array]
 class DependsOnStrain(Protocol):
     """Derived quantities that also depend on plastic strain below the surface."""
 
-    def beside(self, residual: Callable[[int, float], ResidualStress | None]) -> Derived:
-        """Return the quantities beside the `residual` stress, by the body's index and the deepest depth [m] of interest.
+    def with_residual_stress(
+        self, residual: Callable[[int, float], ResidualStress | None]
+    ) -> Derived:
+        """Return the quantities with the `residual` stress added, by the body's index and the deepest depth [m].
 
         There is none in a body that does not yield.
         """
@@ -82,7 +84,7 @@ class Source(Protocol):
         ...
 
     @property
-    def names_scales(self) -> bool:
+    def has_length_scales(self) -> bool:
         """True if `finest` is known for every shape."""
         ...
 

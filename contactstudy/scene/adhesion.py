@@ -41,7 +41,7 @@ CONFLICTS = {
 ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
 
 
-class AdhesionContact(BodyContext, Protocol):
+class AdhesionContext(BodyContext, Protocol):
     """Properties of a scene that adhesion reads."""
 
     @property
@@ -124,7 +124,7 @@ class Adhesion:
                     f"Adhesion.{name} is {value!r}: {suggestion(str(value), choices)}."
                 )
 
-    def check(self, scene: AdhesionContact) -> None:
+    def check(self, scene: AdhesionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if adhesion is not defined in this scene."""
         for name, reason in CONFLICTS.items():
             if getattr(scene, name) is not None:
@@ -164,8 +164,8 @@ class Adhesion:
                 "Fretting.times are given together with Adhesion, whose contact jumps: give forces without times."
             )
 
-    def reference_load(self, scene: AdhesionContact) -> float:
-        """Return the load [N/m] of a smooth contact as wide as one that adheres without load; 0 without curvature.
+    def reference_load(self, scene: AdhesionContext) -> float:
+        """Return the load [N/m] that without adhesion makes the width of an adhesive contact at zero load; 0 if flat.
 
         It is twice the unit ``(pi E* w^2 R)^(1/3)`` of the line contact of Johnson, Kendall & Roberts.
         """
@@ -173,18 +173,18 @@ class Adhesion:
             return 0.0
         return float(2 * (pi * scene.contact_modulus * self.work**2 * scene.radius) ** (1 / 3))
 
-    def reference_pressure(self, scene: AdhesionContact, width: float) -> float:
+    def reference_pressure(self, scene: AdhesionContext, width: float) -> float:
         """Return the pressure [Pa] that opens a crack as long as this `width` [m], ``sqrt(2 E* w / (pi width))``."""
         return sqrt(2 * scene.contact_modulus * self.work / (pi * width))
 
-    def cohesive(self, scene: AdhesionContact, cell: float) -> CohesiveLaw:
+    def cohesive(self, scene: AdhesionContext, cell: float) -> CohesiveLaw:
         """Return the traction as a function of the gap, on cells of this size [m]."""
         if self.range is not None:
             return LAWS[self.law](self.work, self.range)
         strength = sqrt(pi * scene.contact_modulus * self.work / (4 * ZONE_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
-    def solver_on(self, scene: AdhesionContact, gap: Array, grid: Grid) -> AdhesiveSolver:
+    def solver_on(self, scene: AdhesionContext, gap: Array, grid: Grid) -> AdhesiveSolver:
         """Return the solver of this scene on a grid with an undeformed `gap` (x, y) [m].
 
         The cohesive zone is ``pi E* w / (4 sigma0^2)`` long, with the largest traction sigma0 (Dugdale).

@@ -45,7 +45,7 @@ class Homogeneous(Body, Protocol):
 
     @property
     def youngs_modulus(self) -> float:
-        """Young's modulus [Pa], for a sudden load if it changes in time."""
+        """Young's modulus [Pa], the instantaneous one if it changes in time."""
         ...
 
     @property
@@ -168,11 +168,11 @@ def yields(solid: object) -> bool:
 
 @runtime_checkable
 class Inelastic(Protocol):
-    """Body that responds like an elastic half-space to a first, sudden load."""
+    """Body whose instantaneous response to its first load is that of an elastic half-space."""
 
     @property
     def instantaneous(self) -> HalfSpace:
-        """Elastic half-space with the same response to a first, sudden load."""
+        """Elastic half-space with the same instantaneous response to the first load."""
         ...
 
 
@@ -210,7 +210,7 @@ class BodyContext(Protocol):
 
 
 def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:
-    """Return both bodies with each inelastic one replaced by its elastic response to a first, sudden load."""
+    """Return both bodies with each inelastic one replaced by the elastic half-space of its instantaneous response."""
     first, second = (body.instantaneous if isinstance(body, Inelastic) else body for body in solids)
     return first, second
 

@@ -16,7 +16,7 @@ from contactstudy.scene.bodies import HalfSpace
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
-    from contactstudy.scene.stress import Medium
+    from contactstudy.scene.stress import StressModel
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4
@@ -110,7 +110,7 @@ class CoatedHalfSpace:
         }
 
     @property
-    def stressed(self) -> "Medium":
+    def stress_model(self) -> "StressModel":
         """The stress in the coating and in the substrate."""
         # imported only for scenes with stress
         from contactstudy.scene.coated_stress import CoatedStress

@@ -17,10 +17,10 @@ BELOW = 1 + 1e-12
 class CoatedStress:
     """Layer of one material on a half-space of another, as a body that is under stress.
 
-    In the layer the stress is that of a half-space of its material, the stress of the layer under the strain of the
-    substrate at the depth of the point's image in the bond, less that of the first half-space there, and a short-ranged
-    remainder. Below the bond it is that of a half-space of the substrate and a remainder. At the depth of the bond it is
-    that of the layer; only a larger depth is in the substrate.
+    The stress in the layer is the sum of that in a half-space of its material; at the mirror depth beyond the bond, of
+    the layer's stress under the strain in a half-space of the substrate, less that in a half-space of the layer; and of
+    a remainder that decays within the thickness. Below the bond it is that in a half-space of the substrate and a
+    remainder. At the depth of the bond it is that of the layer; only a larger depth is in the substrate.
 
     Parameters
     ----------
@@ -39,27 +39,27 @@ class CoatedStress:
         return self.thickness, self.thickness * BELOW
 
     def coefficients(
-        self, load: str, name: str, depth: float
+        self, traction: str, component: str, depth: float
     ) -> tuple[tuple[float, Coefficients], ...]:
-        """Return coefficients with their weights of the stress component `name` at a `depth` [m] under a `load`."""
+        """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""
         stress = LayerStress(self.materials, depth / self.thickness)
-        remainder = WaveCoefficients(StressWaves(stress, load), self.thickness, name)
+        remainder = WaveCoefficients(StressWaves(stress, traction), self.thickness, component)
         layer = self.materials
         nu1, nu2 = layer.coating_poisson_ratio, layer.substrate_poisson_ratio
 
-        def half_space(component: str, depth: float, ratio: float) -> StressCoefficients:
-            return StressCoefficients(FAMILIES[load][component], depth, ratio)
+        def half_space(name: str, depth: float, ratio: float) -> StressCoefficients:
+            return StressCoefficients(FAMILIES[traction][name], depth, ratio)
 
         if not stress.in_layer:
-            return (1.0, half_space(name, depth, nu2)), (1.0, remainder)
-        direct = (1.0, half_space(name, depth, nu1)), (1.0, remainder)
-        weights = self._strained(name)
+            return (1.0, half_space(component, depth, nu2)), (1.0, remainder)
+        direct = (1.0, half_space(component, depth, nu1)), (1.0, remainder)
+        weights = self._strained(component)
         if not weights:  # what does not depend on the material
             return direct
         image = self.thickness * stress.decay_rate
         return (
             *direct,
-            (-1.0, half_space(name, image, nu1)),
+            (-1.0, half_space(component, image, nu1)),
             *((weight, half_space(field, image, nu2)) for field, weight in weights.items()),
         )
 

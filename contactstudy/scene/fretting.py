@@ -20,7 +20,7 @@ from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds, 
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction import (
     SAMPLES,
-    FrictionContact,
+    FrictionContext,
     check_similar,
     check_static,
     check_tangential_response,
@@ -138,10 +138,10 @@ class Fretting:
         down[-1] = -amplitude
         return cls(coefficient, (amplitude, *down, *(-force for force in down)))
 
-    def check(self, scene: FrictionContact) -> None:
+    def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         self._check_motion(scene)
-        check_tangential_response(scene, "Fretting", creeping=True)
+        check_tangential_response(scene, "Fretting", creep="follows")
         check_similar(scene, "Fretting")
         if self.times is not None:
             self._check_forces(scene)
@@ -154,7 +154,7 @@ class Fretting:
                     f"{readable(limit, 'N m-1')}, above which the contact slides fully: give a smaller force."
                 )
 
-    def _check_motion(self, scene: FrictionContact) -> None:
+    def _check_motion(self, scene: FrictionContext) -> None:
         """Raise InvalidInput for another motion, or changes while the forces name no times."""
         if self.times is None or scene.rolling is not None:
             check_static(scene, "Fretting", "give Fretting.times [s] to its forces")
@@ -170,7 +170,7 @@ class Fretting:
                 "follows from forces only, give Fretting.forces, or a LineLoad."
             )
 
-    def _check_forces(self, scene: FrictionContact) -> None:
+    def _check_forces(self, scene: FrictionContext) -> None:
         """Raise InvalidInput where a force in time is more than friction bears."""
         history, load = self.history, scene.load
         if self.forces is None or history is None:
@@ -187,7 +187,7 @@ class Fretting:
                 )
 
     def law(
-        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrettingShear:
         """Return the law for this scene on a grid."""
         assert self.forces is not None
@@ -197,12 +197,12 @@ class Fretting:
 
     @staticmethod
     def response(
-        scene: FrictionContact, grid: Grid, paddings: Paddings, datum: float
+        scene: FrictionContext, grid: Grid, paddings: Paddings, datum: float
     ) -> ShearResponse:
         """Return the displacement of both bodies of `scene` under shear."""
         return shear_response(sheared(scene.solids), grid, paddings, datum)
 
-    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         count = len(self.forces or self.displacements or ())
         return (

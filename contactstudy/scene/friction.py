@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from itertools import product
 from math import inf, log
-from typing import TYPE_CHECKING, ClassVar, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, ClassVar, Literal, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, finite, in_range, set_fields, suggest_fields
 from contactstudy.domain.fields import Array
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from contactstudy.scene.motion import Wear
 
 
-# Instants at which a force is compared with what friction bears under a load that changes.
+# Instants at which a force is compared with the friction limit under a load that changes.
 SAMPLES = 201
 
 
@@ -51,7 +51,7 @@ class Load(Protocol):
         ...
 
 
-class FrictionContact(BodyContext, Protocol):
+class FrictionContext(BodyContext, Protocol):
     """Properties of a scene that a friction law reads."""
 
     @property
@@ -70,7 +70,7 @@ class FrictionContact(BodyContext, Protocol):
         ...
 
     @property
-    def changing(self) -> str | None:
+    def time_dependent_field(self) -> str | None:
         """Name of a field that changes in time, or None."""
         ...
 
@@ -94,17 +94,17 @@ class FrictionContact(BodyContext, Protocol):
 class Friction(Protocol):
     """Friction law, as a value in ``Scene.friction``."""
 
-    def check(self, scene: FrictionContact) -> None:
+    def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
         ...
 
     def law(
-        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrictionLaw:
         """Return the law for this scene on a grid."""
         ...
 
-    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
         ...
 
@@ -133,7 +133,7 @@ class Sliding:
     def __post_init__(self) -> None:
         set_fields(self, coefficient=coefficient("Sliding", self.coefficient, zero=True))
 
-    def check(self, scene: FrictionContact) -> None:
+    def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""
         beta = dundurs(scene.solids)
         if scene.rolling is not None and scene.rolling.passes is not None:
@@ -157,7 +157,7 @@ class Sliding:
             )
 
     def law(
-        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
         """Return the law for this scene on a grid, with the coupling of shear and normal displacement."""
         if self.coefficient == 0:
@@ -165,7 +165,7 @@ class Sliding:
         coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
         return FullSliding(self.coefficient, coupling[0] if coupling else None)
 
-    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: one if the bodies are elastically similar, else a sequence of them."""
         beta = dundurs(scene.solids)
         if are_similar(scene.solids) or self.coefficient == 0:
@@ -214,7 +214,7 @@ class PartialSlip:
             tangential=finite("PartialSlip.tangential", self.tangential, remedy),
         )
 
-    def check(self, scene: FrictionContact) -> None:
+    def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         check_static(scene, "PartialSlip")
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
@@ -227,7 +227,7 @@ class PartialSlip:
             )
 
     def law(
-        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> CiavarellaJaeger | PartialSlipShear:
         """Return superposition where it is exact for this gap, else the problem of two components."""
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
@@ -236,7 +236,7 @@ class PartialSlip:
         response = shear_response(sheared(scene.solids), grid, paddings, datum)
         return PartialSlipShear(self.coefficient, self.tangential, response)
 
-    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
         if self.superposes(scene, varies=varies, paddings=paddings):
             return (
@@ -258,7 +258,7 @@ class PartialSlip:
         )
 
     @staticmethod
-    def superposes(scene: FrictionContact, *, varies: bool, paddings: Paddings) -> bool:
+    def superposes(scene: FrictionContext, *, varies: bool, paddings: Paddings) -> bool:
         """Return whether two normal contacts make up the shear exactly."""
         # a pressure that is capped or attracted is no difference of two contacts
         is_elastic = scene.hardness == inf and scene.adhesion is None
@@ -279,7 +279,7 @@ def gives_way_alike(solids: tuple[Body, ...], *, varies: bool, paddings: Padding
 
 
 def dundurs(solids: tuple[Body, ...]) -> float:
-    """Return Dundurs' beta of two bodies under a sudden load, 0 for two equal bodies of any kind.
+    """Return Dundurs' beta of the instantaneous response of two bodies, 0 for two equal bodies of any kind.
 
     That of a coated body is the largest in magnitude, by its coating and by its substrate. Source: Dundurs
     (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to shear is
@@ -324,7 +324,7 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
 
 
 def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
-    """Return the bodies that respond to shear as `solids` do, those at rest as to a sudden one."""
+    """Return the bodies that respond to shear as `solids` do, those that creep at rest as at once."""
     bodies = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
     known = HalfSpace | CoatedHalfSpace | RollingHalfSpace
     return tuple(solid for solid in bodies if isinstance(solid, known))
@@ -356,11 +356,14 @@ def coefficient(name: str, value: object, *, zero: bool) -> float:
 
 
 def check_tangential_response(
-    scene: FrictionContact, name: str, alternative: str = "", *, creeping: bool = False
+    scene: FrictionContext,
+    name: str,
+    alternative: str = "",
+    creep: Literal["follows", "refused"] = "refused",
 ) -> None:
     """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
-        if (creeps(solid) and creeping) or isinstance(solid, HalfSpace | CoatedHalfSpace):
+        if (creeps(solid) and creep == "follows") or isinstance(solid, HalfSpace | CoatedHalfSpace):
             continue
         reason = "its response to shear is not known"
         if yields(solid):
@@ -373,23 +376,23 @@ def check_tangential_response(
         )
 
 
-def check_similar(scene: FrictionContact, name: str, alternative: str = "") -> None:
-    """Raise InvalidInput for bodies that slip when they are pressed, which the law of friction `name` excludes."""
+def check_similar(scene: FrictionContext, name: str, alternative: str = "") -> None:
+    """Raise InvalidInput for elastically dissimilar bodies, which slip under normal load alone, with the law `name`."""
     if not are_similar(scene.solids):
         raise InvalidInput(
             f"Scene.solids are elastically dissimilar (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
-            f"pressing them makes them slip already, give bodies of one material{alternative}."
+            f"they slip under the normal load alone, give bodies of one material{alternative}."
         )
 
 
-def check_static(scene: FrictionContact, name: str, remedy: str = "") -> None:
+def check_static(scene: FrictionContext, name: str, remedy: str = "") -> None:
     """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
     if scene.rolling is not None:
         raise InvalidInput(
             f"Scene.rolling is {scene.rolling!r} together with {name}: material carries shear through a rolling "
             "contact, give TractiveRolling, which has a speed of its own."
         )
-    if (changing := scene.changing) is not None:
+    if (changing := scene.time_dependent_field) is not None:
         raise InvalidInput(
             f"{changing} changes in time together with {name}: shear depends on the path of its forces, "
             f"{remedy or 'give Fretting with times'}."

@@ -88,21 +88,21 @@ class ViscoelasticHalfSpace:
 
     @property
     def compliance(self) -> float:
-        """Compliance for a sudden load, (1 - nu^2) / E(0) [1/Pa]."""
+        """Instantaneous compliance, (1 - nu^2) / E(0) [1/Pa]."""
         return self.creep.instantaneous
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
-        """Return Boussinesq's coefficients for a sudden load, with their weight [1/Pa]."""
+        """Return Boussinesq's coefficients of the instantaneous response, with their weight [1/Pa]."""
         return {BoussinesqCoefficients(datum): self.compliance / math.pi}
 
     @property
     def youngs_modulus(self) -> float:
-        """Young's modulus for a sudden load, E(0) [Pa]."""
+        """Instantaneous Young's modulus E(0) [Pa]."""
         return self.equilibrium_modulus + sum(modulus for modulus, _ in self.relaxation)
 
     @property
     def instantaneous(self) -> HalfSpace:
-        """Elastic half-space that responds like this one to a sudden load."""
+        """Elastic half-space with the instantaneous response of this one."""
         return HalfSpace(self.youngs_modulus, self.poisson_ratio)
 
     @property
@@ -120,7 +120,7 @@ class RollingHalfSpace:
     body
         The half-space.
     speed
-        Speed [m/s] of the contact over the body, negative to smaller x; infinite for the response to a sudden load.
+        Speed [m/s] of the contact over the body, negative to smaller x; infinite for the instantaneous response.
     """
 
     body: ViscoelasticHalfSpace
@@ -128,7 +128,7 @@ class RollingHalfSpace:
 
     @property
     def compliance(self) -> float:
-        """Compliance for a sudden load, (1 - nu^2) / E(0) [1/Pa]."""
+        """Instantaneous compliance, (1 - nu^2) / E(0) [1/Pa]."""
         return self.body.compliance
 
     def compliance_at(self, half_width: float) -> float:
@@ -150,8 +150,8 @@ class RollingHalfSpace:
         from contactstudy.elasticity.tangential import half_space_shear_compliance
 
         creep, ratio = self.body.creep, self.body.poisson_ratio
-        sudden = half_space_shear_compliance(creep.instantaneous, ratio, datum)
-        total = {name: Counter(weights) for name, weights in sudden.items()}
+        instantaneous = half_space_shear_compliance(creep.instantaneous, ratio, datum)
+        total = {name: Counter(weights) for name, weights in instantaneous.items()}
         for size, time in creep.terms:
             for name, weights in half_space_shear_compliance(size, ratio, datum).items():
                 total[name].update(retarded(weights, self.speed * time))

@@ -30,7 +30,7 @@ from contactstudy.scene.film_heat import LEAST_VISCOSITY, FilmHeat
 from contactstudy.scene.load import History
 
 
-class Flooded(BodyContext, Protocol):
+class FilmContext(BodyContext, Protocol):
     """Properties of a scene that decide whether it can have a film."""
 
     @property
@@ -44,7 +44,7 @@ class Flooded(BodyContext, Protocol):
         ...
 
     @property
-    def changing(self) -> str | None:
+    def time_dependent_field(self) -> str | None:
         """Name of a field that changes in time, or None."""
         ...
 
@@ -322,7 +322,7 @@ Cavitation = ElrodAdams | ReynoldsCavitation
 @suggest_fields
 @dataclass(frozen=True)
 class Boundary:
-    """Boundary film of molecules that stick to the surfaces: asperities bear load on it where the lubricant's film ends.
+    """Adsorbed boundary film, on which asperities carry load where the fluid film is as thin.
 
     Parameters
     ----------
@@ -469,7 +469,7 @@ class Lubricant:
 class Lubrication:
     """Lubricant of a contact, and the motion of the surfaces to larger x that entrains it.
 
-    Heights stand still in the contact, unless they are :class:`~contactstudy.MovingShape`. See
+    Heights are fixed in the frame of the contact, unless they are :class:`~contactstudy.MovingShape`. See
     :func:`~contactstudy.solve`.
 
     Parameters
@@ -483,7 +483,7 @@ class Lubrication:
     cavitation
         :class:`ElrodAdams`, which conserves mass, or :class:`ReynoldsCavitation`, to compare with.
     boundary
-        :class:`Boundary` on which asperities bear load; None for a film that is as thin as it becomes.
+        :class:`Boundary` on which asperities carry load; None for a film that is as thin as it becomes.
     supply
         Thickness [m] of the layer of lubricant that enters, on both surfaces together, above 0; None floods the inlet.
     thermal
@@ -560,7 +560,7 @@ class Lubrication:
                 "for ever: give another one, or leave Lubrication.thermal out."
             )
 
-    def check(self, scene: "Flooded") -> None:
+    def check(self, scene: "FilmContext") -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not supported with a film."""
         for present, field, reason in (
             (
@@ -584,8 +584,8 @@ class Lubrication:
                 "a limit to the pressure would break the balance of flow",
             ),
             (
-                any(map(creeps, scene.solids)) and scene.changing is not None,
-                scene.changing,
+                any(map(creeps, scene.solids)) and scene.time_dependent_field is not None,
+                scene.time_dependent_field,
                 "a body creeps below a steady film only",
             ),
             (

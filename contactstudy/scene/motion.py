@@ -31,15 +31,15 @@ class RollingPressure(Enum):
 @suggest_fields
 @dataclass(frozen=True)
 class Rolling:
-    """Rolling: the contact moves to larger x, steadily over both bodies, or again and again over one that yields.
+    """Rolling: the contact moves to larger x, steadily over both bodies, or repeatedly over one that yields.
 
     Heights move with the contact.
 
     Parameters
     ----------
     speed
-        Speed of the contact [m/s], at least zero, all transients decayed. At infinite speed the bodies respond as to a
-        sudden load. Passes over a body that yields do not depend on it.
+        Speed of the contact [m/s], at least zero, all transients decayed. At infinite speed the bodies respond
+        instantaneously. Passes over a body that yields do not depend on it.
     passes
         Number of passes over a body that yields, at least 1; None rolls steadily.
     pressure

@@ -31,7 +31,7 @@ class Approach:
         Approach [m], of any sign.
     datum
         Distance from the axis at which the surface does not move [m], at least half the width of the grid; None is the
-        width of the grid. It does not count where both axes repeat.
+        width of the grid. It has no effect if both axes are periodic.
 
     Raises
     ------

@@ -95,7 +95,7 @@ class ShapesSource:
         return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
 
     @property
-    def names_scales(self) -> bool:
+    def has_length_scales(self) -> bool:
         """True if every shape has ``length_scales``."""
         return all(hasattr(shape, "length_scales") for shape in self.shapes)
 
@@ -267,7 +267,9 @@ class Scene:
             )
         if not isinstance(self.load, Approach):
             return
-        conflicting = "Scene.lubrication" if self.lubrication is not None else self.changing
+        conflicting = (
+            "Scene.lubrication" if self.lubrication is not None else self.time_dependent_field
+        )
         if self.rolling is not None:
             conflicting = "Scene.rolling"
         if self.hardness != inf:
@@ -406,7 +408,7 @@ class Scene:
                 "Scene.lubrication separates the bodies by a film: call contactstudy.solve(scene, grid, "
                 "padding), or leave it out for the dry contact."
             )
-        if (changing := self.changing) is not None:
+        if (changing := self.time_dependent_field) is not None:
             raise InvalidInput(
                 f"{changing} changes in time, so there is no single problem: call contactstudy.solve(scene, "
                 "grid, padding, times=...)."
@@ -474,7 +476,7 @@ class Scene:
         return solver.pull_off_search(self.load.error)
 
     @property
-    def changing(self) -> str | None:
+    def time_dependent_field(self) -> str | None:
         """Name of the first field that makes the scene change in time; None if it does not."""
         if not isinstance(self.load, ConstantLoad | Approach | PullOff):
             return "Scene.load"
@@ -512,7 +514,7 @@ class Scene:
         """True if it is solved at several instants, since it or the load of its steady rolling changes in time."""
         if self.rolling_speed is not None:
             return isinstance(self.load, ChangingLoad)
-        return self.rolling is None and self.changing is not None
+        return self.rolling is None and self.time_dependent_field is not None
 
     @property
     def is_quasi_static(self) -> bool:
@@ -522,10 +524,10 @@ class Scene:
         return adheres or self.rolling is not None or getattr(self.friction, "is_steady", False)
 
     @property
-    def keeps_frames(self) -> bool:
+    def supports_checkpoints(self) -> bool:
         """True if a folder can keep the frames, as of a dry scene that changes in time with state variables."""
         effects = self.lubrication, self.rolling, self.adhesion
-        stateful = self.changing is not None and not self.is_quasi_static
+        stateful = self.time_dependent_field is not None and not self.is_quasi_static
         return stateful and all(effect is None for effect in effects)
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:

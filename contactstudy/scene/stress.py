@@ -26,7 +26,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
-from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
+from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
 from contactstudy.scene.bodies import Body, Homogeneous
 
@@ -81,7 +81,7 @@ class SubsurfaceStress:
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
         body = solids[self.solid]
-        if isinstance(body, Stressed):
+        if isinstance(body, HasStressModel):
             return
         if not isinstance(body, Homogeneous):
             raise InvalidInput(
@@ -93,20 +93,22 @@ class SubsurfaceStress:
                 f"SubsurfaceStress.solid is {self.solid}, a rigid body: give {1 - self.solid}, the elastic one."
             )
 
-    def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> "StressBelow":
+    def of(
+        self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings
+    ) -> "SubsurfaceStressOperator":
         """Return the stress of these bodies on `grid`."""
         body = solids[self.solid]
-        if isinstance(body, Stressed):
-            medium = body.stressed
+        if isinstance(body, HasStressModel):
+            medium = body.stress_model
         else:
             assert isinstance(body, Homogeneous)
             medium = HalfSpaceStress(body.poisson_ratio)
         depths = () if isinstance(self.depths, str) else self.depths
-        return StressBelow(grid, paddings, medium, depths, 1 - 2 * self.solid)
+        return SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.solid)
 
 
-class Medium(Protocol):
-    """Body below a surface, by the stress in it under pressure and shear on one cell."""
+class StressModel(Protocol):
+    """Stress in a body under pressure and shear on one cell of its surface."""
 
     @property
     def faces(self) -> tuple[float, ...]:
@@ -114,48 +116,48 @@ class Medium(Protocol):
         ...
 
     def coefficients(
-        self, load: str, name: str, depth: float
+        self, traction: str, component: str, depth: float
     ) -> tuple[tuple[float, Coefficients], ...]:
-        """Return coefficients with their weights of the stress component `name` at a `depth` [m].
+        """Return coefficients with their weights of a stress `component` at a `depth` [m].
 
-        The `load` is "pressure", or shear "across" or "along".
+        The `traction` is "pressure", or shear "across" or "along".
         """
         ...
 
 
 @runtime_checkable
-class Stressed(Protocol):
-    """Inhomogeneous body with a method for its stress."""
+class HasStressModel(Protocol):
+    """Inhomogeneous body with a model of the stress in it."""
 
     @property
-    def stressed(self) -> Medium:
+    def stress_model(self) -> StressModel:
         """The stress in the body."""
         ...
 
 
 @dataclass(frozen=True)
 class HalfSpaceStress:
-    """Homogeneous half-space under stress."""
+    """Stress in a homogeneous half-space."""
 
     poisson_ratio: float
     faces: ClassVar[tuple[float, ...]] = ()
 
     def coefficients(
-        self, load: str, name: str, depth: float
+        self, traction: str, component: str, depth: float
     ) -> tuple[tuple[float, Coefficients], ...]:
         """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
         family = COMPONENTS
-        if load != "pressure":
+        if traction != "pressure":
             # imported only for scenes with friction
-            from contactstudy.elasticity.kernels import traction
+            from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
 
-            family = traction.CERRUTI_ACROSS if load == "across" else traction.CERRUTI_ALONG
-        return ((1.0, StressCoefficients(family[name], depth, self.poisson_ratio)),)
+            family = CERRUTI_ACROSS if traction == "across" else CERRUTI_ALONG
+        return ((1.0, StressCoefficients(family[component], depth, self.poisson_ratio)),)
 
 
 @dataclass(frozen=True, eq=False)
-class StressBelow:
-    """Linear map from pressure to stress on one grid, with the images that `paddings` see.
+class SubsurfaceStressOperator:
+    """Linear map from pressure to stress on one grid, with the images of `paddings`.
 
     Pressure is padded and summed as for the displacement. Where a window of images ends at two cells that are equally
     far on either side, each of them counts half.
@@ -168,7 +170,7 @@ class StressBelow:
         The body.
     depths
         Depths [m]; if there are none, those that show the largest von Mises stress.
-    side
+    sign
         1 for the first body, -1 for the second.
     shear
         Shear (component, x, y) on the body, or None.
@@ -178,20 +180,22 @@ class StressBelow:
 
     grid: Grid
     paddings: Paddings
-    medium: Medium
+    medium: StressModel
     depths: tuple[float, ...]
-    side: int = 1
+    sign: int = 1
     shear: Array | None = None
     residual: Callable[[], ResidualStress | None] | None = None
 
-    def beside(self, residual: Callable[[int, float], ResidualStress | None]) -> "StressBelow":
-        """Return this map with the residual stress of the body, if it yields."""
+    def with_residual_stress(
+        self, residual: Callable[[int, float], ResidualStress | None]
+    ) -> "SubsurfaceStressOperator":
+        """Return this map with the `residual` stress of the body added, if it yields."""
         deepest = max(self.depths, default=self.grid.extent[0])
-        return replace(self, residual=partial(residual, (1 - self.side) // 2, deepest))
+        return replace(self, residual=partial(residual, (1 - self.sign) // 2, deepest))
 
-    def under(self, shear: Array) -> "StressBelow":
+    def with_shear(self, shear: Array) -> "SubsurfaceStressOperator":
         """Return this map with `shear` (component, x, y) on the first body, and its reaction on the second."""
-        return replace(self, shear=self.side * shear)
+        return replace(self, shear=self.sign * shear)
 
     def __call__(self, pressure: Array) -> Array:
         """Return stress (component, z, x, y) in the unit of `pressure` (x, y)."""
@@ -199,25 +203,25 @@ class StressBelow:
             raise InvalidInput(
                 f"pressure has the shape {pressure.shape}: give it {self.grid.cells}."
             )
-        stress = self._due("pressure", pressure)
+        stress = self._stress_of("pressure", pressure)
         if self.shear is not None:
-            for load, component in zip(("across", "along"), self.shear, strict=True):
-                if component.any():
-                    stress += self._due(load, component)
+            for direction, shear in zip(("across", "along"), self.shear, strict=True):
+                if shear.any():
+                    stress += self._stress_of(direction, shear)
         if self.residual is not None and (residual := self.residual()) is not None:
             stress += residual(np.array(self.depths))
         return stress
 
-    def _due(self, load: str, pressure: Array) -> Array:
-        """Return the stress due to one component of the surface traction."""
+    def _stress_of(self, traction: str, values: Array) -> Array:
+        """Return the stress due to the `values` (x, y) of one component of the surface `traction`."""
         padded = padded_cells(self.grid, self.paddings)
-        pressed = TRANSFORMS.forward(pressure, padded)
-        room = _room(padded)
+        spectrum = TRANSFORMS.forward(values, padded)
+        buffer = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)
         stress = np.empty((len(COMPONENTS), len(self.depths), *self.grid.cells))
         for number, name in enumerate(COMPONENTS):
             for level, depth in enumerate(self.depths):
-                terms = self.medium.coefficients(load, name, depth)
-                around = sum(
+                terms = self.medium.coefficients(traction, name, depth)
+                kernel_values = sum(
                     (
                         weight
                         * mirrored_by_parity(
@@ -227,8 +231,8 @@ class StressBelow:
                     ),
                     start=np.zeros(()),
                 )
-                waves = TRANSFORMS.forward(around, padded, room)
-                waves *= pressed
+                waves = TRANSFORMS.forward(kernel_values, padded, buffer)
+                waves *= spectrum
                 stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
         return stress
 
@@ -333,7 +337,3 @@ def von_mises(stress: Array) -> Array:
     xx, yy, zz, yz, xz, xy = stress
     normal = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2
     return np.asarray(np.sqrt(normal + 3 * (yz**2 + xz**2 + xy**2)))
-
-
-def _room(padded: tuple[int, int]) -> ComplexField:
-    return np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)

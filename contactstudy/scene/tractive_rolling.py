@@ -19,7 +19,7 @@ from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, 
 from contactstudy.elasticity.tangential import ShearableBody, ShearResponse, shear_response
 from contactstudy.scene.friction import (
     SAMPLES,
-    FrictionContact,
+    FrictionContext,
     Load,
     are_similar,
     check_static,
@@ -34,9 +34,7 @@ from contactstudy.scene.motion import check_slow
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
 
-STATIONARY_HEIGHTS = (
-    "The heights stand still in the contact: shear under moving roughness is not computed."
-)
+STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: shear under moving roughness is not computed."
 
 
 @suggest_fields
@@ -47,8 +45,8 @@ class TractiveRolling:
     The contact moves to larger x over both bodies, and material enters it at the largest x. Heights are fixed in the
     frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid slip of the
     second body against the first, over the distance rolled, so that a positive creepage makes a positive shear on the
-    first body. Between dissimilar bodies shear changes the pressure, and pressing them makes them slip. Bodies that
-    creep follow pressure and shear with their delay, which makes a rolling resistance.
+    first body. Between dissimilar bodies shear changes the pressure, and they slip under the normal load alone. Bodies
+    that creep follow pressure and shear with their delay, which makes a rolling resistance.
 
     Parameters
     ----------
@@ -70,7 +68,7 @@ class TractiveRolling:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with yielding bodies, a change in time, or heights that a body carries.
+        For other values; in a scene with yielding bodies, a change in time, or roughness that moves with a body.
     """
 
     is_steady: ClassVar[bool] = True
@@ -106,9 +104,9 @@ class TractiveRolling:
                 "TractiveRolling.speed is 0: give a speed other than 0 m/s, or PartialSlip for a contact at rest."
             )
 
-    def check(self, scene: FrictionContact) -> None:
+    def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
-        check_tangential_response(scene, "TractiveRolling", creeping=True)
+        check_tangential_response(scene, "TractiveRolling", creep="follows")
         if isinstance(scene.load, ChangingLoad) and scene.wear is None and scene.rolling is None:
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         else:
@@ -121,7 +119,7 @@ class TractiveRolling:
             if hasattr(shape, "gap_after"):
                 raise InvalidInput(
                     f"Scene.shapes[{number}] moves with a body together with TractiveRolling: heights that travel "
-                    "through the contact make no steady state, give heights that stand still in it."
+                    "through the contact make no steady state, give heights that are fixed in its frame."
                 )
         limit = self.coefficient * _least(scene.load)
         if self.tangential is not None and not abs(self.tangential) < limit:
@@ -131,7 +129,7 @@ class TractiveRolling:
             )
 
     def law(
-        self, scene: FrictionContact, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> TractiveShear:
         """Return the law for this scene on a grid.
 
@@ -158,14 +156,14 @@ class TractiveRolling:
         )
 
     @staticmethod
-    def _has_moving_roughness(scene: FrictionContact) -> bool:
+    def _has_moving_roughness(scene: FrictionContext) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
         length_scales = [
             shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
         ]
         return any(not isinf(scales.finest[0]) for scales in length_scales)
 
-    def explanation(self, scene: FrictionContact, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
         if not are_similar(scene.solids):

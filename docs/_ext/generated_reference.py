@@ -12,13 +12,13 @@ from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
+from contactstudy.io.document import KINDS, NO_KIND, Document
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
-from contactstudy.io.document import KINDS, NO_KIND, Document
 from contactstudy.io.materials import materials
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
@@ -80,13 +80,13 @@ INNER = (
     "problem.problem.FrictionLaw",
     "problem.problem.Source",
     "scene.bodies.BodyContext",
-    "scene.friction.FrictionContact",
+    "scene.friction.FrictionContext",
     "scene.friction.Friction",
     "scene.load.ChangingLoad",
     "scene.scene.PosedScene",
     "scene.scene.ShapesSource",
     "scene.shapes.texture.Profile",
-    "scene.stress.StressBelow",
+    "scene.stress.SubsurfaceStressOperator",
     "scene.stress.HalfSpaceStress",
     "scene.coated_stress.CoatedStress",
     "scene.surfaces.preparation.Missing",
@@ -309,12 +309,12 @@ def material_table() -> str:
         "stays elastic; a warning says where the peak pressure is beyond its hardness or its first yield. Strength depends on",
         "grade and heat treatment: give `yield_strength` and `hardness` of yours.",
         "",
-        "| material | Young's modulus [GPa] | Poisson's ratio | yield strength [GPa] | hardness [GPa] | also | source |",
+        "| material | Young's modulus [GPa] | Poisson's ratio | yield strength [GPa] | hardness [GPa] | synonyms | source |",
         "|---|---|---|---|---|---|---|",
     ]
     text += [
         f"| `{m.name}` | {m.youngs_modulus / 1e9:g} | {m.poisson_ratio:g} | {_known(m.yield_strength)} | {_known(m.hardness)} | "
-        f"{', '.join(m.also)} | {m.source} |"
+        f"{', '.join(m.synonyms)} | {m.source} |"
         for m in materials().values()
     ]
     return "\n".join(text)

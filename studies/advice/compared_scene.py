@@ -323,7 +323,7 @@ def _with_limited_aspect(cells: tuple[int, int]) -> tuple[int, int]:
 
 def _is_at_rest(scene: cs.Scene) -> bool:
     """Return whether a scene is a dry contact that neither rolls nor changes in time."""
-    return scene.lubrication is None and not scene.rolls and scene.changing is None
+    return scene.lubrication is None and not scene.rolls and scene.time_dependent_field is None
 
 
 def with_balanced_cells(subject: ComparedScene, cells: tuple[int, int]) -> ComparedScene:
@@ -341,7 +341,7 @@ def with_balanced_cells(subject: ComparedScene, cells: tuple[int, int]) -> Compa
             subject.solve(Setting(subject.boundary, tried, TRIAL_TOLERANCE))
             for tried in (trial, (2 * trial[0], trial[1]), (trial[0], 2 * trial[1]))
         ]
-        widest = grid_requirements(subject.scene).widest
+        widest = grid_requirements(subject.scene).known_width
         width = min(WIDENING * subject.extent[0], widest)
         if answers[0].status in TOO_NARROW and width > subject.extent[0]:
             subject = replace(subject, extent=(width, subject.extent[1]))

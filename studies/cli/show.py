@@ -96,7 +96,7 @@ def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
     if "pass" in dataset.dims:
         return evolution.passes_picture(dataset)
     if "gap" in dataset:
-        return evolution.evolution_picture(dataset) if in_time else contact.picture(dataset)
+        return evolution.evolution_picture(dataset) if in_time else contact.contact_picture(dataset)
     raise InvalidInput(
         f"{str(file)!r} is neither a solution nor a study: give a file that contactstudy solve or run wrote."
     )

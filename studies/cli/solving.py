@@ -40,7 +40,7 @@ def solve_with_progress(
         try:
             answer = described.solve(
                 start=None if start is None else pressure_in(start),
-                folder=frames_folder if described.scene.keeps_frames else None,
+                folder=frames_folder if described.scene.supports_checkpoints else None,
                 progress=show,
                 on=on,
             )

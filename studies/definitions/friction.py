@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.domain.checks import finite, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.scene.friction import PartialSlip
-from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
+from contactstudy.scene.stress import HalfSpaceStress, SubsurfaceStressOperator, von_mises
 from contactstudy.solvers.friction.laws import CiavarellaJaeger
 from studies.model.axis import Axis
 from studies.model.case import Case, dimensionless
@@ -99,14 +99,14 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
     """
     solid = case.scene.solids[0]
     assert isinstance(solid, cs.HalfSpace)
-    below = StressBelow(
+    below = SubsurfaceStressOperator(
         case.grid,
         (cs.ZeroPadding(), cs.ExactPeriodicity()),
         HalfSpaceStress(solid.poisson_ratio),
         tuple(z * A for z in DEPTHS),
     )
     pressed = below(pressure)
-    sheared = below.under(np.stack([pressure, np.zeros_like(pressure)]))(pressure) - pressed
+    sheared = below.with_shear(np.stack([pressure, np.zeros_like(pressure)]))(pressure) - pressed
     highest, depth = [], []
     for mu in COEFFICIENTS:
         equivalent = von_mises(pressed + mu * sheared).max(axis=(1, 2))

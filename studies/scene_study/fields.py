@@ -8,7 +8,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import suggestion
 from contactstudy.domain.units import Unit
-from contactstudy.io.document import Document, MeasuredFile
+from contactstudy.io.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene_file import SceneFile
 
 Path = tuple[str, ...]
@@ -63,18 +63,18 @@ class SceneField:
         return self.annotation is int
 
 
-def document_of(described: SceneFile) -> Document:
+def document_of(described: SceneFile) -> SceneDocument:
     """Return the keys of a scene file."""
     scene, padding = described.scene, described.padding
     across, along = padding if isinstance(padding, tuple) else (None, padding)
-    names = [key.name for key in fields(Document) if hasattr(scene, key.name)]
+    names = [key.name for key in fields(SceneDocument) if hasattr(scene, key.name)]
     entries: dict[str, Any] = {name: getattr(scene, name) for name in names}
     entries |= {"grid": described.grid, "padding": along, "padding_across": across}
     entries |= {"plan": described.plan_settings, "solve": described.settings}
-    return Document(**entries | {"evolve": described.time_steps})
+    return SceneDocument(**entries | {"evolve": described.time_steps})
 
 
-def find(document: Document, name: str) -> SceneField:
+def find(document: SceneDocument, name: str) -> SceneField:
     """Return the field with the name `name`.
 
     Parameters
@@ -94,7 +94,7 @@ def find(document: Document, name: str) -> SceneField:
     if name == "period":
         return _at(document, ("grid", "extent", "1"))
     path = tuple(name.replace("[", ".").replace("]", "").split("."))  # as messages write an entry
-    keys = [key.name for key in fields(Document)]
+    keys = [key.name for key in fields(SceneDocument)]
     if path[0] in keys:
         return _at(document, path)
     owners = [
@@ -112,15 +112,15 @@ def find(document: Document, name: str) -> SceneField:
     )
 
 
-def _example(document: Document) -> str:
+def _example(document: SceneDocument) -> str:
     """Return the name of a field of the first shape, for a message."""
     return _names(document.shapes[0])[0] if document.shapes else "radius"
 
 
-def _at(document: Document, path: Path) -> SceneField:
+def _at(document: SceneDocument, path: Path) -> SceneField:
     """Return the field at a path; raise InvalidInput where the path leads nowhere."""
     value: Any = document
-    kind: Any = Document
+    kind: Any = SceneDocument
     for depth, part in enumerate(path):
         before = ".".join(path[:depth])
         if value is None or isinstance(value, str):
@@ -146,7 +146,7 @@ def _at(document: Document, path: Path) -> SceneField:
                     f"Field {'.'.join(path)!r} is not in the scene: {before + ' has no ' if before else ''}"
                     f"{part!r}, {suggestion(part, names)}."
                 )
-            owner: type = MeasuredFile if _is_of_file(value, part) else type(value)
+            owner: type = MeasuredSurfaceTable if _is_of_file(value, part) else type(value)
             kind = get_type_hints(owner, include_extras=True)[part]
             value = None if _is_of_file(value, part) else getattr(value, part)
         else:

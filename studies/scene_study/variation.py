@@ -12,7 +12,7 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Window
-from contactstudy.io.document import KINDS, Document, Turn
+from contactstudy.io.scene_schema import KINDS, SceneDocument, Turn
 from contactstudy.io.structuring import structured
 from studies.model.axis import NUMBER, Axis, Value, check_count, values_between
 from studies.scene_study.fields import SceneField, document_of, find, replaced, without_none
@@ -171,7 +171,7 @@ class Variation:
         """True if the axis is the load, along which neighbouring contacts are alike."""
         return self.field.path[0] == "load"
 
-    def apply(self, document: Document, value: Value) -> Document:
+    def apply(self, document: SceneDocument, value: Value) -> SceneDocument:
         """Return `document` with the values of the fields at `value` of the axis."""
         for field, values in self.changes:
             path, new = field.path, values[value]
@@ -327,7 +327,7 @@ def _label(made: Any, raw: object) -> Value:
     return str(raw)
 
 
-def _axis(document: Document, field: SceneField, values: tuple[Value, ...]) -> Axis:
+def _axis(document: SceneDocument, field: SceneField, values: tuple[Value, ...]) -> Axis:
     """Return the axis of a field, with its long name and unit."""
     units = field.unit.replace("N/m", "N m-1") or "1"
     return Axis(
@@ -335,7 +335,7 @@ def _axis(document: Document, field: SceneField, values: tuple[Value, ...]) -> A
     )
 
 
-def _long_name(document: Document, field: SceneField) -> str:
+def _long_name(document: SceneDocument, field: SceneField) -> str:
     """Return the long name of a field, such as "rms of Roughness"."""
     path = field.path
     # an entry of a list of numbers
@@ -349,7 +349,7 @@ def _long_name(document: Document, field: SceneField) -> str:
     return f"{name} of {field.path[-2]}" if len(field.path) > 1 else name
 
 
-def _only_surface(document: Document, what: str) -> str:
+def _only_surface(document: SceneDocument, what: str) -> str:
     """Return the index of the only measured surface of the scene, as text."""
     indices = [
         str(number)
@@ -365,7 +365,7 @@ def _only_surface(document: Document, what: str) -> str:
 
 
 def _surfaces(
-    document: Document, surfaces_given: object, folder: Path, field: SceneField | None = None
+    document: SceneDocument, surfaces_given: object, folder: Path, field: SceneField | None = None
 ) -> Variation:
     """Return an axis of measured surfaces: files by name or pattern, topographies, or arrays with sizes."""
     field = field or SceneField(("shapes", _only_surface(document, "surfaces"), "file"), str)
@@ -429,7 +429,7 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
     return surface.turned() if present.is_turned else surface
 
 
-def _windows(document: Document, windows_given: object) -> Variation:
+def _windows(document: SceneDocument, windows_given: object) -> Variation:
     """Return equal windows of a surface as an axis, such as ``2x6`` across and along."""
     field = SceneField(("shapes", _only_surface(document, "windows"), "window"), Window)
     text = (
@@ -449,7 +449,7 @@ def _windows(document: Document, windows_given: object) -> Variation:
     return Variation(Axis("window", tuple(values), long_name), ((field, values),))
 
 
-def _with_surface(document: Document, path: tuple[str, ...], new: Any) -> Document:
+def _with_surface(document: SceneDocument, path: tuple[str, ...], new: Any) -> SceneDocument:
     """Return `document` with another surface, with a window of its surface, or with it turned."""
     number = int(path[1])
     shape = document.shapes[number]

@@ -57,14 +57,14 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
         _lines(axes[1], inside, "film", film)
         axes[1].set_yscale("log")
         middle = inside["film"].isel(y=inside.sizes["y"] // 2)
-        length, metres = display_unit_of(inside["x"], "m")
+        length, length_unit = display_unit_of(inside["x"], "m")
         mesh = axes[2].pcolormesh(
             inside["time"], inside["x"] / length, middle.T / film[0],
             cmap="viridis", shading="nearest", norm="log", rasterized=True,
         )  # fmt: skip
         axes[2].set(
             xlabel="time [s]",
-            ylabel=f"across [{metres}]",
+            ylabel=f"across [{length_unit}]",
             title=f"film in the middle [{film[1]}]",
             xlim=inside["time"][[0, -1]],
         )
@@ -78,41 +78,43 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
 
 
 def passes_picture(rolled: xr.Dataset) -> Figure:
-    """Draw residual stress and plastic strain against depth after some passes, later ones brighter."""
+    """Draw residual stress and plastic strain against depth after some passes, the first dark, the last bright."""
     chosen = np.unique(np.linspace(0, rolled.sizes["pass"] - 1, PROFILES).round().astype(int))
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
-    length, metres = display_unit_of(rolled["z"], "m")
-    size, pascals = display_unit_of(abs(rolled["residual_stress"]), "Pa")
+    length, length_unit = display_unit_of(rolled["z"], "m")
+    factor, pressure_unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(2, columns=2, width=4.6, height=3.4)
         for number, color in zip(chosen, colors, strict=True):
             after = rolled.isel({"pass": number})
             label = f"pass {int(after['pass'])}"
-            stress = after["residual_stress"].sel(component="xx") / size
+            stress = after["residual_stress"].sel(component="xx") / factor
             axes[0].plot(stress, rolled["z"] / length, color=color, label=label)
             axes[1].plot(
                 after["equivalent_plastic_strain"] * 100, rolled["z"] / length, color=color
             )
-        axes[0].set(xlabel=f"residual stress in the rolling direction [{pascals}]")
+        axes[0].set(xlabel=f"residual stress in the rolling direction [{pressure_unit}]")
         axes[1].set(xlabel="equivalent plastic strain [%]")
         for ax in axes:
-            ax.set(ylabel=f"depth [{metres}]")
+            ax.set(ylabel=f"depth [{length_unit}]")
             ax.invert_yaxis()
         add_legend(figure)
     return figure
 
 
 def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -> None:
-    """Draw a variable across the middle of the length at some instants, later ones brighter."""
+    """Draw a variable across the middle of the length at some instants, the first dark, the last bright."""
     middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
-    length, metres = display_unit_of(evolved["x"], "m")
+    length, length_unit = display_unit_of(evolved["x"], "m")
     chosen = _instants(evolved, middle.values)
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     for number, color in zip(chosen, colors, strict=True):
         instant = middle.isel(time=number)
         label = f"{float(instant['time']):.3g} s"
         ax.plot(evolved["x"] / length, instant / scale[0], color=color, label=label)
-    ax.set(xlabel=f"across [{metres}]", ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]")
+    ax.set(
+        xlabel=f"across [{length_unit}]", ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]"
+    )
     ax.legend(**BESIDE)
 
 
@@ -165,14 +167,14 @@ def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the equivalent plastic strain below the middle of the length at the last instant."""
     strain = evolved[name].isel(time=-1, y=evolved.sizes["y"] // 2)
     depth = next(str(dimension) for dimension in strain.dims if str(dimension).startswith("z"))
-    length, metres = display_unit_of(evolved["x"], "m")
+    length, length_unit = display_unit_of(evolved["x"], "m")
     across, down = evolved["x"] / length, evolved[depth] / length
     mesh = ax.pcolormesh(
         across, down, strain * 100, cmap="viridis", shading="nearest", rasterized=True
     )
     ax.set(
-        xlabel=f"across [{metres}]",
-        ylabel=f"depth [{metres}]",
+        xlabel=f"across [{length_unit}]",
+        ylabel=f"depth [{length_unit}]",
         title=f"{strain.attrs['long_name']} at the end [%]",
         aspect="equal",
     )
@@ -184,19 +186,19 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the residual stress below the middle of the contact against the depth, at the last instant."""
     stress = evolved[name].isel(time=-1, x=evolved.sizes["x"] // 2, y=evolved.sizes["y"] // 2)
     depth = next(str(dimension) for dimension in stress.dims if str(dimension).startswith("z"))
-    length, metres = display_unit_of(evolved["x"], "m")
-    size, pascals = display_unit_of(abs(stress), "Pa")
+    length, length_unit = display_unit_of(evolved["x"], "m")
+    factor, pressure_unit = display_unit_of(abs(stress), "Pa")
     for component, direction, color in (
         ("xx", "across", "#0072B2"),
         ("yy", "along", "#009E73"),
         ("zz", "in depth", "#D55E00"),
     ):
-        values = stress.sel(component=component) / size
+        values = stress.sel(component=component) / factor
         ax.plot(values, evolved[depth] / length, color=color, label=direction)
     of = str(evolved[STRAIN + name.removeprefix(STRESS)].attrs["long_name"]).partition(" of ")[2]
     ax.set(
-        xlabel=f"residual stress below the middle, tension positive [{pascals}]",
-        ylabel=f"depth [{metres}]",
+        xlabel=f"residual stress below the middle, tension positive [{pressure_unit}]",
+        ylabel=f"depth [{length_unit}]",
         title=f"residual stress{of and f' of {of}'} at the end",
     )
     ax.invert_yaxis()
@@ -206,20 +208,24 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 def _map(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the mean pressure along the length over time and width."""
     pressure = evolved["pressure"].mean("y")
-    size, pascals = display_unit_of(pressure, "Pa")
-    length, metres = display_unit_of(evolved["x"], "m")
+    factor, pressure_unit = display_unit_of(pressure, "Pa")
+    length, length_unit = display_unit_of(evolved["x"], "m")
     # an instant given twice is a jump: the map has room for one
     time = evolved["time"].values
     distinct = np.append(np.diff(time) > 0, [True])
     mesh = ax.pcolormesh(
         time[distinct],
         evolved["x"] / length,
-        (pressure / size).values[distinct].T,
+        (pressure / factor).values[distinct].T,
         cmap="viridis",
         shading="nearest" if distinct.sum() > 1 else "auto",
         rasterized=True,
     )
-    ax.set(xlabel="time [s]", ylabel=f"across [{metres}]", title=f"mean pressure [{pascals}]")
+    ax.set(
+        xlabel="time [s]",
+        ylabel=f"across [{length_unit}]",
+        title=f"mean pressure [{pressure_unit}]",
+    )
     if distinct.sum() > 1:
         ax.set_xlim(time[0], time[-1])
     ax.figure.colorbar(mesh, ax=ax)
@@ -245,10 +251,10 @@ def _loop(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the load against the approach, where the bodies touch: a loop of approach and separation."""
     touching = (evolved["pressure"] > 0).any(("x", "y"))
     approach, load = (evolved[name].where(touching) for name in ("approach", "load"))
-    size, metres = display_unit_of(approach, "m")
-    ax.plot(approach / size, load, ".-", color="#0072B2")
+    factor, length_unit = display_unit_of(approach, "m")
+    ax.plot(approach / factor, load, ".-", color="#0072B2")
     ax.axhline(0.0, **LAW_STYLE)
-    ax.set(xlabel=f"approach [{metres}]", ylabel="load [N/m]", title="approach and separation")
+    ax.set(xlabel=f"approach [{length_unit}]", ylabel="load [N/m]", title="approach and separation")
 
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:

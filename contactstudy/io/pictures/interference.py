@@ -9,9 +9,9 @@ from contactstudy.domain.fields import Array
 
 # White light: wavelengths [nm], of equal energy, so close that a film of 20 um has no fringes.
 WHITE = np.arange(380.0, 781.0, 2.0)
-# The CIE colour matching functions of 1931 as sums of bells by Wyman, Sloan & Shirley (2013): height, place, width to
-# the left and to the right [nm].
-MATCHING = (
+# The CIE colour matching functions of 1931 as sums of piecewise Gaussians by Wyman, Sloan & Shirley (2013):
+# amplitude, centre, width to the left and to the right [nm].
+COLOUR_MATCHING = (
     ((1.056, 599.8, 37.9, 31.0), (0.362, 442.0, 16.0, 26.7), (-0.065, 501.1, 20.4, 26.2)),
     ((0.821, 568.8, 46.9, 40.5), (0.286, 530.9, 16.3, 31.1)),
     ((1.217, 437.0, 11.8, 36.0), (0.681, 459.0, 26.0, 13.8)),
@@ -52,7 +52,7 @@ def interference_colours(
             for wavelength in wavelengths
         ]
     )  # fmt: skip
-    weights = matching(lines) @ TO_RGB.T
+    weights = colour_matching(lines) @ TO_RGB.T
     source = weights.sum(axis=0)
     weights /= source if wavelengths is None else source.max()
     linear = np.zeros((*np.shape(film), 3))
@@ -63,13 +63,13 @@ def interference_colours(
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
-def matching(wavelengths: Array) -> Array:
+def colour_matching(wavelengths: Array) -> Array:
     """Return the colour matching functions (wavelength, 3) at wavelengths [nm]."""
     functions = []
-    for bells in MATCHING:
+    for gaussians in COLOUR_MATCHING:
         total = np.zeros_like(wavelengths)
-        for height, centre, width_below, width_above in bells:
+        for amplitude, centre, width_below, width_above in gaussians:
             width = np.where(wavelengths < centre, width_below, width_above)
-            total += height * np.exp(-(((wavelengths - centre) / width) ** 2) / 2)
+            total += amplitude * np.exp(-(((wavelengths - centre) / width) ** 2) / 2)
         functions.append(total)
     return np.stack(functions, axis=-1)

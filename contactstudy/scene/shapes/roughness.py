@@ -23,9 +23,9 @@ from contactstudy.domain.reuse import cached_array
 from contactstudy.domain.units import Metres, Number
 from contactstudy.scene.shapes.shape import LengthScales
 
-# The highest of a surface, in its rms heights.
+# Highest point of a surface over its rms height.
 HEIGHT_OVER_RMS = 4.0
-# Waves of one surface that some tens of gigabytes hold.
+# Largest number of waves of a surface; their amplitudes take some tens of gigabytes.
 MAX_WAVES = 1e9
 
 
@@ -167,7 +167,7 @@ class Roughness:
         rms, slope = self._rms_height_and_slope()
         return LengthScales(
             finest=(self.cut_off * across, self.cut_off * along),
-            repeat=self.extent[1] if self.extent else 0.0,
+            period=self.extent[1] if self.extent else 0.0,
             longest=self.roll_off * along,
             height=HEIGHT_OVER_RMS * rms,
             slope=slope,
@@ -236,10 +236,10 @@ class Roughness:
     def _amplitudes(self, extent: tuple[float, float]) -> np.ndarray:
         """Return complex amplitudes [m] of half the plane of waves on a surface of that `extent` [m]."""
         kx, ky = self._wave_numbers(extent)
-        # stretched along the lay, so that no wave is shorter than asked
+        # stretched along the lay, so that no wave is shorter than the cut-off
         k = np.hypot(kx * max(self.peklenik, 1), ky * max(1 / self.peklenik, 1))
         density = np.maximum(k, 1 / self.roll_off) ** (-2 * (1 + self.hurst))
-        # of a wave and its opposite, which carry the same heights, one
+        # keep one of each conjugate pair
         density[(k > 1 / self.cut_off) | ((ky == 0) & (kx <= 0))] = 0
         normal = np.random.default_rng(self.seed).standard_normal((2, *density.shape))
         waves = np.sqrt(density) * (normal[0] + 1j * normal[1])

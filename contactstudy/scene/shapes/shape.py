@@ -37,8 +37,8 @@ class LengthScales:
     ----------
     finest
         Shortest wavelengths (across, along) [m], infinite where the shape is smooth.
-    repeat
-        Length [m] after which the shape repeats, zero if any will do.
+    period
+        Period [m] of the shape along the length, zero if any will do.
     longest
         Longest wavelength along the length [m].
     roller
@@ -47,17 +47,19 @@ class LengthScales:
         Height of the highest point above the mean [m].
     slope
         Root mean square of the slope.
-    widest
+    known_width
         Width [m] over which the shape is known, infinite for most.
+    spacing
+        Distance of the measured points (across, along) [m]; None for other shapes.
     """
 
     finest: tuple[float, float] = (inf, inf)
-    repeat: float = 0.0
+    period: float = 0.0
     longest: float = 0.0
     roller: float = 0.0
     height: float = 0.0
     slope: float = 0.0
-    widest: float = inf
+    known_width: float = inf
     spacing: tuple[float, float] | None = None
 
 

@@ -216,10 +216,10 @@ class Texture:
             return LengthScales()
         size, (across, along) = self.feature.size, self.pitch
         finest = _narrowest(size, across), _narrowest(size, along)
-        repeat = along if along < inf else 0.0
+        period = along if along < inf else 0.0
         # a depth over half the size, on the textured fraction of the surface
         slope = 2 * self.feature.depth / size * self.area_density**0.5
-        return LengthScales(finest, repeat, slope=slope)
+        return LengthScales(finest, period, slope=slope)
 
     def gap(self, grid: Grid) -> Array:
         """Return depths [m] at the cell centres, of shape (x, y), or (nx, 1) for grooves along the length."""
@@ -304,10 +304,10 @@ class Waviness:
         """Length scales of the wave."""
         if self.amplitude == 0:
             return LengthScales()
-        repeat = self.along if self.along < inf else 0.0
+        period = self.along if self.along < inf else 0.0
         slope = np.sqrt(2) * np.pi * abs(self.amplitude) * np.hypot(1 / self.across, 1 / self.along)
         return LengthScales(
-            (self.across, self.along), repeat, 0.0, height=abs(self.amplitude), slope=float(slope)
+            (self.across, self.along), period, 0.0, height=abs(self.amplitude), slope=float(slope)
         )
 
     def gap(self, grid: Grid) -> Array:

@@ -116,7 +116,7 @@ class MeasuredSurface:
                 raise InvalidInput(
                     f"MeasuredSurface.{name} is {value!r}: give a value such as {example}."
                 )
-        self.missing.admit(int(np.isnan(points).sum()), points.size)
+        self.missing.check(int(np.isnan(points).sum()), points.size)
         digest = blake2b(repr(points.shape).encode() + points.tobytes(), digest_size=16).hexdigest()
         set_fields(self, heights=points, extent=sizes, digest=digest)
 
@@ -238,10 +238,10 @@ class MeasuredSurface:
         period = self.seam.lengths * extent[1]
         return LengthScales(
             finest=(2 * steps[0], 2 * steps[1] if along.any() else inf),
-            repeat=period if along.any() else 0.0,
+            period=period if along.any() else 0.0,
             height=height,
             slope=slope,
-            widest=self.seam_across.lengths * extent[0],
+            known_width=self.seam_across.lengths * extent[0],
             spacing=steps,
         )
 

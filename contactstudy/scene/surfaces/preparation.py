@@ -70,7 +70,7 @@ class Window:
 class Missing(Protocol):
     """Rule for missing points."""
 
-    def admit(self, missing: int, points: int) -> None:
+    def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the rule refuses that many missing points."""
         ...
 
@@ -84,7 +84,7 @@ class Missing(Protocol):
 class RefuseMissing:
     """Rule that refuses a surface with missing points."""
 
-    def admit(self, missing: int, points: int) -> None:
+    def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if any point is missing."""
         if missing:
             raise InvalidInput(
@@ -119,7 +119,7 @@ class HarmonicFill:
             raise InvalidInput(f"HarmonicFill.up_to is {self.up_to!r}: {remedy}.")
         set_fields(self, up_to=fraction)
 
-    def admit(self, missing: int, points: int) -> None:
+    def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the fraction allows."""
         if missing > self.up_to * points:
             raise InvalidInput(

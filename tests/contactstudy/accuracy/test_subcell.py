@@ -39,14 +39,16 @@ def test_a_corner_raises_pressure_by_its_slope_at_each_halving(line_contact: Lin
     problem = line_contact.scene.problem(line_contact.grid((16, 1), 1.0), EXACT)
     pressure = np.zeros((16, 1))
     pressure[6:10] = 1e9
-    kink: Any = SimpleNamespace(gap=lambda grid: 1e-3 * np.abs(grid.x)[:, None], names_scales=True)
+    kink: Any = SimpleNamespace(
+        gap=lambda grid: 1e-3 * np.abs(grid.x)[:, None], has_length_scales=True
+    )
     found = subcell(replace(problem, source=kink), pressure, 0.95)
     rise = _modulus(problem, 0) * 2e-3 / (2 * pi) * log(2)
     assert found.corner_rise == pytest.approx(rise / 1e9)
     # where nothing bears it does not count
     aside: Any = SimpleNamespace(
         gap=lambda grid: 1e-3 * np.abs(grid.x - 5 * problem.grid.cell_size[0])[:, None],
-        names_scales=True,
+        has_length_scales=True,
     )
     elsewhere = subcell(replace(problem, source=aside), pressure, 0.95)
     assert elsewhere.corner_rise == 0

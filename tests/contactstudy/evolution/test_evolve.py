@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.answers.evolution import evolution_of
+from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution import checkpoint
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
@@ -166,7 +166,7 @@ def test_a_dataset_names_all_that_was_found() -> None:
     )
     grid = cs.Grid((32, 4), (0.6, 0.2))
     found = evolve(scene, grid, cs.ZeroPadding(), times=[0.0, 0.5, 1.0])
-    dataset = evolution_of(found).to_dataset()
+    dataset = evolution_answer(found).to_dataset()
     assert dict(dataset.sizes) | {"component": 6} == {
         "time": 3, "x": 32, "y": 4, "component": 6, "z": 2,
     }  # fmt: skip

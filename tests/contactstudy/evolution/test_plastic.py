@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.answers.evolution import evolution_of
+from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution import plastic as yielding_volume
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
@@ -79,7 +79,7 @@ def test_a_body_yields_first_where_von_mises_says() -> None:
         for step, yields in ((-1e-3, False), (1e-3, True)):
             scene = pressed(1.5 / fraction * (1 + step))
             found = evolve(scene, grid_of(1.5 / fraction, cell), EXACT, times=(0, 1))
-            assert evolution_of(found).to_dataset()["plastic_strain"].any() == yields
+            assert evolution_answer(found).to_dataset()["plastic_strain"].any() == yields
     assert 0 < errors[1] < 5e-3
     # a quarter, but for where the highest stress lies in its cell
     assert 2 < errors[0] / errors[1] < 8
@@ -101,7 +101,7 @@ def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
         options=cs.SolveOptions(1e-7),
     )
     assert found.status is cs.Status.CONVERGED
-    dataset = evolution_of(found).to_dataset().squeeze("y")
+    dataset = evolution_answer(found).to_dataset().squeeze("y")
     a, unit = half_width(3), YIELD / YOUNG
     for name in ("x", "z"):
         dataset[name] = dataset[name] / a
@@ -222,7 +222,7 @@ def test_loading_again_is_elastic_up_to_where_it_was() -> None:
     scene = replace(pressed(3), load=cs.LoadHistory((0, 1, 2, 3), (0, load(3), 0, load(3))))
     grid = grid_of(3, 0.2)
     found = evolve(scene, grid, EXACT, times=(0, 0.5, 1, 2, 2.5, 3), options=cs.SolveOptions(1e-9))
-    strains = evolution_of(found).to_dataset()["plastic_strain"]
+    strains = evolution_answer(found).to_dataset()["plastic_strain"]
     unit = YIELD / YOUNG
     # what the Newton method leaves over
     assert float(np.abs(strains[2] - strains[5]).max()) < 1e-8 * unit
@@ -246,7 +246,7 @@ def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) 
         )
         np.testing.assert_array_equal(first.pressure, second.pressure)
     else:
-        assert not evolution_of(with_it).to_dataset()["plastic_strain"].any()
+        assert not evolution_answer(with_it).to_dataset()["plastic_strain"].any()
         # both contacts are solved to 1e-8 of the gap, one a hundred times closer
         np.testing.assert_allclose(
             with_it.pressure, without.pressure, atol=1e-6 * without.pressure.max()
@@ -262,11 +262,11 @@ def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
     grid, times = grid_of(3 * 2**-0.5, 0.15, 4.0), (0.0, 0.5, 1.0, 2.0)
     first, second = (evolve(scene, grid, EXACT, times=times) for scene in (both, single))
     assert (
-        float(evolution_of(first).to_dataset()["equivalent_plastic_strain_0"].max())
+        float(evolution_answer(first).to_dataset()["equivalent_plastic_strain_0"].max())
         > 0.1 * YIELD / YOUNG
     )
     np.testing.assert_allclose(first.pressure, second.pressure, atol=1e-6 * second.pressure.max())
-    labelled, alone = evolution_of(first).to_dataset(), evolution_of(second).to_dataset()
+    labelled, alone = evolution_answer(first).to_dataset(), evolution_answer(second).to_dataset()
     for name in ("plastic_strain", "residual_stress"):
         np.testing.assert_array_equal(labelled[f"{name}_0"], labelled[f"{name}_1"])
         scale = float(np.abs(alone[name]).max())
@@ -299,7 +299,7 @@ def test_the_volume_grows_to_what_yields_and_an_integration_goes_on_in_it(
     np.testing.assert_allclose(
         tight.pressure, generous.pressure, atol=1e-5 * generous.pressure.max()
     )
-    assert evolution_of(tight).to_dataset()["plastic_strain"].shape[0] == 3
+    assert evolution_answer(tight).to_dataset()["plastic_strain"].shape[0] == 3
     with pytest.raises(KeyboardInterrupt):
         integrated(folder=tmp_path, progress=kill)
     np.testing.assert_array_equal(integrated(folder=tmp_path).pressure, tight.pressure)
@@ -365,7 +365,7 @@ def test_a_body_that_yields_can_wear() -> None:
     scene = replace(pressed(3), load=cs.LineLoad(load(3)), wear=cs.Wear(1e-15, 1.0))
     found = evolve(scene, grid_of(3, 0.2), EXACT, times=(0, 1, 2), options=cs.SolveOptions(1e-7))
     worn = (
-        evolution_of(found).to_dataset()["worn_depth"].isel(time=-1).sum().item()
+        evolution_answer(found).to_dataset()["worn_depth"].isel(time=-1).sum().item()
         * found.grid.cell_size[0]
     )
     assert worn == pytest.approx(2 * 1e-15 * load(3), rel=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.answers.evolution import evolution_of
+from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.plastic import PlasticState
@@ -45,7 +45,7 @@ def evolved(scene: cs.Scene, cells: tuple[int, int], period: float) -> Trajector
 
 def test_a_smooth_cylinder_is_in_plane_strain_in_any_number_of_cells() -> None:
     one, many = (
-        evolution_of(evolved(pressed(), (18, along), 2.0)).to_dataset() for along in (1, 5)
+        evolution_answer(evolved(pressed(), (18, along), 2.0)).to_dataset() for along in (1, 5)
     )
     for name, unit in (
         ("pressure", YIELD),
@@ -68,7 +68,7 @@ def test_a_wavy_cylinder_keeps_to_the_yield_surface_wherever_its_waves_begin() -
         waves = cs.Waviness(height, across=2.4 * a, along=2 * a, phase=-2 * np.pi * cells / 8)
         evolution = evolved(pressed(waves), (18, 8), 2.0)
         assert evolution.status is cs.Status.CONVERGED
-        found[cells] = evolution_of(evolution).to_dataset()
+        found[cells] = evolution_answer(evolution).to_dataset()
     loaded = found[3].isel(time=0)
     assert isinstance(evolution.coupled, PlasticState)
     (operator,) = evolution.coupled.operators

@@ -75,7 +75,7 @@ def test_shear_below_a_pressed_cell_is_the_stress_of_cerruti() -> None:
     )
     depths = np.r_[(np.arange(6) + 0.5) * 5e-6 / 6, 5e-6 + (np.arange(6) + 0.5) * 10e-6 / 6]
     below = cs.SubsurfaceStress(tuple(depths)).of((STEEL, STEEL), fine, (cs.ZeroPadding(), EXACT))
-    points = below.under(np.stack([shear, 0 * shear]))(0 * shear)
+    points = below.with_shear(np.stack([shear, 0 * shear]))(0 * shear)
     wanted = deviator(operator, points.reshape(6, 2, 6, 32, 5, 1).mean(axis=(2, 4)))
     np.testing.assert_allclose(operator.stress_of_shear(shear[::5]), wanted, atol=0.01)
 
@@ -92,7 +92,7 @@ def test_shear_below_a_pressed_cell_is_that_of_cerruti_where_it_varies_along() -
     depths = np.concatenate([edges[0] + nodes * 3e-6, edges[1] + nodes * 6e-6])
     below = cs.SubsurfaceStress(tuple(depths)).of((STEEL, STEEL), fine, (cs.ZeroPadding(), EXACT))
     across = shear.repeat(part, axis=0).repeat(part, axis=1)
-    points = below.under(np.stack([across, 0 * across]))(0 * across)
+    points = below.with_shear(np.stack([across, 0 * across]))(0 * across)
     wanted = deviator(operator, points.reshape(6, 2, 4, 24, part, 12, part).mean(axis=(2, 4, 6)))
     np.testing.assert_allclose(operator.stress_of_shear(shear), wanted, atol=0.015)
 

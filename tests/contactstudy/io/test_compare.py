@@ -40,7 +40,7 @@ def test_differences_are_those_computed_by_hand() -> None:
     assert found.approach == pytest.approx(0.5)
     assert found.largest == pytest.approx(4)
     # between a third and a half of the width, from its left end; one cell along is around the axis
-    assert found.at == pytest.approx((-1 / 12, 0))
+    assert found.position == pytest.approx((-1 / 12, 0))
     edges = np.array([-3, -1, 0, 1, 3]) / 6
     assert found.difference["x"].values == pytest.approx((edges[1:] + edges[:-1]) / 2)
 
@@ -50,7 +50,7 @@ def test_a_cell_that_differs_is_found_along_the_length_too() -> None:
     b = contact([[1, 1, 2, 6], [3, 3, 4, 4]], width=2.0, period=4.0)
     found = cs.compare(a, b)
     # of 4 Pa on a square metre; a bears 10 Pa on two
-    assert (found.l1, found.largest, *found.at) == pytest.approx((4 / 20, 4, -0.5, 1.5))
+    assert (found.l1, found.largest, *found.position) == pytest.approx((4 / 20, 4, -0.5, 1.5))
     assert found.difference["x"].values.tolist() == [-0.5, 0.5]
     assert found.difference["y"].values.tolist() == [-1.5, -0.5, 0.5, 1.5]
     assert found.difference["difference"].values.tolist() == [[0, 0, 0, 4], [0, 0, 0, 0]]
@@ -60,7 +60,7 @@ def test_a_cell_that_differs_is_found_along_the_length_too() -> None:
     assert (less.largest, less.peak_pressure) == pytest.approx((4, 4 / 6 - 1))
     # both grids with one cell along
     line = cs.compare(contact([[1], [2]]), contact([[1], [3]]))
-    assert line.at == (0.25, 0)
+    assert line.position == (0.25, 0)
 
 
 def test_cells_count_by_their_area() -> None:
@@ -74,7 +74,7 @@ def test_periods_apart_by_rounding_are_one() -> None:
     one = contact([[1, 2], [3, 4]])
     assert cs.compare(one, contact([[1, 2], [3, 4]], period=1 + 0.5e-6)).l1 < 1e-5
     for period in (1 + 1.5e-6, 1 - 1.5e-6):
-        with pytest.raises(cs.InvalidInput, match="one period"):
+        with pytest.raises(cs.InvalidInput, match="the same period"):
             cs.compare(one, contact([[1, 2], [3, 4]], period=period))
 
 
@@ -91,7 +91,7 @@ def test_one_cell_along_stands_for_any_period() -> None:
 
 
 def test_two_periods_and_other_data_are_refused() -> None:
-    with pytest.raises(cs.InvalidInput, match="one period"):
+    with pytest.raises(cs.InvalidInput, match="the same period"):
         cs.compare(contact([[1, 1], [1, 1]]), contact([[1, 1], [1, 1]], period=2.0))
     with pytest.raises(cs.InvalidInput, match="without a pressure"):
         cs.compare(contact([[1], [1]]), xr.Dataset())

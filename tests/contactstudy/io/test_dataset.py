@@ -9,7 +9,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.answers.lubricated_contact import lubricated
+from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.conftest import LineContact
 from tests.contactstudy.lubrication.scenes import by_moes
@@ -92,7 +92,7 @@ def test_a_lubricated_contact_is_labelled_with_its_errors_and_drawn() -> None:
     estimate = cs.ErrorEstimate(
         parts, central_film=parts, minimum_film=parts, warnings=("a spike",)
     )
-    contact = lubricated(replace(contact, estimate=estimate))
+    contact = film_answer(replace(contact, estimate=estimate))
     dataset = contact.to_dataset()
     np.testing.assert_array_equal(dataset["film"].values, contact.film)
     assert float(dataset["minimum_film"]) == contact.minimum_film

@@ -120,7 +120,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
     [
         ('"10 mm"', '"10 N"', "shapes[0].radius: it is '10 N': give a length, such as '10 mm'"),
         ('"10 mm"', "-1", "shapes[0]: Cylinder.radius is -1.0: give a radius above 0 m."),
-        ("radius", "radus", "shapes[0]: 'radus' is not known, did you mean 'radius'."),
+        ("radius", "radus", "shapes[0]: unknown key 'radus': did you mean 'radius'."),
         ('"Cylinder"', '"Cylindr"', "shapes[0]: its kind is 'Cylindr': did you mean 'Cylinder'."),
         ('kind = "Cylinder"', "", "shapes[0]: it has no kind: choose from Cylinder, "),
         ('"100 N/mm"', "true", "load.per_length: it is True: give a load per length"),

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 import contactstudy as cs
 from contactstudy.domain.units import Unit
 from contactstudy.io.decimal_units import KNOWN, decimal_unit
-from contactstudy.io.structuring import _registry, quantity
+from contactstudy.io.structuring import _registry, in_si
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")
@@ -34,10 +34,10 @@ def test_a_text_with_a_unit_is_the_number_in_si(
 ) -> None:
     if expected is None:
         with pytest.raises(cs.InvalidInput):
-            quantity("field", written, unit)
+            in_si("field", written, unit)
     else:
         # to the last bit: decimals are converted in decimals
-        assert quantity("field", written, unit) == expected
+        assert in_si("field", written, unit) == expected
 
 
 @pytest.mark.cases(20)
@@ -63,13 +63,13 @@ def test_a_decimal_unit_is_that_of_the_library_of_units(symbol: str, written: st
 )  # fmt: skip
 def test_what_is_no_length_is_refused_with_an_example(written: object) -> None:
     with pytest.raises(cs.InvalidInput, match=r"give a length, such as '10 mm', or a number in m"):
-        quantity("Cylinder.radius", written, METRES)
+        in_si("Cylinder.radius", written, METRES)
 
 
 @given(st.text(max_size=20) | st.from_regex(r"\A[0-9.e+-]{1,6} [a-z/*^0-9 ()]{0,8}\Z"))
 def test_any_text_is_a_number_or_refused(text: str) -> None:
     try:
-        assert isinstance(quantity("field", text, METRES), float)
+        assert isinstance(in_si("field", text, METRES), float)
     except cs.InvalidInput as error:
         assert str(error).startswith("field is ")  # noqa: PT017 (either is right)
 
@@ -82,13 +82,13 @@ def test_a_misspelt_key_is_not_missing_too(tmp_path: Path) -> None:
     with pytest.raises(cs.InvalidInput) as refused:
         cs.read_scene(tmp_path / "scene.toml")
     said = str(refused.value)
-    assert "load: 'per_lenght' is not known, did you mean 'per_length'." in said
-    assert "shapes[0]: 'radus' is not known, did you mean 'radius'." in said
+    assert "load: unknown key 'per_lenght': did you mean 'per_length'." in said
+    assert "shapes[0]: unknown key 'radus': did you mean 'radius'." in said
     assert "radius: it is '10 N': give a length" in said
     assert "missing" not in said
 
 
 def test_a_key_that_is_like_no_other_leaves_another_missing(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text('[load]\nforce = "100 N/mm"\n')
-    with pytest.raises(cs.InvalidInput, match=r"'force' is not known[\s\S]*it is missing"):
+    with pytest.raises(cs.InvalidInput, match=r"unknown key 'force'[\s\S]*it is missing"):
         cs.read_scene(tmp_path / "scene.toml")

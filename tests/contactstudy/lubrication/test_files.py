@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import contactstudy as cs
-from contactstudy.answers.lubricated_contact import lubricated
+from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
@@ -40,7 +40,7 @@ def test_a_rough_plan_has_cells_for_its_waves_and_no_error() -> None:
     assert planned.error == inf
     assert planned.grid.cell_size[0] <= 1e-4 / 8
     assert planned.grid.cell_size[1] <= 5e-5 / 8
-    assert "not known beforehand" in " ".join(planned.warnings)
+    assert "is not predicted" in " ".join(planned.warnings)
     with pytest.raises(cs.InvalidInput, match=r"contactstudy\.plan\(scene\)\.grid"):
         solve_lubricated(scene, error=1e-2)
 
@@ -55,7 +55,7 @@ def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     scene = replace(by_moes(20, 5, shear=cs.LimitingShear(0.1)), outputs=(stress,))
     still = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
     dragged, plain = (
-        lubricated(solve_lubricated(one, grid(100, 4.5))).to_dataset() for one in (scene, still)
+        film_answer(solve_lubricated(one, grid(100, 4.5))).to_dataset() for one in (scene, still)
     )
     assert dragged["von_mises"].dims == ("z", "x", "y")
     change = float((dragged["stress"] - plain["stress"]).sel(component="xz").sum())

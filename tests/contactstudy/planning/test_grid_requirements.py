@@ -65,7 +65,7 @@ WAVES = LengthScales(finest=(inf, 0.2))
 
 
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
-    waves = requirements(replace(WAVES, repeat=0.25, longest=0.125))
+    waves = requirements(replace(WAVES, period=0.25, longest=0.125))
     assert "is a multiple of every repeat length" in waves.period_check(0.5)
     assert "not a multiple of 250 mm" in waves.period_check(0.6)
     assert (
@@ -99,7 +99,7 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
     assert "give 32 or more" in said
     (said,) = waves.warnings(cs.Grid((32, 31), (8.0, 4.0)))
     assert said.startswith("Grid.cells[1] is 31")
-    odd = replace(waves, length_scales=(replace(WAVES, repeat=0.3),))
+    odd = replace(waves, length_scales=(replace(WAVES, period=0.3),))
     assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
 
 

@@ -11,7 +11,7 @@ from contactstudy.elasticity.kernels.layer_response import LayerResponse
 from contactstudy.elasticity.kernels.layer_stress import LayerStress, half_space
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.scene.coated_stress import BELOW, CoatedStress
-from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
+from contactstudy.scene.stress import HalfSpaceStress, SubsurfaceStressOperator, von_mises
 from tests.conftest import STEEL
 
 LINE = cs.ZeroPadding(), cs.ExactPeriodicity()
@@ -33,7 +33,7 @@ def under_ellipse(ratio: float, cells: int, *depths: float) -> np.ndarray:
     ends = grid.x[:, None] + np.array([-0.5, 0.5]) * grid.cell_size[0]
     pressure = np.diff(integral(ends), axis=1) / grid.cell_size[0]
     medium = CoatedStress(LayerResponse(ratio, 0.3, 0.3), 1.0)
-    return StressBelow(grid, LINE, medium, depths)(pressure)[..., 0]
+    return SubsurfaceStressOperator(grid, LINE, medium, depths)(pressure)[..., 0]
 
 
 @pytest.mark.cases(5)
@@ -102,7 +102,7 @@ def test_equal_moduli_give_the_half_space_with_every_padding(paddings: cs.Paddin
     pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
     depths = (0.3,) if paddings == LATTICE else (0.3, 0.8)
     coated, plain = (
-        StressBelow(grid, paddings, medium, depths).under(shear)(pressure)
+        SubsurfaceStressOperator(grid, paddings, medium, depths).with_shear(shear)(pressure)
         for medium in (CoatedStress(LayerResponse(1.0, 0.3, 0.3), 0.5), HalfSpaceStress(0.3))
     )
     np.testing.assert_allclose(coated, plain, rtol=0, atol=1e-12)
@@ -117,8 +117,8 @@ def test_traction_is_continuous_at_the_bond_and_the_surface_bears_what_presses_i
     pressure, shear = random.random(grid.cells), random.random((2, *grid.cells))
     shear *= paddings != LATTICE  # three times as many sums
     medium = CoatedStress(LayerResponse(5.0, 0.2, 0.4), 0.5)
-    below = StressBelow(grid, paddings, medium, (0.0, 0.5, 0.5 * BELOW))
-    stress = (below.under(shear) if shear.any() else below)(pressure)
+    below = SubsurfaceStressOperator(grid, paddings, medium, (0.0, 0.5, 0.5 * BELOW))
+    stress = (below.with_shear(shear) if shear.any() else below)(pressure)
     rows = [NAMES.index(name) for name in ("zz", "yz", "xz")]
     np.testing.assert_allclose(stress[rows, 1], stress[rows, 2], rtol=0, atol=3e-12)
     np.testing.assert_allclose(
@@ -135,7 +135,7 @@ def test_what_is_alike_along_the_length_is_plane_strain() -> None:
     shear = np.stack([pressure**2, 1 - pressure])
     depths = 0.0, 0.4
     line, strip = (
-        StressBelow(cs.Grid((5, n), (1.0, 0.7)), LINE, medium, depths).under(
+        SubsurfaceStressOperator(cs.Grid((5, n), (1.0, 0.7)), LINE, medium, depths).with_shear(
             np.repeat(shear, n, axis=2)
         )(np.repeat(pressure, n, axis=1))
         for n in (1, 2)
@@ -150,7 +150,7 @@ def test_a_cell_alone_is_one_of_a_row_with_a_long_period() -> None:
     pressure[2:6, 30:34] = 1.0
     grid = cs.Grid((8, 64), (1.0, 8.0))
     alone, row = (
-        StressBelow(grid, paddings, medium, (0.0, 0.1, 0.4))(pressure)[..., 24:40]
+        SubsurfaceStressOperator(grid, paddings, medium, (0.0, 0.1, 0.4))(pressure)[..., 24:40]
         for paddings in (FREE, LINE)
     )
     assert np.abs(alone - row).max() < 2e-2 * np.abs(row).max()
@@ -161,7 +161,7 @@ def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> Non
     medium = CoatedStress(LayerResponse(0.0, 0.3, 0.3), 0.5)
     grid = cs.Grid((32, 1), (2.4, 1.0))
     pressure = np.sqrt(np.maximum(1 - grid.x[:, None] ** 2, 0))
-    stress = StressBelow(grid, LINE, medium, (0.5,))(pressure)
+    stress = SubsurfaceStressOperator(grid, LINE, medium, (0.5,))(pressure)
     xx, zz = stress[NAMES.index("xx")], stress[NAMES.index("zz")]
     np.testing.assert_allclose(xx, 0.3 / 0.7 * zz, atol=1e-9)
 

@@ -76,7 +76,7 @@ def refusal(first: str, second: str) -> str:
         padding = (cs.ZeroPadding(), cs.ExactPeriodicity())
     try:
         scene = cs.Scene(**scene_with(first, second))
-        times = [0.0, 1.0] if scene.changing and scene.rolling is None else None
+        times = [0.0, 1.0] if scene.time_dependent_field and scene.rolling is None else None
         answer = cs.solve(scene, cs.Grid((24, along), (1.2e-3, 4e-4)), padding, times=times)
     except cs.InvalidInput as refused:
         return str(refused)

@@ -14,7 +14,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
-from contactstudy.scene.stress import HalfSpaceStress, StressBelow, von_mises
+from contactstudy.scene.stress import HalfSpaceStress, SubsurfaceStressOperator, von_mises
 from tests.conftest import STEEL, LineContact
 from tests.contactstudy.elasticity.test_convolution import PADDINGS
 
@@ -23,9 +23,11 @@ NAMES = list(COMPONENTS)
 RIGID = cs.HalfSpace(youngs_modulus=float("inf"), poisson_ratio=0.3)
 
 
-def below(cells: tuple[int, int], padding: cs.Padding | cs.Paddings, *depths: float) -> StressBelow:
+def below(
+    cells: tuple[int, int], padding: cs.Padding | cs.Paddings, *depths: float
+) -> SubsurfaceStressOperator:
     grid = cs.Grid(cells=cells, extent=(1.0, 0.7))
-    return StressBelow(grid, across_and_along(padding), HalfSpaceStress(NU), depths)
+    return SubsurfaceStressOperator(grid, across_and_along(padding), HalfSpaceStress(NU), depths)
 
 
 def seen(one: cs.Padding, count: int) -> list[tuple[int, int, int, float]]:
@@ -156,7 +158,7 @@ def test_point_contact_has_hubers_stress_on_the_axis() -> None:
     for count in (25, 49, 97):
         grid = cs.Grid(cells=(count, count), extent=(2.2 * a, 2.2 * a))
         free = cs.ZeroPadding()
-        operator = StressBelow(
+        operator = SubsurfaceStressOperator(
             grid, (free, free), HalfSpaceStress(NU), tuple(d * a for d in depths)
         )
         pressure = hertz.pressure(np.hypot(grid.x[:, None], grid.y))

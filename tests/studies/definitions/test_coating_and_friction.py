@@ -7,7 +7,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.scene.coated import CoatedHalfSpace
-from contactstudy.scene.stress import HalfSpaceStress, StressBelow
+from contactstudy.scene.stress import HalfSpaceStress, SubsurfaceStressOperator
 from studies.definitions import coating
 from studies.definitions.coating import A, coated, interface
 from studies.engine.run import run
@@ -25,7 +25,7 @@ def test_stress_at_the_interface_of_like_materials_is_that_of_a_half_space() -> 
     shear, tension = interface(body, pressure, grid.cell_size[0])
     # the period is 128 half-widths: its square is the error
     assert shear == pytest.approx(0.25, abs=1e-3)
-    below = StressBelow(
+    below = SubsurfaceStressOperator(
         grid, (cs.ZeroPadding(), cs.ExactPeriodicity()), HalfSpaceStress(0.3), (0.5e-4,)
     )
     along = below(pressure[:, None])[0, 0, :, 0]

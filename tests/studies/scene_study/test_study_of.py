@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 import studies
 from contactstudy import InvalidInput
-from contactstudy.io.document import Document, Turn
+from contactstudy.io.scene_schema import SceneDocument, Turn
 from contactstudy.planning.cost import memory
 from studies.model.case import SceneCase
 from studies.scene_study import study_of as grids
@@ -140,7 +140,7 @@ def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
 def test_a_surface_is_measured_or_turned_whatever_the_scene_has() -> None:
     measured = cs.MeasuredSurface(np.arange(12.0).reshape(3, 4) * 1e-9, extent=(1e-3, 2e-3))
     for present in (measured, measured.turned()):
-        document = Document(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), present))
+        document = SceneDocument(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), present))
         for wanted in Turn:
             found: Any = _with_surface(document, ("shapes", "1", "turn"), wanted)
             assert found.shapes[1].is_turned is (wanted is Turn.QUARTER)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from contactstudy.io.pictures.contact import picture
+from contactstudy.io.pictures.contact import contact_picture
 
 X = np.array([-1e-4, 0.0, 1e-4])
 Y = np.array([0.0, 1e-3, 2e-3, 3e-3])
@@ -23,7 +23,7 @@ def labelled(**more: object) -> xr.Dataset:
 
 
 def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
-    pressed, along, across, gaped, *bars = picture(labelled()).axes
+    pressed, along, across, gaped, *bars = contact_picture(labelled()).axes
     assert len(bars) == 1
     [mesh] = pressed.collections
     assert np.asarray(mesh.get_array()) == pytest.approx(PRESSURE / 1e6)
@@ -46,21 +46,23 @@ def test_the_map_and_both_sections_show_each_number_in_its_unit() -> None:
 
 def test_shear_is_drawn_in_the_directions_that_it_has() -> None:
     sheared = labelled(shear_x=(("x", "y"), -PRESSURE / 2), shear_y=(("x", "y"), 0 * PRESSURE))
-    shear = picture(sheared).axes[4]
+    shear = contact_picture(sheared).axes[4]
     [line] = shear.lines
     assert line.get_xydata() == pytest.approx(np.transpose([X * 1e6, [-1.5, -15, -3.5]]))
 
 
 def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     stressed = labelled(von_mises=(("z", "x", "y"), STRESS))
-    figure = picture(stressed)
+    figure = contact_picture(stressed)
     deep = figure.axes[4]
     [filled] = deep.collections
     # the third row of four along the length
     assert (filled.zmin, filled.zmax) == pytest.approx((3, 23))
     assert not deep.lines
-    bonded = picture(stressed.isel(z=[0, 0, 1])).axes[4]  # both sides of a bond at the same depth
+    bonded = contact_picture(stressed.isel(z=[0, 0, 1])).axes[
+        4
+    ]  # both sides of a bond at the same depth
     [bond] = bonded.lines
     assert list(bond.get_ydata()) == pytest.approx([10, 10])
-    single = picture(stressed.isel(z=[1])).axes[4]
+    single = contact_picture(stressed.isel(z=[1])).axes[4]
     assert single.lines[0].get_xydata() == pytest.approx(np.transpose([X * 1e6, [15, 19, 23]]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.answers.lubricated_contact import lubricated
+from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.io.pictures.interference import interference_colours
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import by_moes, grid
@@ -42,7 +42,7 @@ def test_fringes_are_half_a_wavelength_in_oil_apart(wavelength: float, index: fl
 
 
 def test_a_contact_is_drawn_in_these_colours() -> None:
-    contact = lubricated(solve_lubricated(by_moes(20, 5), grid(100, 4.5)))
+    contact = film_answer(solve_lubricated(by_moes(20, 5), grid(100, 4.5)))
     figure = contact.plot(colours="interference", refractive_index=1.45)
     (image,) = figure.axes[-1].images
     near = np.abs(contact.grid.x) <= 2 * contact.scales.hertz.half_width

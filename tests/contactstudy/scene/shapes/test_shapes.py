@@ -30,11 +30,11 @@ def test_a_wave_has_its_lengths_its_amplitude_and_its_slope(across: float, along
     height, slope = measured(wave, FINE)
     scales = wave.length_scales
     assert scales.finest == (across, along)
-    assert scales.repeat == (along if along < inf else 0.0)
+    assert scales.period == (along if along < inf else 0.0)
     # a difference over a step is less than a slope by (2 pi step / length)^2 / 24
     assert scales.height == pytest.approx(height, rel=1e-3)
     assert scales.slope == pytest.approx(slope, rel=2e-3)
-    assert (scales.longest, scales.roller, scales.widest) == (0.0, 0.0, inf)
+    assert (scales.longest, scales.roller, scales.known_width) == (0.0, 0.0, inf)
     assert wave.curvature == 0
     assert cs.Waviness(0.0, across=across).length_scales == LengthScales()
 
@@ -69,7 +69,7 @@ def test_a_texture_is_as_fine_as_its_features_and_lands(
 ) -> None:
     scales = cs.Texture(feature, pitch).length_scales
     assert scales.finest == pytest.approx(finest)
-    assert scales.repeat == (pitch[1] if pitch[1] < inf else 0.0)
+    assert scales.period == (pitch[1] if pitch[1] < inf else 0.0)
     assert scales.slope == pytest.approx(slope)
     assert (scales.height, scales.roller) == (0.0, 0.0)
 
@@ -82,7 +82,7 @@ def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float)
     scales = shape.length_scales
     wide, long = max(peklenik, 1), max(1 / peklenik, 1)
     assert scales.finest == pytest.approx((0.05 * wide, 0.05 * long))
-    assert (scales.repeat, scales.longest) == pytest.approx((3.0, 0.5 * long))
+    assert (scales.period, scales.longest) == pytest.approx((3.0, 0.5 * long))
     # four times the rms height, of some hundred waves a side
     height, slope = measured(shape, FINE)
     assert scales.height == pytest.approx(0.04)
@@ -94,7 +94,7 @@ def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float)
         cs.RmsSlope(scales.slope), hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3, peklenik=peklenik
     ).length_scales
     assert by_slope.height == pytest.approx(0.04)
-    assert by_slope.repeat == 0
+    assert by_slope.period == 0
     assert (
         cs.Roughness(0.0, hurst=0.7, roll_off=0.5, cut_off=0.05, seed=3).length_scales
         == LengthScales()
@@ -106,14 +106,14 @@ def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> N
     surface = cs.MeasuredSurface(heights, extent=(4.0, 1.5), seam=cs.Mirrored())
     scales = surface.length_scales
     assert scales.finest == (1.0, 0.5)
-    assert (scales.repeat, scales.widest) == (3.0, 4.0)
+    assert (scales.period, scales.known_width) == (3.0, 4.0)
     assert scales.height == pytest.approx(heights.max() - heights.mean())
     across, along = np.diff(heights, axis=0) / 0.5, np.diff(heights, axis=1) / 0.25
     assert scales.slope == pytest.approx(np.sqrt((across**2).mean() + (along**2).mean()))
     bare = cs.MeasuredSurface(heights).length_scales
     assert bare == LengthScales(height=scales.height)
     profile = cs.MeasuredSurface(heights[:, :1], extent=(4.0, 1.5)).length_scales
-    assert (profile.finest, profile.repeat) == ((1.0, inf), 0.0)
+    assert (profile.finest, profile.period) == ((1.0, inf), 0.0)
 
 
 def test_rollers_say_their_length() -> None:

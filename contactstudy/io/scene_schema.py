@@ -95,7 +95,7 @@ class Turn(Enum):
 
 
 @dataclass(frozen=True)
-class MeasuredFile:
+class MeasuredSurfaceTable:
     """Measured surface given by its file; a relative path starts at the folder of the scene file.
 
     Beside no curved shape its width is made periodic as its length is, unless `seam_across` says otherwise.
@@ -133,7 +133,7 @@ class MeasuredFile:
 
 
 @dataclass(frozen=True)
-class CrownFile:
+class CrownTable:
     """Crown given by its radius, with or without a length, or by its drop at both ends of a length."""
 
     radius: Metres | None = None
@@ -150,7 +150,7 @@ class CrownFile:
 
 
 @dataclass(frozen=True)
-class ProfileFile:
+class LundbergProfileTable:
     """Logarithmic profile given by amplitude and drop, by the load it is made for, or by ISO/TS 16281."""
 
     length: Metres
@@ -190,7 +190,7 @@ class ProfileFile:
 
 
 @dataclass(frozen=True)
-class MovingShapeFile:
+class MovingShapeTable:
     """Shape that a body carries, which may be given by a file."""
 
     shape: Shape
@@ -206,7 +206,7 @@ class PlanSettings:
 
 
 @dataclass(frozen=True)
-class Document:
+class SceneDocument:
     """Keys of a scene file."""
 
     load: ChangingLoad
@@ -229,10 +229,10 @@ class Document:
 
 # Classes that describe a shape in a file, where these differ from the shape itself.
 DESCRIPTIONS: Mapping[type, type] = {
-    MovingShape: MovingShapeFile,
-    Crown: CrownFile,
-    LundbergProfile: ProfileFile,
-    MeasuredSurface: MeasuredFile,
+    MovingShape: MovingShapeTable,
+    Crown: CrownTable,
+    LundbergProfile: LundbergProfileTable,
+    MeasuredSurface: MeasuredSurfaceTable,
 }
 
 

@@ -199,11 +199,11 @@ class Evolution(Answer):
             return labels.evolution_dataset(self.trajectory, self.quantities)
         assert self.films is not None
         contacts = [frame.to_dataset() for frame in self.frames]
-        joined = labels.films_dataset(self.times, contacts, self.quantities)
-        joined["step_error"] = labels.labelled(
+        dataset = labels.films_dataset(self.times, contacts, self.quantities)
+        dataset["step_error"] = labels.labelled(
             (), self.films.step_error, "1", "largest error of a step"
         )
-        return joined
+        return dataset
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of the fields and of the numbers over time as a matplotlib figure."""

@@ -43,7 +43,7 @@ class InverseConstants:
     noise
         Roundings of the largest weight below which a weight is noise of a transform.
     aspect_ratio
-        Ratio of the sides of a cell above which cells are not joined to blocks of 2 x 2. Joining them makes solves 1.1
+        Ratio of the sides of a cell above which cells are not merged into blocks of 2 x 2. Merging them makes solves 1.1
         to 2 times as fast.
     """
 

@@ -232,8 +232,8 @@ def roll_repeatedly(
             track = replace(track, front=track.left_profile)
         track, rolling_pass = roller.one_pass(track, () if finished else (pressed,))
         finished.append(rolling_pass)
-    lifted, _ = track.solve_step(no_contact(problem), options.tolerance, length)
-    return RepeatedRolling(tuple(finished), track, lifted, PosedScene(scene, grid, padding))
+    unloaded, _ = track.solve_step(no_contact(problem), options.tolerance, length)
+    return RepeatedRolling(tuple(finished), track, unloaded, PosedScene(scene, grid, padding))
 
 
 # The strain behind the window is a mean over about half of its width: the distance from the contact to its edge.

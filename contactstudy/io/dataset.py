@@ -488,8 +488,8 @@ def films_dataset(
 ) -> xr.Dataset:
     """Return the datasets of a film at `times` [s] with the dimension ``time``."""
     time = xr.Variable("time", times, TIME)
-    joined = xr.concat(
+    dataset = xr.concat(
         contacts, time, data_vars="all", coords="minimal", compat="override",
         join="exact", combine_attrs="override",
     )  # fmt: skip
-    return with_quantities(joined, quantities)
+    return with_quantities(dataset, quantities)

@@ -38,18 +38,18 @@ for speed in speeds:
     contact = cs.solve(case_at(speed), grid, start=last)
     contacts.append(contact)
     last = contact
-settled = [one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts]
+converged = [one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts]
 fraction = np.array([one.contact_load_fraction for one in contacts])
 friction = np.array([one.friction for one in contacts])
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
-left.semilogx(speeds[settled], friction[settled], "o-")
+left.semilogx(speeds[converged], friction[converged], "o-")
 left.set(xlabel="mean speed [m/s]", ylabel="friction at 10 % sliding", ylim=(0, 0.13))
-right.semilogx(speeds[settled], fraction[settled], "o-", color="#D55E00")
+right.semilogx(speeds[converged], fraction[converged], "o-", color="#D55E00")
 right.set(xlabel="mean speed [m/s]", ylabel="fraction of the load on asperities")
 print(
-    f"{sum(settled)} of {len(speeds)} speeds, fractions from {fraction.min():.2f} to {fraction.max():.2f}"
+    f"{sum(converged)} of {len(speeds)} speeds, fractions from {fraction.min():.2f} to {fraction.max():.2f}"
 )
-assert sum(settled) >= 18
+assert sum(converged) >= 18
 assert fraction[0] == 0
 assert fraction[-1] > 0.99
 assert abs(friction[-1] / 0.12 - 1) < 0.01

@@ -159,9 +159,9 @@ class NestedAnswers:
             if not is_coarse and multiple < max(self.answers, default=0):
                 continue
             expected = self.forecast(multiple) if self.answers else 0.0
-            share = NEXT_REFERENCE_FRACTION if is_coarse else fraction
+            fraction_of_budget = NEXT_REFERENCE_FRACTION if is_coarse else fraction
             costs = self.budget.slowdown * expected * (1 + self._cost_of_bound)
-            if multiple > MULTIPLES[1] and costs > share * self.budget.left:
+            if multiple > MULTIPLES[1] and costs > fraction_of_budget * self.budget.left:
                 return
             if not self.subject.fits(self.cells(multiple)):
                 self.notes.append("Finer grids do not fit into this machine's memory.")

@@ -218,11 +218,11 @@ def _curve(
     x, x_label = (
         _scaled(numbers) if _is_numeric(numbers) else (np.arange(numbers.size), _label(numbers))
     )
-    joined = "-" if joins else "none"
+    line_style = "-" if joins else "none"
     if families:
-        _family(ax, x, y.transpose(families[0], first), families[0], joined)
+        _family(ax, x, y.transpose(families[0], first), families[0], line_style)
     else:
-        ax.plot(x, y, marker="o", ls=joined, color=COLORS[0])
+        ax.plot(x, y, marker="o", ls=line_style, color=COLORS[0])
 
     def lines(field: xr.DataArray) -> np.ndarray:
         return np.asarray(field.transpose(*families, first).values.reshape(-1, numbers.size))
@@ -249,7 +249,7 @@ def _curve(
         ax.set_xticks(x, texts, rotation=30 if max(map(len, texts)) > 5 else 0)
 
 
-def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> None:
+def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, line_style: str) -> None:
     """Draw a line for each value of an axis: samples as their mean and std, many numbers with a colour bar."""
     values, name = lines[axis], _name(lines[axis])
     size, unit = _scale(values) if _is_numeric(values) else (1.0, "")
@@ -260,7 +260,7 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> No
             x,
             mean,
             marker="o",
-            ls=joined,
+            ls=line_style,
             color=COLORS[0],
             label=f"mean of {values.size}, ± standard deviation",
         )
@@ -275,21 +275,23 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, joined: str) -> No
             ax.plot(
                 x,
                 line,
-                ls=joined,
-                marker="." if joined == "none" else "none",
+                ls=line_style,
+                marker="." if line_style == "none" else "none",
                 color=colors.to_rgba(value / size),
             )
         ax.figure.colorbar(colors, ax=ax, label=f"{name} {f'[{unit}]' * bool(unit)}".rstrip())
         return
     if values.size > MAX_LINES:
-        ax.plot(x, lines.values.T, color="0.6", linewidth=0.7, ls=joined)
+        ax.plot(x, lines.values.T, color="0.6", linewidth=0.7, ls=line_style)
         ax.plot([], [], color="0.6", linewidth=0.7, label=f"each {name}")
-        ax.plot(x, lines.mean(axis), color=COLORS[0], marker="o", ls=joined, label="mean")
+        ax.plot(x, lines.mean(axis), color=COLORS[0], marker="o", ls=line_style, label="mean")
         return
     line_colors = colormaps["viridis"](np.linspace(0, 0.85, values.size))
     for value, line, color in zip(values.values, lines.values, line_colors, strict=True):
         text = _short(value / size) if _is_numeric(values) else str(value)[:30]
-        ax.plot(x, line, marker="o", ls=joined, color=color, label=f"{name} {text} {unit}".rstrip())
+        ax.plot(
+            x, line, marker="o", ls=line_style, color=color, label=f"{name} {text} {unit}".rstrip()
+        )
 
 
 def _map(

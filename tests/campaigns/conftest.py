@@ -9,6 +9,6 @@ collect_ignore_glob = [] if hasattr(signal, "SIGKILL") else ["test_*.py"]
 IS_WHOLE = os.environ.get("CONTACTSTUDY_CAMPAIGNS") == "whole"
 
 
-def share(whole: int, thin: int) -> int:
+def case_count(whole: int, thin: int) -> int:
     """How many of a campaign are tried."""
     return whole if IS_WHOLE else thin

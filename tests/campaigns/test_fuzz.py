@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from studies.cli import commands
-from tests.campaigns.conftest import share
+from tests.campaigns.conftest import case_count
 
 ROOT = Path(__file__).parents[2]
 ODD = [
@@ -122,7 +122,7 @@ def command_lines(rng: random.Random) -> list[str]:
 
 def test_no_command_line_ends_in_a_traceback() -> None:
     rng = random.Random(11)
-    for _ in range(share(whole=1000, thin=12)):
+    for _ in range(case_count(whole=1000, thin=12)):
         words = command_lines(rng)
         code, out, err = answer(*words)
         check(code, out + err, words)
@@ -157,7 +157,7 @@ def test_no_scene_file_ends_in_a_traceback() -> None:
     scenes = [
         path.read_text(encoding="utf-8") for path in sorted((ROOT / "examples").rglob("*.toml"))
     ]
-    for _ in range(share(whole=1000, thin=12)):
+    for _ in range(case_count(whole=1000, thin=12)):
         text = mangled(rng.choice(scenes), rng, SCENE_ODD)
         Path("scene.toml").write_bytes(text.encode("utf-8", "surrogatepass"))
         code, out, err = answer("plan", "scene.toml")
@@ -166,7 +166,7 @@ def test_no_scene_file_ends_in_a_traceback() -> None:
 
 def test_no_study_file_ends_in_a_traceback() -> None:
     rng = random.Random(13)
-    for number in range(share(whole=1000, thin=20)):
+    for number in range(case_count(whole=1000, thin=20)):
         text = mangled(STUDY, rng, ["None", "()", "5", "'a'", "[1]", "(1, 'a')", "print", "1/0"])
         path = Path(f"study{number}.py")
         path.write_bytes(text.encode("utf-8", "surrogatepass"))

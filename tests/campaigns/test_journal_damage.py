@@ -13,7 +13,7 @@ from studies.engine.run import run
 from studies.store.journal import Journal
 from studies.store.provenance import machine
 from studies.store.request import Request
-from tests.campaigns.conftest import share
+from tests.campaigns.conftest import case_count
 from tests.campaigns.victim import Kill, study
 from tests.studies.conftest import quiet
 
@@ -54,11 +54,11 @@ def content(path: Path, request: Request) -> Said:
 def damages(raw: bytes) -> Iterator[bytes]:
     rng = random.Random(7)
     lines = raw.splitlines(keepends=True)
-    for _ in range(share(whole=5000, thin=150)):
+    for _ in range(case_count(whole=5000, thin=150)):
         flipped = bytearray(raw)
         flipped[rng.randrange(len(raw))] ^= 1 << rng.randrange(8)
         yield bytes(flipped)
-    for _ in range(share(whole=500, thin=20)):
+    for _ in range(case_count(whole=500, thin=20)):
         at, size = rng.randrange(len(raw)), rng.randrange(1, 400)
         yield raw[:at] + rng.randbytes(size) + raw[at + size :]
         yield raw[:at] + raw[at + size :]

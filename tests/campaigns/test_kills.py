@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from studies.model.outcome import CaseStatus
-from tests.campaigns.conftest import share
+from tests.campaigns.conftest import case_count
 from tests.campaigns.victim import CASES
 from tests.conftest import HANGS
 
@@ -33,7 +33,7 @@ KILLS = [
             (random.Random(1).randrange(1000) for _ in itertools.count()),
             strict=False,
         ),
-        share(whole=200, thin=4),
+        case_count(whole=200, thin=4),
     )
 ]
 

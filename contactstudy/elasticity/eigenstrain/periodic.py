@@ -269,7 +269,7 @@ class WaveGroup:
     around_window
         Index of each cell of the window in the period across, counted from the first cell of the volume.
     fractions
-        Share (orders,) of each wave in the strain of one cell: 2 / period where a wave represents its complex conjugate
+        Weight (orders,) of each wave in the strain of one cell: 2 / period where a wave represents its complex conjugate
         too, else 1 / period.
     waves
         Stress and displacement of the waves.

@@ -319,7 +319,7 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ("transform pairs times cells", "error of the peak pressure", ""),
     )
     caption = (
-        "A rigid cylinder pressed into a half-space that yields after von Mises, and lifted off, in plane strain, "
+        "A rigid cylinder pressed into a half-space that yields after von Mises, then unloaded, in plane strain, "
         f"over Hertz's peak pressure p_{{H}}; a is Hertz's half-width. The dent is measured against the surface at "
         f"{DATUM:g} a. Squares: an elastic contact limited by a hardness of {HARDNESS_OVER_YIELD:g} Y. Stars are known "
         f"contacts (finite elements agree to 0.3 %), at p_{{H}} = {PRESSURE:g} Y and a hardening modulus "

@@ -207,7 +207,7 @@ def test_the_law_of_the_cells_holds_in_the_mean_over_edges(line_contact: LineCon
 
 
 @pytest.mark.parametrize(("ratio", "wide"), [(0.03, 8), (3, 100), (10, 100), (40, 1000)])
-def test_the_bound_holds_under_soft_and_stiff_coats(ratio: float, wide: float) -> None:
+def test_the_bound_holds_under_soft_and_stiff_coatings(ratio: float, wide: float) -> None:
     a = 1e-3
     coating = cs.HalfSpace(1e11, 0.3)
     body = cs.CoatedHalfSpace(coating, a / wide, cs.HalfSpace(1e11 / ratio, 0.3))

@@ -101,7 +101,7 @@ def test_pressure_at_a_sharp_end_has_no_highest(along: int, line_contact: LineCo
 
 @dataclass(frozen=True)
 class Bumps:
-    """A user's own shape: bumps at one place of every fourth cell along either axis, in shares of a cell."""
+    """A user's own shape: bumps at one place of every fourth cell along either axis, in fractions of a cell."""
 
     height: float
     width: float

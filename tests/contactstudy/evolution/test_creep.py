@@ -28,7 +28,7 @@ def line(cells: int, width: float = 0.9) -> cs.Grid:
     return cs.Grid((cells, 1), (width, 1.0))
 
 
-def marched(
+def evolved(
     scene: cs.Scene,
     grid: cs.Grid,
     times: Any,
@@ -51,7 +51,7 @@ def test_a_held_load_spreads_as_lee_and_radok_have_it() -> None:
     assert half_width(SOLID, 2.0) == pytest.approx(0.151558473, rel=1e-8)
     assert held_pressure(SOLID, 2.0, np.zeros(1))[0] == pytest.approx(0.031855429, rel=1e-7)
     grid = line(400)
-    found = marched(rolling_cylinder(SOLID), grid, np.linspace(0, 2, 21))
+    found = evolved(rolling_cylinder(SOLID), grid, np.linspace(0, 2, 21))
     assert found.peak_pressure[-1] == pytest.approx(0.031855429, rel=2e-4)
     # the contact ends in a cell
     assert width_of(found) == pytest.approx(0.151558473, abs=grid.cell_size[0])
@@ -67,7 +67,7 @@ def test_the_error_falls_with_cells_and_steps_together_by_their_law() -> None:
     errors = []
     for cells, steps in ((100, 10), (200, 20), (400, 40), (800, 80)):
         grid = line(cells)
-        found = marched(rolling_cylinder(SOLID), grid, np.linspace(0, 2, steps + 1))
+        found = evolved(rolling_cylinder(SOLID), grid, np.linspace(0, 2, steps + 1))
         exact = held_pressure(SOLID, 2.0, grid.x)
         errors.append(np.abs(found.frames[-1].pressure[:, 0] - exact).sum() / exact.sum())
     rate = np.polyfit(np.log([1, 2, 4, 8]), np.log(errors), 1)[0]
@@ -78,7 +78,7 @@ def test_a_contact_falls_back_at_a_sudden_unloading_as_ting_has_it() -> None:
     """From P0 to 0.4 P0 at t = 1: a = 0.094359465 (Ting 1966), found to a cell."""
     history = cs.LoadHistory((0.0, 1.0, 1.0), (LOAD, LOAD, 0.4 * LOAD))
     grid = line(800)
-    found = marched(rolling_cylinder(SOLID, history), grid, [*np.linspace(0, 1, 21), 1.0])
+    found = evolved(rolling_cylinder(SOLID, history), grid, [*np.linspace(0, 1, 21), 1.0])
     before, after = found.frames[-2:]
     assert (before.load, after.load) == (LOAD, 0.4 * LOAD)
     assert before.time == after.time == 1.0
@@ -91,7 +91,7 @@ def test_a_sine_load_on_a_solid_with_two_times() -> None:
     body = cs.ViscoelasticHalfSpace(0.3, 0.0, ((0.5, 0.4), (0.2, 3.0)))
     scene = rolling_cylinder(body, cs.SineLoad(0.0, LOAD, frequency=0.25))
     grid = line(400)
-    found = marched(scene, grid, np.linspace(0, 1.5, 61)[1:])
+    found = evolved(scene, grid, np.linspace(0, 1.5, 61)[1:])
     assert found.peak_pressure[-1] == pytest.approx(0.028086871, rel=3e-4)
     assert width_of(found) == pytest.approx(0.121487781, abs=grid.cell_size[0])
     widest = int(np.argmax(found.contact_area))
@@ -103,7 +103,7 @@ def test_a_maxwell_fluid_spreads_for_ever() -> None:
     """``a^2 = 4 R P (1 + t / 3) / pi`` and p0 by the closed form, another body than any above."""
     fluid = cs.ViscoelasticHalfSpace(0.0, 0.0, ((1.0, 3.0),))
     grid = line(600, 1.2)
-    found = marched(rolling_cylinder(fluid), grid, np.linspace(0, 9, 61))
+    found = evolved(rolling_cylinder(fluid), grid, np.linspace(0, 9, 61))
     assert width_of(found) == pytest.approx(0.2, abs=grid.cell_size[0])
     exact = held_pressure(fluid, 9.0, grid.x)
     assert found.peak_pressure[-1] == pytest.approx(exact.max(), rel=1e-3)
@@ -115,7 +115,7 @@ def test_two_bodies_creep_together() -> None:
     times = np.linspace(0, 2, 9)
     scene = rolling_cylinder(SOLID)
     one, both = (
-        marched(replace(scene, solids=solids), line(128), times)
+        evolved(replace(scene, solids=solids), line(128), times)
         for solids in ((SOLID, RIGID), (half, half))
     )
     scale = one.pressure.max()
@@ -134,7 +134,7 @@ def test_limits_of_the_relaxation_times_are_elastic(
 ) -> None:
     body = cs.ViscoelasticHalfSpace(0.4, 0.0, relaxation)
     times = [0.5, 1.0, 2.0]
-    found = marched(rolling_cylinder(body), line(128), times)
+    found = evolved(rolling_cylinder(body), line(128), times)
     scene = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(modulus, 0.0), RIGID))
     elastic = cs.solve(scene.problem(line(128), EXACT))
     for frame in found.frames:
@@ -151,7 +151,7 @@ def test_a_wave_in_full_contact_relaxes_by_itself() -> None:
     body = cs.ViscoelasticHalfSpace(0.3, 0.2, ((0.5, 0.4), (0.2, 3.0)))
     scene = cs.Scene(cs.LineLoad(1.0), (body, RIGID), (cs.Waviness(1e-3, across=1.0, along=1e9),))
     times = np.linspace(0, 2, 201)
-    found = marched(scene, grid, times, padding=(EXACT, EXACT), tolerance=1e-11)
+    found = evolved(scene, grid, times, padding=(EXACT, EXACT), tolerance=1e-11)
     wave = np.cos(2 * pi * grid.x) @ found.pressure[:, :, 0].T
     relaxed = 0.3 + 0.5 * np.exp(-times / 0.4) + 0.2 * np.exp(-times / 3)
     # the step is a 40th of the shortest time: linear pressure is out by its square over 12
@@ -165,7 +165,7 @@ def test_a_period_may_be_counted_twice() -> None:
     scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.15, along=0.3)))
     times = [0.0, 0.3, 1.0]
     once, twice = (
-        marched(
+        evolved(
             scene, cs.Grid((64, 16 * count), (width, period * count)), times, tolerance=1e-10
         ).pressure
         for count in (1, 2)
@@ -189,7 +189,7 @@ def test_a_step_weighs_the_past_and_both_pressures_and_they_add_up(ratio: float)
 
 def test_unloaded_bodies_recover_and_touch() -> None:
     history = cs.LoadHistory((0.0, 1.0, 1.0, 3.0), (LOAD, LOAD, 0.0, 0.0))
-    found = marched(rolling_cylinder(SOLID, history), line(128), [1.0, 1.0, 3.0])
+    found = evolved(rolling_cylinder(SOLID, history), line(128), [1.0, 1.0, 3.0])
     assert found.status is cs.Status.CONVERGED
     before, after, later = found.frames
     assert before.pressure.max() > 0
@@ -200,14 +200,14 @@ def test_unloaded_bodies_recover_and_touch() -> None:
 
 
 def test_a_coated_body_may_stand_beside_one_that_creeps() -> None:
-    """A coat of the body's own material is no coat: two kinds of coefficients add up to what one gives."""
+    """A coating of the body's own material is no coating: two kinds of coefficients add up to what one gives."""
     steel = cs.HalfSpace(4.0, 0.3)
     coated = cs.CoatedHalfSpace(steel, 0.02, steel)
     times = [0.0, 0.5, 1.0]
-    with_coat, without = (
+    with_coating, without = (
         evolve(replace(rolling_cylinder(SOLID), solids=(SOLID, body)), line(96), EXACT, times=times)
         for body in (coated, steel)
     )
     np.testing.assert_allclose(
-        with_coat.pressure, without.pressure, atol=1e-5 * without.pressure.max()
+        with_coating.pressure, without.pressure, atol=1e-5 * without.pressure.max()
     )

@@ -44,7 +44,7 @@ def pressed(
     kinematic: float = 0.0,
     yield_stress: float = YIELD,
 ) -> cs.Scene:
-    """A rigid cylinder pressed on a body and lifted, in 1 s each; hardening moduli over Young's."""
+    """A rigid cylinder pressed on a body and unloaded, in 1 s each; hardening moduli over Young's."""
     body = cs.ElasticPlasticHalfSpace(YOUNG, NU, yield_stress, hardening * YOUNG, kinematic * YOUNG)
     history = cs.LoadHistory((0.0, 1.0, 2.0), (0.0, load(times_yield), 0.0))
     return cs.Scene(history, (body, RIGID), (cs.Cylinder(RADIUS),))
@@ -87,7 +87,7 @@ def test_a_body_yields_first_where_von_mises_says() -> None:
 
 @cache
 def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
-    """To 3 Y by equal ``steps`` and back by one, in units: lengths a, stresses Y, strains Y / E, lift a Y / E.
+    """To 3 Y by equal ``steps`` and back by one, in units: lengths a, stresses Y, strains Y / E, displacement a Y / E.
 
     At H = 0.1 E; without the axis along.
     """
@@ -129,11 +129,11 @@ def measures(dataset: xr.Dataset) -> dict[str, float]:
     """Those of the reference numbers; residual stress on the axis, by cells on both sides of it."""
     middle = dataset.sizes["x"] // 2
     residual = dataset["residual_stress"].isel(time=-1, x=[middle - 1, middle]).mean("x")
-    lift = dataset["residual_displacement"].isel(time=-1)
+    displacement = dataset["residual_displacement"].isel(time=-1)
     return {
         "peak pressure": float(dataset["peak_pressure"].max()),
         "equivalent strain": float(dataset["equivalent_plastic_strain"].max()),
-        "dent": float(lift.interp(x=0) - lift.interp(x=3)),
+        "dent": float(displacement.interp(x=0) - displacement.interp(x=3)),
         "sxx": float(residual.sel(component="xx").min()),
         "syy": float(residual.sel(component="yy").min()),
     }

@@ -24,7 +24,7 @@ TIMES = (1.0, 2.0)
 
 
 def pressed(*more: cs.Shape, times_yield: float = 2.5) -> cs.Scene:
-    """A rigid cylinder pressed on a body and lifted, in 1 s each."""
+    """A rigid cylinder pressed on a body and unloaded, in 1 s each."""
     body = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD, 0.02 * YOUNG)
     shapes = cs.Cylinder(RADIUS), *more
     return cs.Scene(

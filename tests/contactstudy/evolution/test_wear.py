@@ -30,7 +30,7 @@ CYLINDER = cs.Scene(
 )
 
 
-def marched(
+def evolved(
     scene: cs.Scene,
     grid: cs.Grid,
     times: Any,
@@ -62,7 +62,7 @@ def test_a_wave_decays_by_the_implicit_recursion_to_rounding(step: float) -> Non
     """``(1 + k ds / lambda)^-n`` for a wave of eigenvalue lambda, and so without end for long steps."""
     grid = cs.Grid((64, 1), (1.0, 1.0))
     times = step * np.arange(6)
-    found = marched(WAVY, grid, times, padding=(EXACT, EXACT), tolerance=1e-12)
+    found = evolved(WAVY, grid, times, padding=(EXACT, EXACT), tolerance=1e-12)
     expected = (1 + step / eigenvalue(grid)) ** -np.arange(6.0)
     # the first amplitude is 3e-3 of the mean pressure, of which the solver leaves 1e-12
     np.testing.assert_allclose(wave(found), expected, atol=1e-8)
@@ -72,7 +72,7 @@ def test_a_wave_decays_by_the_explicit_recursion_on_cells_that_bear_it() -> None
     """``(1 - k ds / lambda)^n``."""
     grid = cs.Grid((8, 1), (1.0, 1.0))
     times = 0.05 * np.arange(11)
-    found = marched(
+    found = evolved(
         WAVY, grid, times, padding=(EXACT, EXACT), tolerance=1e-12, scheme=Scheme.EXPLICIT
     )
     expected = (1 - 0.05 / eigenvalue(grid)) ** np.arange(11.0)
@@ -89,7 +89,7 @@ def test_a_wave_decays_as_the_exponential_with_the_order_of_the_scheme() -> None
         ends = []
         for steps in (10, 20):
             times = np.linspace(0, 1, steps + 1)
-            found = marched(
+            found = evolved(
                 WAVY, grid, times, padding=(EXACT, EXACT), tolerance=1e-11, scheme=scheme
             )
             ends.append(wave(found)[-1])
@@ -109,7 +109,7 @@ def test_the_pressure_of_a_punch_evens_out_at_the_known_rate(cells: int) -> None
         shapes = (Tilted(tilt),) if tilt else ()
         scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), shapes, wear=cs.Wear(1.0, 1.0))
         times = step * np.arange(200)
-        found = marched(scene, grid, times, tolerance=1e-12)
+        found = evolved(scene, grid, times, tolerance=1e-12)
         uneven = np.linalg.norm(found.pressure[:, :, 0] - 0.5, axis=1)
         if tilt:
             odd = found.pressure[:, :, 0] - found.pressure[:, ::-1, 0]
@@ -136,7 +136,7 @@ def test_a_worn_cylinder_is_flat_as_wide_as_the_rigid_one() -> None:
     grid = cs.Grid((600, 1), (1.2, 1.0))
     distance = 0.5**3 / (1.5 * LOAD)
     times = np.concatenate([[0.0], np.geomspace(distance * 1e-5, distance, 120)])
-    found = marched(CYLINDER, grid, times)
+    found = evolved(CYLINDER, grid, times)
     half = found.contact_area[-1] / grid.length / 2
     assert half == pytest.approx(0.5058, abs=grid.cell_size[0])
     middle = found.frames[-1].pressure[300, 0]
@@ -160,7 +160,7 @@ def test_the_worn_volume_is_that_of_archard_to_rounding(
     grid = cs.Grid((96, 1), (0.6, 1.0))
     scene = replace(CYLINDER, load=load, wear=cs.Wear(1e-3, 1.0))
     times = np.linspace(0, 2, 12)
-    found = marched(scene, grid, times, scheme=scheme)
+    found = evolved(scene, grid, times, scheme=scheme)
     breakpoints = sorted({*times.tolist(), *load.breaks(2.0)})
     impulse = sum((end - start) * load.mean(start, end) for start, end in pairwise(breakpoints))
     worn = found.frames[-1].fields["worn_depth"].values
@@ -187,7 +187,7 @@ def test_an_explicit_march_breaks_where_it_is_said_to() -> None:
     scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), (Jagged(1e-9),), wear=cs.Wear(1.0, 1.0))
     for factor in (0.9, 1.1):
         times = factor * limit * np.arange(41)
-        found = marched(scene, grid, times, tolerance=1e-12, scheme=Scheme.EXPLICIT)
+        found = evolved(scene, grid, times, tolerance=1e-12, scheme=Scheme.EXPLICIT)
         middle = found.pressure[:, 32:96, 0]
         jagged = np.abs(np.diff(middle, n=3, axis=1)).max(axis=1)
         assert (jagged[-1] > jagged[20]) == (factor > 1)
@@ -212,7 +212,7 @@ def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() ->
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.2, 1.0), hardness=0.05)
     rough = cs.Roughness(5e-4, hurst=0.8, roll_off=0.1, cut_off=0.025, seed=3)
     scene = replace(scene, shapes=(*scene.shapes, rough))
-    found = marched(scene, grid, [0.0, 0.5, 2.0])
+    found = evolved(scene, grid, [0.0, 0.5, 2.0])
     assert found.status is cs.Status.CONVERGED
     worn = found.frames[-1].fields["worn_depth"].values
     assert worn.sum() * grid.cell_area == pytest.approx(0.2 * 2 * LOAD * grid.length, rel=1e-12)
@@ -225,7 +225,7 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
     zero = cs.ZeroPadding()
     grid = cs.Grid((48, 64), (0.4, 2.0))
     scene = replace(CYLINDER, shapes=(cs.Cylinder(1.0), cs.FiniteLength(1.5)))
-    found = marched(scene, grid, [0.0, 1.0], padding=(zero, zero))
+    found = evolved(scene, grid, [0.0, 1.0], padding=(zero, zero))
     peaks = [frame.pressure.max() / np.median(frame.pressure[24]) for frame in found.frames]
     assert peaks[1] < peaks[0]
 

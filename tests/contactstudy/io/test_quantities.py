@@ -244,7 +244,7 @@ def test_a_warning_of_many_instants_is_said_once_of_the_highest_pressure() -> No
     load = cs.LoadHistory((0.0, 1.0, 2.0), (5e4, 1e5, 5e4))
     scene = cs.Scene(load, (steel, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-20, 0.1))
     grid = cs.Grid((32, 1), (3e-4, 3e-4))
-    march = cs.solve(scene, grid, cs.ExactPeriodicity(), times=(0.0, 1.0, 2.0))
-    [said] = [text for text in march.error.warnings if "first yields" in text]
-    peak = march.quantities["peak_pressure"].value
+    evolution = cs.solve(scene, grid, cs.ExactPeriodicity(), times=(0.0, 1.0, 2.0))
+    [said] = [text for text in evolution.error.warnings if "first yields" in text]
+    peak = evolution.quantities["peak_pressure"].value
     assert f"{peak / 1e9:.3g} GPa" in said

@@ -52,8 +52,8 @@ def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(
 def test_a_film_may_cavitate_plainly_in_time() -> None:
     scene = plain(by_moes(20, 5))
     times = np.linspace(0, 2 * A / scene.lubrication.largest_speed, 3)
-    march = evolve_lubricated(scene, grid(100, 4.5), times=times)
-    assert march.central_film == pytest.approx(march.central_film[0], rel=1e-6)
+    evolution = evolve_lubricated(scene, grid(100, 4.5), times=times)
+    assert evolution.central_film == pytest.approx(evolution.central_film[0], rel=1e-6)
 
 
 def test_another_law_is_refused() -> None:

@@ -64,7 +64,7 @@ def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     assert change == pytest.approx(float(dragged["shear"].sum()), rel=0.1)
 
 
-MARCH = """
+EVOLUTION = """
 [load]
 kind = "LoadHistory"
 times = ["0 us", "50 us", "0.1 ms"]
@@ -96,17 +96,17 @@ error = 0.01
 
 
 def test_a_file_marches_a_film_with_histories_of_load_and_speed(tmp_path: Path) -> None:
-    (tmp_path / "march.toml").write_text(MARCH)
-    described = cs.read_scene(tmp_path / "march.toml")
+    (tmp_path / "evolution.toml").write_text(EVOLUTION)
+    described = cs.read_scene(tmp_path / "evolution.toml")
     lubrication = described.scene.lubrication
     assert lubrication.mean_speed == cs.SpeedHistory((0.0, 8e-5), (0.1, 1.0))
     every_step = replace(described, time_steps=cs.TimeSteps(error=0.01)).solve()
     assert len(every_step.times) == every_step.films.steps + 1
     assert every_step.times[-1] == 1e-4
-    march = described.solve()
-    assert march.times == pytest.approx([0, 5e-5, 1e-4])
-    assert march.frames[-1].load_per_length == pytest.approx(1.2e5, rel=1e-5)
-    assert march.frames[-1].mean_speed == 1.0
+    evolution = described.solve()
+    assert evolution.times == pytest.approx([0, 5e-5, 1e-4])
+    assert evolution.frames[-1].load_per_length == pytest.approx(1.2e5, rel=1e-5)
+    assert evolution.frames[-1].mean_speed == 1.0
     cs.write_scene(described, tmp_path / "again.toml")
     assert cs.read_scene(tmp_path / "again.toml").scene == described.scene
 
@@ -117,9 +117,9 @@ def test_a_file_may_carry_a_measured_surface(tmp_path: Path) -> None:
     shape = (
         '{kind = "MeasuredSurface", file = "heights.txt", extent = ["1.2 mm", "1 mm"], unit = "m"}'
     )
-    wave = MARCH[MARCH.index("shape = ") : MARCH.index("\n[lubrication]")]
-    (tmp_path / "march.toml").write_text(MARCH.replace(wave, f"shape = {shape}"))
-    carried = cs.read_scene(tmp_path / "march.toml").scene.shapes[1]
+    wave = EVOLUTION[EVOLUTION.index("shape = ") : EVOLUTION.index("\n[lubrication]")]
+    (tmp_path / "evolution.toml").write_text(EVOLUTION.replace(wave, f"shape = {shape}"))
+    carried = cs.read_scene(tmp_path / "evolution.toml").scene.shapes[1]
     assert isinstance(carried, cs.MovingShape)
     assert isinstance(carried.shape, cs.MeasuredSurface)
     assert carried.body == 1

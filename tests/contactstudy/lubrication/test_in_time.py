@@ -125,9 +125,9 @@ def test_times_speeds_and_steps_that_make_no_march_are_refused() -> None:
 def test_the_verb_marches_a_film_that_changes_and_bounds_its_steps() -> None:
     scene = from_rest(by_moes(20, 5), 1e-5, first=0.5)
     times = [0.0, 1e-5]
-    march = cs.solve(scene, grid(64, 4.5), times=times, tolerance=1e-6)
+    evolution = cs.solve(scene, grid(64, 4.5), times=times, tolerance=1e-6)
     same = evolve_lubricated(scene, grid(64, 4.5), times=times)
-    last = march.frames[-1]
+    last = evolution.frames[-1]
     assert last.central_film == same.contacts[-1].central_film
     parts = last.error.central_film
     assert parts.steps == same.errors_by_steps["central_film"].max()
@@ -136,10 +136,10 @@ def test_the_verb_marches_a_film_that_changes_and_bounds_its_steps() -> None:
 def test_without_times_every_step_is_recorded_up_to_the_end_of_the_histories() -> None:
     scene = by_moes(20, 5)
     passage = A / speed_of(scene)
-    march = evolve_lubricated(from_rest(scene, passage), grid(100, 4.0), error=1e-2)
-    assert len(march.times) == march.steps + 1
-    assert march.times[0] == 0
-    assert march.times[-1] == passage
+    evolution = evolve_lubricated(from_rest(scene, passage), grid(100, 4.0), error=1e-2)
+    assert len(evolution.times) == evolution.steps + 1
+    assert evolution.times[0] == 0
+    assert evolution.times[-1] == passage
     with pytest.raises(cs.InvalidInput, match="has an end"):
         evolve_lubricated(scene, grid(100, 4.0))
 
@@ -147,8 +147,10 @@ def test_without_times_every_step_is_recorded_up_to_the_end_of_the_histories() -
 def test_friction_and_load_are_those_of_the_instant() -> None:
     scene = by_moes(20, 0)
     passage = A / speed_of(scene)
-    march = evolve_lubricated(from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage])
-    first = march.contacts[0]
+    evolution = evolve_lubricated(
+        from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage]
+    )
+    first = evolution.contacts[0]
     assert first.mean_speed == pytest.approx(1e-3 * speed_of(scene))
     rate = first.sliding_speed * first.film_fraction / first.film
     drag = (0.04 * rate).sum() * first.grid.cell_size[0]
@@ -163,11 +165,11 @@ def test_friction_and_load_are_those_of_the_instant() -> None:
 def test_no_error_of_a_step_is_above_what_is_asked() -> None:
     scene = by_moes(20, 5)
     passage = A / speed_of(scene)
-    march = evolve_lubricated(
+    evolution = evolve_lubricated(
         from_rest(scene, 2 * passage), grid(100, 4.0), times=[0, 2 * passage], error=2e-3
     )
-    assert march.status is not cs.Status.FILM_NOT_CONVERGED
-    assert 0 < march.step_error <= 2e-3
+    assert evolution.status is not cs.Status.FILM_NOT_CONVERGED
+    assert 0 < evolution.step_error <= 2e-3
 
 
 def test_an_instant_without_load_or_speed_is_refused() -> None:

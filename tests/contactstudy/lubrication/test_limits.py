@@ -160,8 +160,8 @@ def test_few_cells_along_a_wave_are_within_their_error(across: float, along: flo
 
 def test_a_rough_film_under_a_coat_converges() -> None:
     heights = cs.Roughness(4e-8, hurst=0.8, roll_off=A, cut_off=A / 2, seed=1, extent=(6 * A, A))
-    coat = cs.CoatedHalfSpace(cs.HalfSpace(20e9, 0.3), 2e-5, STEEL)
-    scene = replace(by_moes(20, 5, heights), solids=(coat, STEEL))
+    coating = cs.CoatedHalfSpace(cs.HalfSpace(20e9, 0.3), 2e-5, STEEL)
+    scene = replace(by_moes(20, 5, heights), solids=(coating, STEEL))
     contact = solve_lubricated(scene, grid(96, 3.0, 32), tolerance=1e-6)
     assert contact.status is cs.Status.CONVERGED
     assert contact.flux_spread < 1e-6

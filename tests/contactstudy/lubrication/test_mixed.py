@@ -73,13 +73,13 @@ def test_asperities_bear_only_where_the_film_is_the_boundary_film() -> None:
 def test_slower_films_become_the_dry_contact_to_first_order_in_speed() -> None:
     cells, smooth = grid(400), replace(mixed(0.06, 1.0), lubrication=None)
     dry = cs.solve(smooth, cells, cs.ExactPeriodicity(), tolerance=1e-10)
-    distances, shares = [], []
+    distances, fractions = [], []
     for speed in (1e-2, 1e-4, 1e-6):
         contact = solve_lubricated(mixed(0.06, speed), cells)
         distances.append(float(np.abs(contact.pressure - dry.pressure).sum() / dry.pressure.sum()))
-        shares.append(1 - contact.contact_load_fraction)
+        fractions.append(1 - contact.contact_load_fraction)
     assert distances == pytest.approx([5.1e-3, 4.7e-5, 4.7e-7], rel=0.02)
-    assert shares[1] / shares[2] == pytest.approx(100, rel=0.01)
+    assert fractions[1] / fractions[2] == pytest.approx(100, rel=0.01)
 
 
 def test_without_contact_the_film_is_that_without_a_boundary_film() -> None:

@@ -184,20 +184,20 @@ def test_thin_film_shares_grow_to_the_whole_load() -> None:
     assert halved.thinner_than(2e-7) == pytest.approx((2.25, 0.25))
 
 
-def test_a_coat_of_the_substrates_modulus_changes_nothing() -> None:
+def test_a_coating_of_the_substrates_modulus_changes_nothing() -> None:
     scene = by_moes(20, 5)
-    coat = cs.CoatedHalfSpace(STEEL, 1e-5, STEEL)
-    coated = replace(scene, solids=(coat, STEEL))
+    coating = cs.CoatedHalfSpace(STEEL, 1e-5, STEEL)
+    coated = replace(scene, solids=(coating, STEEL))
     plain, same = (solve_lubricated(one, grid(100, 4.5)) for one in (scene, coated))
     assert same.film == pytest.approx(plain.film, rel=1e-6)
 
 
 def test_a_softer_coat_lowers_the_peak_and_keeps_the_flow() -> None:
     scene = by_moes(20, 5)
-    coat = cs.CoatedHalfSpace(cs.HalfSpace(20e9, 0.3), 2e-4, STEEL)
+    coating = cs.CoatedHalfSpace(cs.HalfSpace(20e9, 0.3), 2e-4, STEEL)
     plain, soft = (
         solve_lubricated(replace(scene, solids=(body, STEEL)), grid(200, 6))
-        for body in (STEEL, coat)
+        for body in (STEEL, coating)
     )
     assert soft.status is cs.Status.CONVERGED
     assert soft.peak_pressure < 0.9 * plain.peak_pressure

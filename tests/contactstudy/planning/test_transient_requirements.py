@@ -15,7 +15,7 @@ from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 
 
 def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
-    """The half-width after two times is known; both errors are those of the march itself."""
+    """The half-width after two times is known; both errors are those of the integration itself."""
     history = cs.LoadHistory((0.0, 2.0), (LOAD, LOAD))
     scene = rolling_cylinder(SOLID, history)
     plan = cs.plan(scene, error=1e-2)
@@ -97,13 +97,13 @@ ROUGH = cs.Roughness(2e-7, hurst=0.8, roll_off=6e-5, cut_off=1.2e-5)
 def test_a_plan_says_how_thick_a_coat_is_in_cells_and_half_widths() -> None:
     scene = replace(PLAIN, solids=(BODY, STEEL))
     planned = plan(scene, error=1e-2)
-    (said,) = (reason for reason in planned.reasons if reason.startswith("coat"))
+    (said,) = (reason for reason in planned.reasons if reason.startswith("coating"))
     cells, widths = 2e-6 / planned.grid.cell_size[0], 2e-6 / scene.hertz.half_width
     assert f"{widths:.3g} half-widths and {cells:.3g} cells" in said
     # between E / (1 - nu^2) of the substrate and of the coating
     assert 230 <= float(said.partition("is about ")[2].partition(" GPa")[0]) <= 263
     assert not planned.warnings
-    assert not any(reason.startswith("coat") for reason in plan(PLAIN, error=1e-2).reasons)
+    assert not any(reason.startswith("coating") for reason in plan(PLAIN, error=1e-2).reasons)
 
 
 def test_a_grid_that_does_not_show_a_stiff_coat_is_said_to_err_more() -> None:

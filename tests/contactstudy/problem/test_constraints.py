@@ -57,10 +57,10 @@ def test_a_hardness_everywhere_may_just_carry_the_load() -> None:
     assert load.is_met_by(Compressive(), 12)
 
 
-SHARES = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width is 0.327 p_H
+FRACTIONS = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width is 0.327 p_H
 
 
-@pytest.mark.parametrize("fraction", SHARES)
+@pytest.mark.parametrize("fraction", FRACTIONS)
 @pytest.mark.parametrize("heights", ROUGH)
 def test_both_solvers_give_one_answer_under_a_hardness(
     heights: str, fraction: float, line_contact: LineContact
@@ -90,7 +90,7 @@ def test_both_solvers_give_one_answer_under_a_hardness(
 def test_a_hardness_costs_no_more_iterations(line_contact: LineContact) -> None:
     for heights in ROUGH:
         free = problem(line_contact, 128, heights)
-        for fraction in SHARES:
+        for fraction in FRACTIONS:
             hardness = fraction * line_contact.hertz.peak_pressure
             posed = replace(free, constraint=HardnessLimited(hardness))
             assert cs.solve(posed).iterations <= 40

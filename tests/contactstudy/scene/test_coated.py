@@ -55,7 +55,7 @@ def test_a_thin_coat_is_its_substrate_and_a_thick_one_its_own_material(
 
 
 @pytest.mark.parametrize("padding", PADDINGS)
-def test_a_coat_of_the_substrates_material_is_no_coat(padding: str) -> None:
+def test_a_coating_of_the_substrates_material_is_no_coating(padding: str) -> None:
     grid = cs.Grid((32, 16), (1e-3, 5e-4))
     body = cs.CoatedHalfSpace(STEEL, 3e-5, STEEL)
     assert body.response(1e-4) == STEEL.response(1e-4)
@@ -77,7 +77,7 @@ def test_the_order_of_the_axes_does_not_matter(padding: str) -> None:
     np.testing.assert_allclose(one, other, atol=1e-13 * np.abs(one).max())
 
 
-# Rigid cylinder, nu = 0.3 in coat and substrate, E1* = R = 1: P / (E1* a^2 / R), p0 / (E1* a / R).
+# Rigid cylinder, nu = 0.3 in coating and substrate, E1* = R = 1: P / (E1* a^2 / R), p0 / (E1* a / R).
 # Source: Chebyshev collocation of the layered problem, residual 3e-12
 CYLINDERS = (
     (4, 0.2, 0.750616102199, 0.477753453724),
@@ -88,7 +88,7 @@ CYLINDERS = (
 
 
 @pytest.mark.parametrize(("ratio", "wide", "load", "peak"), CYLINDERS)
-def test_a_rigid_cylinder_on_a_coat(ratio: float, wide: float, load: float, peak: float) -> None:
+def test_a_rigid_cylinder_on_a_coating(ratio: float, wide: float, load: float, peak: float) -> None:
     a, modulus = 1e-4, 2e9
     coating = cs.HalfSpace(modulus * (1 - 0.3**2), 0.3)
     substrate = replace(coating, youngs_modulus=coating.youngs_modulus / ratio)
@@ -115,10 +115,10 @@ SPHERES = (
 
 
 @pytest.mark.parametrize(("ratio", "wide", "load", "approach", "middle"), SPHERES)
-def test_a_rigid_sphere_on_a_coat(
+def test_a_rigid_sphere_on_a_coating(
     ratio: float, wide: float, load: float, approach: float, middle: float
 ) -> None:
-    """On the stiff coat that is thin the pressure is highest beside the middle, so the middle is compared."""
+    """On the stiff coating that is thin the pressure is highest beside the middle, so the middle is compared."""
     a, modulus, n = 1e-4, 2e9, 97
     coating = cs.HalfSpace(modulus * (1 - 0.3**2), 0.3)
     substrate = replace(coating, youngs_modulus=coating.youngs_modulus / ratio)
@@ -212,7 +212,7 @@ def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(
 def test_a_contact_is_about_as_wide_as_its_compliance_says(
     ratio: float, within: float, fraction: float
 ) -> None:
-    """On coats from a quarter of a half-width to two of them, which is where it is between the limits."""
+    """On coatings from a quarter of a half-width to two of them, which is where it is between the limits."""
     half_width, radius = 1e-4, 0.01
     coating = cs.HalfSpace(STEEL.youngs_modulus * ratio, 0.25)
     body = cs.CoatedHalfSpace(coating, fraction * half_width, STEEL)

@@ -188,8 +188,8 @@ def test_a_total_load_on_an_endless_roller_is_spread_over_its_length_at_any_peri
         answer = cs.solve(endless, grid, cs.ExactPeriodicity())
         assert answer.quantities["peak_pressure"].value == pytest.approx(peak, rel=0.02)
         assert answer.quantities["contact_area"].unit == "m2 m-1"
-        marched = evolve(replace(endless, wear=wears), grid, cs.ExactPeriodicity(), times=[0.0])
-        assert marched.pressure[-1].max() == pytest.approx(peak, rel=0.02)
+        evolved = evolve(replace(endless, wear=wears), grid, cs.ExactPeriodicity(), times=[0.0])
+        assert evolved.pressure[-1].max() == pytest.approx(peak, rel=0.02)
     assert cs.solve(endless).quantities["peak_pressure"].value == pytest.approx(peak, rel=0.02)
 
 

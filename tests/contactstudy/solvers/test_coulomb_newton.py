@@ -23,14 +23,14 @@ RIGID = -np.stack(
 )
 
 
-def settled() -> tuple[CoulombNewton, np.ndarray, np.ndarray, np.ndarray, float]:
+def converged() -> tuple[CoulombNewton, np.ndarray, np.ndarray, np.ndarray, float]:
     rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell_size[0]), LIMIT)
     start = np.zeros((2, np.count_nonzero(LIMIT)))
     return rolled, *rolled.solve(RIGID, start, 1e-9, 2000)
 
 
 def test_shear_obeys_coulombs_law() -> None:
-    rolled, shear, slip, _, residual = settled()
+    rolled, shear, slip, _, residual = converged()
     assert residual <= 1e-9
     radius, size, speed = (
         rolled.gathered(np.stack([LIMIT] * 2))[0],
@@ -47,7 +47,7 @@ def test_shear_obeys_coulombs_law() -> None:
 
 
 def test_slip_is_the_rigid_one_and_the_change_of_displacement_from_the_cell_ahead() -> None:
-    rolled, shear, slip, *_ = settled()
+    rolled, shear, slip, *_ = converged()
     displacement = RESPONSE(rolled.field(shear))
     change = (displacement[:, :-1] - displacement[:, 1:]) / GRID.cell_size[0]
     expected = (RIGID[:, :-1] + change)[:, LIMIT[:-1] > 0]

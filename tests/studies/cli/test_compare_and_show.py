@@ -273,15 +273,15 @@ def test_a_status_that_a_case_does_not_have_is_empty(tmp_path: Path) -> None:
 
 
 def test_a_march_is_a_row_for_each_instant(tmp_path: Path) -> None:
-    march = xr.Dataset(
+    evolution = xr.Dataset(
         {
             "load": ("time", [1.0, 2.0], {"units": "N m-1"}),
             "pressure": (("time", "x"), np.ones((2, 3))),
         },
         {"time": ("time", [0.0, 0.5], {"units": "s"})},
     )
-    march.to_netcdf(tmp_path / "march.nc")
-    assert table(tmp_path / "march.nc") == [
+    evolution.to_netcdf(tmp_path / "evolution.nc")
+    assert table(tmp_path / "evolution.nc") == [
         {"time [s]": "0", "load [N/m]": "1"},
         {"time [s]": "0.5", "load [N/m]": "2"},
     ]

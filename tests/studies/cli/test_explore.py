@@ -51,7 +51,7 @@ def contact(line_contact: LineContact) -> xr.Dataset:
 
 
 @pytest.fixture
-def march() -> xr.Dataset:
+def evolution() -> xr.Dataset:
     pressure = 1e6 * np.arange(24.0).reshape(4, 6, 1)
     return xr.Dataset(
         {"pressure": (("time", "x", "y"), pressure, {"units": "Pa", "long_name": "pressure"})},
@@ -86,7 +86,7 @@ def test_a_page_loads_nothing_from_elsewhere(study: xr.Dataset, contact: xr.Data
         assert "default-src 'none'" in page
 
 
-def test_numbers_are_in_the_units_that_are_usual(study: xr.Dataset, march: xr.Dataset) -> None:
+def test_numbers_are_in_the_units_that_are_usual(study: xr.Dataset, evolution: xr.Dataset) -> None:
     shows = contents(study, "study")
     assert shows["axes"]["load"]["values"] == [1, 10, 100]
     assert shows["axes"]["load"]["unit"] == "N/mm"
@@ -94,12 +94,14 @@ def test_numbers_are_in_the_units_that_are_usual(study: xr.Dataset, march: xr.Da
     assert peak["unit"] == "MPa"
     assert values(peak)[[0, 1, 2, 4, 5]] == pytest.approx([100, 200, 300, 900, 800])
     assert np.isnan(values(peak)[3])
-    assert contents(march, "march")["variables"]["pressure"]["unit"] == "MPa"
+    assert contents(evolution, "evolution")["variables"]["pressure"]["unit"] == "MPa"
 
 
-def test_an_evolution_begins_at_the_instant_of_its_largest_pressure(march: xr.Dataset) -> None:
-    unloaded = march.assign(pressure=march["pressure"] * xr.DataArray([1, 1, 2, 0], dims="time"))
-    assert contents(unloaded, "march")["instant"] == 2
+def test_an_evolution_begins_at_the_instant_of_its_largest_pressure(evolution: xr.Dataset) -> None:
+    unloaded = evolution.assign(
+        pressure=evolution["pressure"] * xr.DataArray([1, 1, 2, 0], dims="time")
+    )
+    assert contents(unloaded, "evolution")["instant"] == 2
 
 
 BREAK = "document.body.dataset.broken=1"

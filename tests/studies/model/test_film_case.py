@@ -48,9 +48,9 @@ def test_a_film_that_changes_in_time_is_marched_at_every_point() -> None:
     study = study_of(file, {"load.per_length": "80 N/mm,100 N/mm"})
     case = study.case_at({"load_per_length": 1e5})
     solved = case.run(case.prepare())
-    march = solved.answer
+    evolution = solved.answer
     measured = study.measures(case, solved)
-    assert float(measured["final_central_film"]) == march.frames[-1].central_film
-    lowest = min(frame.minimum_film for frame in march.frames)
+    assert float(measured["final_central_film"]) == evolution.frames[-1].central_film
+    lowest = min(frame.minimum_film for frame in evolution.frames)
     assert float(measured["minimum_film"]) == lowest
-    assert int(case.record(solved)["steps"]) == march.films.steps
+    assert int(case.record(solved)["steps"]) == evolution.films.steps

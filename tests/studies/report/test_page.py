@@ -54,7 +54,7 @@ OWN: Mapping[str, Mapping[str, str]] = {
     "pareto": {"grid": "16,24", "images": "1", "solver_tolerance": "1e-6"},
     "images": {"grid": "24", "images": "0,1,6"},
     "coating": {"ratio": "0.25,2,4", "thickness": "0.1,1,10", "grid": "64"},
-    # one grid: of two, wear would want two marches with short steps to compare with
+    # one grid: of two, wear would want two integrations with short steps to compare with
     "wear": {"grid": "16"},
     "lubrication": {"load": "20,100", "viscosity": "0,5", "grid": "64,128"},
     "plastic": {"pressure": "2,3", "steps": "2,4", "grid": "24"},

@@ -338,8 +338,8 @@ def test_what_a_file_varies_is_a_study(smooth: Path, tmp_path: Path) -> None:
         studies.study_of(smooth)
 
 
-def test_the_common_grid_is_wider_than_the_contact_under_any_coat(tmp_path: Path) -> None:
-    coated = SOFT_COAT
+def test_the_common_grid_is_wider_than_the_contact_under_any_coating(tmp_path: Path) -> None:
+    coated = SOFT_COATING
     (tmp_path / "coated.toml").write_text(coated)
     study = studies.study_of(
         tmp_path / "coated.toml", {"solids.0.coating.youngs_modulus": "0.5,400 GPa"}
@@ -348,7 +348,7 @@ def test_the_common_grid_is_wider_than_the_contact_under_any_coat(tmp_path: Path
         assert cs.solve(case.scene, case.grid, case.padding).status is cs.Status.CONVERGED
 
 
-SOFT_COAT = """
+SOFT_COATING = """
 [load]
 per_length = "100 N/mm"
 [[solids]]

@@ -260,9 +260,9 @@ class Scene:
 
     def _check_approach(self) -> None:
         """Check a search or an approach in place of a load, once every effect is checked."""
-        if isinstance(self.load, PullOff) and self.changing is not None:
+        if isinstance(self.load, PullOff) and self.time_dependent_field is not None:
             raise InvalidInput(
-                f"Scene.load is a PullOff together with {self.changing}, which has a history: give a LoadHistory that "
+                f"Scene.load is a PullOff together with {self.time_dependent_field}, which has a history: give a LoadHistory that "
                 "falls until contact is lost."
             )
         if not isinstance(self.load, Approach):

@@ -362,10 +362,11 @@ class PlasticState:
         grid = yielding.grid
         edges = max(yielding.edges, layers(grid, self._length, deepest), key=len)
         volume = Volume(grid, 0, grid.cells[0], edges)
-        known = self._wide_operators.get(number)
-        if known is None or known.volume != volume:
-            known = self._wide_operators[number] = operator_on(volume, self.bodies[number].moduli)
-        return known
+        operator = self._wide_operators.get(number)
+        if operator is None or operator.volume != volume:
+            operator = operator_on(volume, self.bodies[number].moduli)
+            self._wide_operators[number] = operator
+        return operator
 
     def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
         """Return strain and residual stress of each body over (time, component, z, x, y), across the whole grid.

@@ -200,15 +200,19 @@ class ShearState:
             self.max_applications,
             total=np.array([gained[in_contact].sum(), 0.0]),
         )
-        found = np.asarray(shear + entering + locked.shear)
-        departure = np.hypot(*(found - reference))
+        total_shear = np.asarray(shear + entering + locked.shear)
+        departure = np.hypot(*(total_shear - reference))
         enters = entering[0] != 0
         beside = in_contact & np.any(
             [np.roll(enters, step, axis) for axis in (0, 1) for step in (1, -1)], axis=0
         )
-        known, entered, all_gained = (np.abs(gained[of]).sum() for of in (beside, enters, ...))
-        relative = ERROR_OVER_DEPARTURE * departure[beside].sum() / known if known else 0.0
-        return found, relative * entered / all_gained * np.abs(gained)
+        gained_beside, entered, all_gained = (
+            np.abs(gained[of]).sum() for of in (beside, enters, ...)
+        )
+        relative = (
+            ERROR_OVER_DEPARTURE * departure[beside].sum() / gained_beside if gained_beside else 0.0
+        )
+        return total_shear, relative * entered / all_gained * np.abs(gained)
 
     def _half_cycles(self, step: Step) -> float:
         """Return the number of half cycles that a step stands for, at least 1."""
@@ -245,10 +249,10 @@ class ShearState:
     def difference(self, state: State, other: State) -> float:
         """Return the L1 error of the shear of `state`, relative to it, by the `other` of steps twice as long.
 
-        What both have wrong in common is added: what a rising pressure locks in, and in cells that begin to slip in a
+        Errors common to both are added: of the shear locked in by a rising pressure, and in cells that begin to slip in a
         step the shear along y, whose direction follows the slip of the whole step.
         """
-        shear, other_shear = (np.stack([one["shear_x"], one["shear_y"]]) for one in (state, other))
+        shear, other_shear = (np.stack([of["shear_x"], of["shear_y"]]) for of in (state, other))
         size, changed = (float(np.abs(field).sum()) for field in (shear, shear - other_shear))
         factor = ERROR_OVER_DIFFERENCE if self.wear else 1.0
         error = factor * changed + float(state["misplaced"].sum())

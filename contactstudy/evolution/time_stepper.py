@@ -300,9 +300,9 @@ class TimeStepper:
         ) -> CoupledSolution:
             nonlocal guess
             contact = WarmStartedContact(frozen, options, pressure if start is None else start)
-            found = coupled.solve_step(state, contact, options.tolerance, attraction, guess)
-            guess = found.state
-            return found
+            solution = coupled.solve_step(state, contact, options.tolerance, attraction, guess)
+            guess = solution.state
+            return solution
 
         start = pressure if pressure.any() else None
         law: Any = problem.adhesion
@@ -344,7 +344,9 @@ class TimeStepper:
         problem = self._problem_under(weights, local, step.loads[1], self.problem)
         source = self.problem.source
         if isinstance(source, ShapesSource):
-            source = source.with_step(partial(self._problem_under, weights, local, step.loads[1]))
+            source = source.with_problem_step(
+                partial(self._problem_under, weights, local, step.loads[1])
+            )
         adhesion = self.problem.adhesion
         if adhesion is not None and instant.adhesion is not None:
             adhesion = adhesion.continued(instant.adhesion.attraction)

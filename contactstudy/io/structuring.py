@@ -193,8 +193,8 @@ class _Structure:
             if not unknown:
                 return base(value, target)
             # a key is read as the one that was likely meant, which is then not missing
-            meant = {key: _closest(key, names - set(value)) for key in unknown}
-            corrected = {meant.get(key, key): entry for key, entry in value.items()}
+            corrections = {key: _closest(key, names - set(value)) for key in unknown}
+            corrected = {corrections.get(key, key): entry for key, entry in value.items()}
             errors: list[Exception] = [ForbiddenExtraKeysError(None, target, unknown)]
             try:
                 base({key: entry for key, entry in corrected.items() if key is not None}, target)

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4
-# The compliance in a contact of half-width a is about that of a wave of pressure with the wave number WAVE / a.
-WAVE = 1.2
+# Wave number, times the half-width of a contact, of a wave of pressure under which the compliance is about the same.
+EQUIVALENT_WAVE_NUMBER = 1.2
 
 
 @suggest_fields
@@ -77,7 +77,7 @@ class CoatedHalfSpace:
         """
         if self.coating == self.substrate:
             return self.compliance
-        k = WAVE * self.thickness / half_width
+        k = EQUIVALENT_WAVE_NUMBER * self.thickness / half_width
         remainder = float(np.real(self._layer.remainder(np.array([k])))[0])
         return self.compliance * (1 + self._layer.contrast * math.exp(-2 * k) + remainder)
 

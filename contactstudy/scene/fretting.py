@@ -127,7 +127,7 @@ class Fretting:
 
     @classmethod
     def cycle(cls, coefficient: float, amplitude: float, steps: int = 1) -> "Fretting":
-        """Return fretting from none to the `amplitude` [N/m], back to its opposite, and up again.
+        """Return one cycle of fretting, from 0 to the `amplitude` [N/m], to its opposite, and to the amplitude again.
 
         Each half cycle takes equal `steps`. One is exact where nothing varies along the length.
         """
@@ -166,12 +166,12 @@ class Fretting:
         load = scene.load
         if self.displacements is not None and isinstance(load, ChangingLoad):
             raise InvalidInput(
-                "Scene.load changes in time together with Fretting.displacements: what a rising pressure locks in "
-                "follows from forces only, give Fretting.forces, or a LineLoad."
+                "Scene.load changes in time together with Fretting.displacements: the shear locked in by a rising "
+                "pressure follows from forces only, give Fretting.forces, or a LineLoad."
             )
 
     def _check_forces(self, scene: FrictionContext) -> None:
-        """Raise InvalidInput where a force in time is more than friction bears."""
+        """Raise InvalidInput where a force in time is more than friction transmits."""
         history, load = self.history, scene.load
         if self.forces is None or history is None:
             return

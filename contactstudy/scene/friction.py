@@ -324,10 +324,10 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
 
 
 def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
-    """Return the bodies that respond to shear as `solids` do, those that creep at rest as at once."""
+    """Return the bodies that respond to shear as `solids` do, those that creep, unless they roll, by their instantaneous response."""
     bodies = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
-    known = HalfSpace | CoatedHalfSpace | RollingHalfSpace
-    return tuple(solid for solid in bodies if isinstance(solid, known))
+    shearable = HalfSpace | CoatedHalfSpace | RollingHalfSpace
+    return tuple(solid for solid in bodies if isinstance(solid, shearable))
 
 
 def shear_coupling(

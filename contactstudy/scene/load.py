@@ -18,7 +18,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, PerSecond, Radians, Seconds
 
-ABOVE_ZERO, AT_LEAST_ZERO = "give a load above 0 N/m", "give a load of at least 0 N/m"
+LOAD_REMEDY, HISTORY_REMEDY = "give a load above 0 N/m", "give a load of at least 0 N/m"
 
 
 @suggest_fields
@@ -40,19 +40,19 @@ class LineLoad:
     per_length: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        load = in_range_or_zero("LineLoad.per_length", self.per_length, ABOVE_ZERO)
+        load = in_range_or_zero("LineLoad.per_length", self.per_length, LOAD_REMEDY)
         set_fields(self, per_length=load)
 
-    def refuse_tension(self) -> None:
+    def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        in_range("LineLoad.per_length", self.per_length, ABOVE_ZERO)
+        in_range("LineLoad.per_length", self.per_length, LOAD_REMEDY)
 
     @property
     def largest(self) -> float:
         """Load [N/m], which is its own maximum."""
         return self.per_length
 
-    def over(self, period: float) -> float:
+    def mean_over(self, period: float) -> float:
         """Return the load [N/m], which is the same over any `period` [m] of a grid."""
         return self.per_length
 
@@ -105,11 +105,11 @@ class TotalLoad:
         """Mean load over the length of the roller [N/m], which is its own maximum."""
         return self.per_length
 
-    def over(self, period: float) -> float:
+    def mean_over(self, period: float) -> float:
         """Return the mean load [N/m] over the `period` [m] of a grid."""
         return self.total / period
 
-    def refuse_tension(self) -> None:
+    def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
         in_range("TotalLoad.total", self.total, "give a load above 0 N")
 
@@ -250,7 +250,7 @@ class LoadHistory(PiecewiseLinear):
                     f"LoadHistory.{name} is {values!r}: give a tuple of numbers, one for each instant."
                 )
         times = checked_times("LoadHistory.times", self.times)
-        loads = each("LoadHistory.per_length", self.per_length, in_range_or_zero, AT_LEAST_ZERO)
+        loads = each("LoadHistory.per_length", self.per_length, in_range_or_zero, HISTORY_REMEDY)
         if len(times) != len(loads):
             raise InvalidInput(
                 f"LoadHistory.per_length has {len(loads)} loads for {len(times)} times: give one for each."
@@ -272,9 +272,9 @@ class LoadHistory(PiecewiseLinear):
         """Largest load [N/m]."""
         return max(self.per_length)
 
-    def refuse_tension(self) -> None:
+    def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if a load pulls the bodies apart."""
-        each("LoadHistory.per_length", self.per_length, in_range_from_zero, AT_LEAST_ZERO)
+        each("LoadHistory.per_length", self.per_length, in_range_from_zero, HISTORY_REMEDY)
 
 
 @suggest_fields

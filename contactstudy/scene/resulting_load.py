@@ -21,9 +21,9 @@ DATUM_RATIO = 4.0
 class Approach:
     """Approach of the bodies, given in place of a load: the load is a result.
 
-    It counts from the undeformed gap, which is 0 m at the axis of a cylinder. The surface of a half-space under a line
-    load moves without bound with the distance that it is counted from, so that an approach has a meaning for one `datum`
-    alone. A larger datum is a softer spring in series with the contact.
+    It is relative to the undeformed gap, which is 0 m at the axis of a cylinder. Under a line load the approach grows
+    without limit with the distance of the reference point, so that it is defined only together with a `datum`. A larger
+    datum is a softer spring in series with the contact.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ class Approach:
         return 0.0
 
     def estimated_load(self, radius: float, contact_modulus: float) -> float:
-        """Return about the load [N/m] of a cylinder of this `radius` [m] at this approach; 0 if it does not touch.
+        """Estimate the load [N/m] of a cylinder of this `radius` [m] at this approach; 0 if it does not touch.
 
         ``approach = a^2 / (4 R) (2 ln(2 datum / a) + 1)`` with the half-width a, Johnson (1985), sect. 5.6.
         """
@@ -80,15 +80,15 @@ class Approach:
 class PullOff:
     """Separation of an adhesive contact, in place of a load: the pull-off load is a result.
 
-    The contact is loaded, then pulled by loads between which the last held one is bisected. Each of them begins with the
-    state of the last that was held.
+    The contact is loaded to `preload` and then unloaded. The load at which it separates is found by bisection; each trial
+    starts from the last state in equilibrium.
 
     Parameters
     ----------
     preload
-        Load [N/m] that the pull begins from, of any sign.
+        Load [N/m] from which the bodies are pulled apart, of any sign.
     error
-        Difference of the last load held and the first lost, over the latter.
+        Difference of the last load in equilibrium and the first without, over the latter.
 
     Raises
     ------
@@ -110,14 +110,14 @@ class PullOff:
 
     @property
     def largest(self) -> float:
-        """Load [N/m] that the pull begins from."""
+        """Load [N/m] from which the bodies are pulled apart."""
         return self.preload
 
     @property
     def per_length(self) -> float:
-        """Load [N/m] that the pull begins from."""
+        """Load [N/m] from which the bodies are pulled apart."""
         return self.preload
 
-    def over(self, period: float) -> float:
-        """Return the load [N/m] that the pull begins from, the same over any `period` [m] of a grid."""
+    def mean_over(self, period: float) -> float:
+        """Return the preload [N/m], the same over any `period` [m] of a grid."""
         return self.preload

@@ -125,7 +125,7 @@ class ShapesSource:
         """Return the problem on `grid`."""
         return self.make(grid)
 
-    def with_step(self, step: Callable[[Problem], Problem]) -> "ShapesSource":
+    def with_problem_step(self, step: Callable[[Problem], Problem]) -> "ShapesSource":
         """Return this source with `step` applied to each problem that it makes."""
         return replace(self, make=lambda grid: step(self.make(grid)))
 
@@ -135,9 +135,12 @@ def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:
     return sum((gap_of(shape, grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
 
 
-def sized(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
+def with_extent_of(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
     """Return `shapes`, where heights that are given cell by cell get the extent of `grid`."""
-    return tuple(shape.sized(grid) if hasattr(shape, "sized") else shape for shape in shapes)
+    return tuple(
+        shape.with_extent_of(grid) if hasattr(shape, "with_extent_of") else shape
+        for shape in shapes
+    )
 
 
 def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
@@ -247,8 +250,8 @@ class Scene:
                 raise InvalidInput(
                     "Scene.load is a PullOff without adhesion: give Scene.adhesion, such as Adhesion(work=0.05)."
                 )
-            if hasattr(self.load, "refuse_tension"):
-                self.load.refuse_tension()
+            if hasattr(self.load, "check_compressive"):
+                self.load.check_compressive()
         if isinstance(self.load, TotalLoad) and self.load.length is None:
             lengths = [d.roller for d in _length_scales(self.shapes) if 0 < d.roller < inf]
             if not lengths:
@@ -262,8 +265,8 @@ class Scene:
         """Check a search or an approach in place of a load, once every effect is checked."""
         if isinstance(self.load, PullOff) and self.time_dependent_field is not None:
             raise InvalidInput(
-                f"Scene.load is a PullOff together with {self.time_dependent_field}, which has a history: give a LoadHistory that "
-                "falls until contact is lost."
+                f"Scene.load is a PullOff together with {self.time_dependent_field}, which has a history: give a "
+                "LoadHistory that falls until contact is lost."
             )
         if not isinstance(self.load, Approach):
             return
@@ -461,7 +464,7 @@ class Scene:
         if isinstance(load, TotalLoad) and self.repeats(padding):
             return load.per_length
         assert not isinstance(load, ChangingLoad | Approach)
-        return load.over(grid.length)
+        return load.mean_over(grid.length)
 
     def _control(self, grid: Grid, padding: Padding | Paddings) -> Control:
         """Return the condition on the pressures of all cells of `grid`."""
@@ -540,7 +543,7 @@ class Scene:
         self, grid: Grid, padding: Padding | Paddings, solver: "AdhesiveSolver | None"
     ) -> ShapesSource:
         """Return the source from which the problem is made on other grids, with a solver that all its problems share."""
-        shapes = sized(self.shapes, grid)
+        shapes = with_extent_of(self.shapes, grid)
         # a scene that stays the same is not checked again
         unchanged = all(map(is_, shapes, self.shapes))
         scene = self if unchanged else replace(self, shapes=shapes)

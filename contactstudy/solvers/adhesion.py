@@ -356,10 +356,10 @@ class OuterIteration:
         )
         options = replace(self.options, tolerance=self._inner_tolerance(gap_error))
         if self.inner is None:
-            found = CoupledSolution(solve_contact(frozen, options, start, self.on))
+            coupled = CoupledSolution(solve_contact(frozen, options, start, self.on))
         else:
-            found = self.inner(frozen, traction, options, start)
-        contact = found.solution
+            coupled = self.inner(frozen, traction, options, start)
+        contact = coupled.solution
         self.count += 1
         self.iterations += contact.iterations
         self.convolutions += contact.convolutions
@@ -369,7 +369,9 @@ class OuterIteration:
         area = problem.grid.cell_area
         cohesion = area * float(law.remaining_work(contact.gap).sum())
         net = contact.pressure - traction
-        energy = area * dot(net, contact.displacement - displacement) / 2 - cohesion + found.energy
+        energy = (
+            area * dot(net, contact.displacement - displacement) / 2 - cohesion + coupled.energy
+        )
         if load != inf:
             energy -= area * (load - float(traction.sum())) * contact.approach
         relative = change / total if total else change

@@ -35,7 +35,7 @@ class MovingShape:
     shape
         Roughness, texture, waves: a shape without curvature.
     body
-        0 or 1, the body of ``Scene.solids`` that carries it.
+        Index (0 or 1) of the body in ``Scene.solids`` with which it moves.
 
     Raises
     ------
@@ -73,7 +73,7 @@ class MovingShape:
 
     def gap_after(self, grid: Grid, shift: float) -> Array:
         """Return the contribution to the gap [m] after the body has moved by ``shift`` [m]."""
-        if hasattr(self.shape, "seam"):  # heights that stand on the grid
+        if hasattr(self.shape, "seam"):  # sampled heights, shifted by spline interpolation
             heights = np.broadcast_to(self.shape.gap(grid), grid.cells)
             return np.asarray(
                 ndimage.shift(heights, (shift / grid.cell_size[0], 0), order=3, mode="grid-wrap")

@@ -97,7 +97,7 @@ class Sphere:
         return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))
 
 
-HEIGHT = "give a height of 0 m or more"
+HEIGHT_REMEDY = "give a height of 0 m or more"
 
 
 @suggest_fields
@@ -136,7 +136,7 @@ class Crown:
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
         """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], at least zero, at both ends."""
-        drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT)
+        drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT_REMEDY)
         length = in_range("Crown length", length, "give the roller's length above 0 m")
         return cls(length**2 / (8 * drop), length) if drop else cls()
 
@@ -192,8 +192,10 @@ class LundbergProfile:
     def __post_init__(self) -> None:
         set_fields(
             self,
-            amplitude=in_range_from_zero("LundbergProfile.amplitude", self.amplitude, HEIGHT),
-            end_drop=in_range_from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT),
+            amplitude=in_range_from_zero(
+                "LundbergProfile.amplitude", self.amplitude, HEIGHT_REMEDY
+            ),
+            end_drop=in_range_from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT_REMEDY),
             length=in_range(
                 "LundbergProfile.length", self.length, "give the roller's length above 0 m"
             ),
@@ -290,12 +292,10 @@ class LundbergProfile:
 class FiniteLength:
     """Roller that ends at ``|y| = length / 2``, with flat, sharp-edged faces.
 
-    Cells whose centre lies beyond the ends stand back by `length`: more than any elastic displacement, which is a
-    small part of the body's own size, and finite, so that averages over blocks of cells stay finite too. The end is
-    resolved to a cell, and exactly where it falls between two; a cell that it divides counts by its fraction in the mean
-    gap, which is that of the roller's length. Under a scene's load per length of the grid, the
-    roller carries that load times the grid's period over its own length. Along a free length a grid of the roller's
-    own length ends it as well, without a cell to spare.
+    Cells whose centre lies beyond an end have the gap `length`, larger than any elastic displacement, so that they never
+    touch. An end between two cells is exact. A cell that an end divides carries pressure over its whole area, or none,
+    and enters the mean gap with its covered fraction. Under a load per length of the grid the roller carries that load
+    times the grid's length over its own. With ZeroPadding along, a grid as long as the roller ends it too.
 
     Parameters
     ----------
@@ -338,10 +338,9 @@ class FiniteLength:
         )
 
     def covered_fractions(self, grid: Grid) -> Array:
-        """Return the length of the roller that each row of cells stands for, over that of a cell, of shape (length,).
+        """Return the length of the roller that each row of cells represents, over that of a cell, of shape (length,).
 
-        A row whose centre lies beyond the end stands for nothing: the row next to it also stands for its part on the
-        roller.
+        A row whose centre lies beyond the end represents nothing; its part on the roller is added to the row beside it.
         """
         within = np.clip((self.length / 2 - np.abs(grid.y)) / grid.cell_size[1] + 0.5, 0.0, 1.0)
         beyond = np.abs(grid.y) > self.length / 2

@@ -41,8 +41,8 @@ class MeasuredSurface:
     """Measured surface.
 
     The surface is centred on the grid; a smaller grid contains its middle part. A grid must not be wider than the
-    surface, and a longer period must be a whole multiple of the surface's. Heights of cells are means of one smooth
-    surface through the points, on every grid. Two surfaces are equal if the `digest` of all heights and all other
+    surface, and a longer period must be a whole multiple of the surface's. Each cell has the mean of one smooth surface
+    through the points, whatever the grid. Two surfaces are equal if the `digest` of all heights and all other
     fields agree.
 
     Parameters
@@ -105,14 +105,14 @@ class MeasuredSurface:
                     f"heights say {sizes!r} m."
                 )
             sizes = extent
-        for name, duty, example in (
+        for name, method, example in (
             ("missing", "fill", "RefuseMissing()"),
             ("trend", "subtracted", "Trend.PLANE"),
-            ("seam", "close", "Mirrored()"),
-            ("seam_across", "close", "Mirrored()"),
+            ("seam", "periodic", "Mirrored()"),
+            ("seam_across", "periodic", "Mirrored()"),
         ):
             value = getattr(self, name)
-            if isinstance(value, type) or not hasattr(value, duty):
+            if isinstance(value, type) or not hasattr(value, method):
                 raise InvalidInput(
                     f"MeasuredSurface.{name} is {value!r}: give a value such as {example}."
                 )
@@ -175,9 +175,9 @@ class MeasuredSurface:
             size = f"over {readable(self.extent[0])} x {readable(self.extent[1])}"
         tilt = [1e6 * rise for rise in Trend.rise(self.missing.fill(self.heights))]
         plane = f"a plane that rises {tilt[0]:.3g} um across and {tilt[1]:.3g} um along"
-        verb = "has" if self.trend.value < Trend.PLANE.value else "was freed of"
+        was_subtracted = " was subtracted" * (self.trend.value >= Trend.PLANE.value)
         ends = f"{self.seam!r} along, {self.seam_across!r} across"
-        return f"{points} points {size}; the surface {verb} {plane}; ends: {ends}"
+        return f"{points} points {size}; {plane}{was_subtracted}; ends: {ends}"
 
     def write(self, path: str | PathLike[str]) -> None:
         """Write the heights to a netCDF file that :meth:`read` reads."""
@@ -206,7 +206,7 @@ class MeasuredSurface:
             self, heights=np.rot90(self.heights), extent=extent, file=file, is_turned=turned
         )
 
-    def sized(self, grid: Grid) -> Self:
+    def with_extent_of(self, grid: Grid) -> Self:
         """Return this surface with the extent that it has on `grid`, so that it can be put on others."""
         if self.extent is not None:
             return self
@@ -256,8 +256,8 @@ class MeasuredSurface:
         if is_profile:
             heights = heights[:, :1]
         if self.extent is None:
-            heights = heights if is_profile else self.seam.close(heights)
-            return self._on_cells(self.seam_across.close(heights.T).T, grid)
+            heights = heights if is_profile else self.seam.periodic(heights)
+            return self._on_cells(self.seam_across.periodic(heights.T).T, grid)
         if not is_profile:
             heights = self._periodic(heights, 1, self.seam, grid)
         if not isinstance(self.seam_across, AsMeasured):
@@ -286,7 +286,7 @@ class MeasuredSurface:
             length = piece
         period = seam.lengths * length
         whole_quotient("MeasuredSurface period", period, grid.extent[axis])
-        closed = seam.close(heights) if axis else seam.close(heights.T).T
+        closed = seam.periodic(heights) if axis else seam.periodic(heights.T).T
         cells, width = grid.cells[axis], grid.extent[axis]
         return cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")
 

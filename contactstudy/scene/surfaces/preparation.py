@@ -200,14 +200,14 @@ def _from_middle(count: int) -> Array:
 
 
 class Seam(Protocol):
-    """Rule that joins the end of a measured surface to its beginning."""
+    """Rule that makes a measured surface periodic."""
 
     @property
     def lengths(self) -> int:
         """Period, in lengths of the surface."""
         ...
 
-    def close(self, heights: Array) -> Array:
+    def periodic(self, heights: Array) -> Array:
         """Return one period (width, points along) [m] of the surface `heights` (x, y)."""
         ...
 
@@ -222,7 +222,7 @@ class AsMeasured:
         """Period of one length of the surface."""
         return 1
 
-    def close(self, heights: Array) -> Array:
+    def periodic(self, heights: Array) -> Array:
         """Return the heights unchanged."""
         return heights
 
@@ -237,7 +237,7 @@ class Mirrored:
         """Period of two lengths of the surface."""
         return 2
 
-    def close(self, heights: Array) -> Array:
+    def periodic(self, heights: Array) -> Array:
         """Return the surface and its mirror image."""
         return np.concatenate([heights, heights[:, ::-1]], axis=1)
 
@@ -269,7 +269,7 @@ class Tapered:
         """Period of one length of the surface."""
         return 1
 
-    def close(self, heights: Array) -> Array:
+    def periodic(self, heights: Array) -> Array:
         """Return the windowed surface."""
         count = heights.shape[1]
         from_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
@@ -287,9 +287,8 @@ def cell_means(
 ) -> Array:
     """Return means over equal cells of the smooth surface through `heights`.
 
-    The integral of the surface is known at every border between two pieces; a cubic spline through it is read at the
-    borders of the cells. So a cell made of whole pieces has their mean, smaller cells make up the mean of a
-    larger one, and in the limit they show a surface without kinks.
+    This is conservative resampling: a cubic spline interpolates the cumulative integral, and its differences between
+    the edges of a cell give the mean. A cell made of whole pieces has their mean.
 
     Parameters
     ----------
@@ -317,9 +316,9 @@ def cell_means(
     # the integral of the deviation from the mean is zero at both ends, except for rounding
     inner = np.take(integral, range(count - 1), axis=axis)
     integral = np.concatenate([start, inner, start], axis=axis) * (extent / count)
-    borders = (np.arange(count + 1) / count - 0.5) * extent
-    spline = CubicSpline(borders, integral, axis=axis, bc_type=ends)
-    faces = (np.arange(cells + 1) / cells - 0.5) * width
+    piece_edges = (np.arange(count + 1) / count - 0.5) * extent
+    spline = CubicSpline(piece_edges, integral, axis=axis, bc_type=ends)
+    cell_edges = (np.arange(cells + 1) / cells - 0.5) * width
     if ends != "periodic":
-        faces = np.clip(faces, borders[0], borders[-1])
-    return np.asarray(mean + np.diff(spline(faces), axis=axis) * (cells / width))
+        cell_edges = np.clip(cell_edges, piece_edges[0], piece_edges[-1])
+    return np.asarray(mean + np.diff(spline(cell_edges), axis=axis) * (cells / width))

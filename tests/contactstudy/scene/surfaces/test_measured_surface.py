@@ -95,7 +95,7 @@ def test_a_mirrored_surface_fills_twice_the_period() -> None:
 def test_a_shorter_period_shows_the_middle_of_the_surface(seam: cs.Mirrored) -> None:
     surface = cs.MeasuredSurface(HEIGHTS, GRID.extent, seam=seam)
     short = cs.Grid(cells=(24, 10 * seam.lengths), extent=(2e-4, 10 / 16 * 1e-4 * seam.lengths))
-    expected = -seam.close(HEIGHTS[:, 3:13])
+    expected = -seam.periodic(HEIGHTS[:, 3:13])
     np.testing.assert_allclose(surface.gap(short), expected, rtol=0, atol=1e-13 * 1e-7 * 16)
     fine = surface.gap(replace(short, cells=(24, 3 * short.cells[1])))
     blocks = fine.reshape(24, -1, 3).mean(axis=2)

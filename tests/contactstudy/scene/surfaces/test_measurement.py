@@ -254,5 +254,5 @@ def test_a_surface_says_what_was_subtracted_from_it(tmp_path: Path) -> None:
         )
         for trend in (cs.Trend.PLANE, cs.Trend.NONE)
     )
-    assert "was freed of a plane that rises 2 um across and 3 um along" in freed.description
-    assert "has a plane that rises 2 um across and 3 um along" in kept.description
+    assert "a plane that rises 2 um across and 3 um along was subtracted" in freed.description
+    assert "a plane that rises 2 um across and 3 um along;" in kept.description

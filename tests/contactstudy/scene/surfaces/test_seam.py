@@ -7,7 +7,7 @@ HEIGHTS = np.random.default_rng(0).standard_normal((6, 40)) + 3
 
 
 def test_mirrored_meets_itself_at_both_ends() -> None:
-    closed = cs.Mirrored().close(HEIGHTS)
+    closed = cs.Mirrored().periodic(HEIGHTS)
     assert closed.shape == (6, 40 * cs.Mirrored().lengths)
     np.testing.assert_array_equal(closed[:, :40], HEIGHTS)
     np.testing.assert_array_equal(closed[:, -1], closed[:, 0])
@@ -15,7 +15,7 @@ def test_mirrored_meets_itself_at_both_ends() -> None:
 
 
 def test_tapered_keeps_the_middle_and_meets_the_mean_at_the_ends() -> None:
-    closed = cs.Tapered(fraction=0.5).close(HEIGHTS)
+    closed = cs.Tapered(fraction=0.5).periodic(HEIGHTS)
     mean = HEIGHTS.mean()
     np.testing.assert_allclose(closed[:, 10:30], HEIGHTS[:, 10:30], rtol=1e-14)
     # half a point from the end of a taper of ten, sin^2 is small

@@ -249,8 +249,8 @@ class ShearState:
     def difference(self, state: State, other: State) -> float:
         """Return the L1 error of the shear of `state`, relative to it, by the `other` of steps twice as long.
 
-        Errors common to both are added: of the shear locked in by a rising pressure, and in cells that begin to slip in a
-        step the shear along y, whose direction follows the slip of the whole step.
+        Errors common to both are added: of the shear locked in by a rising pressure, and of the shear along y in cells
+        that begin to slip in a step, whose direction follows the slip of the whole step.
         """
         shear, other_shear = (np.stack([of["shear_x"], of["shear_y"]]) for of in (state, other))
         size, changed = (float(np.abs(field).sum()) for field in (shear, shear - other_shear))

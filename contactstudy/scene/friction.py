@@ -324,7 +324,7 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
 
 
 def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
-    """Return the bodies that respond to shear as `solids` do, those that creep, unless they roll, by their instantaneous response."""
+    """Return the bodies that respond to shear as `solids` do, creeping ones at rest by their instantaneous response."""
     bodies = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
     shearable = HalfSpace | CoatedHalfSpace | RollingHalfSpace
     return tuple(solid for solid in bodies if isinstance(solid, shearable))

@@ -80,8 +80,8 @@ class Approach:
 class PullOff:
     """Separation of an adhesive contact, in place of a load: the pull-off load is a result.
 
-    The contact is loaded to `preload` and then unloaded. The load at which it separates is found by bisection; each trial
-    starts from the last state in equilibrium.
+    The contact is loaded to `preload` and then unloaded. The load at which it separates is found by bisection; each
+    trial starts from the last state in equilibrium.
 
     Parameters
     ----------

@@ -378,7 +378,7 @@ class OuterIteration:
         added_gap = contact.problem.undeformed_gap - frozen.undeformed_gap
         return _State(
             contact,
-            found.state,
+            coupled.state,
             added_gap,
             traction,
             displacement,

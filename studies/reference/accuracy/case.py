@@ -21,7 +21,7 @@ EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """``pressure`` (x, y) [Pa] as cell means, the ``highest`` [Pa], the fraction of the ``area`` in contact.
+    """True ``pressure`` (x, y) [Pa] as cell means, its ``highest`` [Pa], and the fraction of the ``area`` in contact.
 
     ``highest`` is infinite at a sharp edge. ``gap`` is the mean gap [m], nan where it is not known.
     """
@@ -34,14 +34,14 @@ class Truth:
 
 @dataclass(frozen=True)
 class Finer:
-    """The truth of the same scene on a grid ``factor`` times finer, with all images unless another padding is given."""
+    """Reference of the same scene on a grid ``factor`` times finer, with all images unless another padding is given."""
 
     factor: tuple[int, int]
     padding: cs.Padding | cs.Paddings
     tolerance: float = 1e-6
 
     def __call__(self, case: "AccuracyCase") -> Truth:
-        """Solve, and average over blocks."""
+        """Solve on the finer grid, and average over blocks of its cells."""
         (nx, ny), (kx, ky) = case.grid.cells, self.factor
         ky = ky if ny > 1 else 1
         grid = cs.Grid((kx * nx, ky * ny), case.grid.extent)
@@ -71,7 +71,7 @@ class ClosedForm:
     points: int = 64
 
     def __call__(self, case: "AccuracyCase") -> Truth:
-        """TimedRun inside the cells, which costs a fraction of a cell to the power 3/2 and less."""
+        """Sample inside the cells, which costs a fraction of a cell to the power 3/2 and less."""
         (nx, ny), grid = case.grid.cells, case.grid
         along = 1 if ny == 1 else max(self.points // 8, 4)
         across = self.points if ny == 1 else along
@@ -94,7 +94,7 @@ class AccuracyCase:
     find_truth: Callable[["AccuracyCase"], Truth]
 
     def problem(self) -> cs.Problem:
-        """Ready to be solved."""
+        """The problem of the scene on its grid."""
         return self.scene.problem(self.grid, self.padding)
 
     def truth(self) -> Truth:
@@ -104,7 +104,7 @@ class AccuracyCase:
 
 @dataclass(frozen=True)
 class Errors:
-    """True errors, relative: of the pressure in L1, the peak pressure, the contact area, the mean gap."""
+    """True relative errors of the pressure in L1, the peak pressure, the contact area and the mean gap."""
 
     l1: float
     peak_pressure: float
@@ -134,10 +134,10 @@ class Shifted:
     curvature: float = field(default=1 / HERTZ.radius)
 
     def gap(self, grid: cs.Grid) -> Array:
-        """The parabola."""
+        """Return the parabola about the shifted axis [m]."""
         return ((grid.x - self.aside) ** 2 / (2 * self.radius))[:, None]
 
 
 def scene(*shapes: cs.Shape, hardness: float = inf) -> cs.Scene:
-    """The cylinder with more ``shapes``."""
+    """Return the scene of the cylinder with further ``shapes``."""
     return cs.Scene(SCENE.load, SCENE.solids, (*SCENE.shapes, *shapes), hardness)

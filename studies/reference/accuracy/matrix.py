@@ -29,7 +29,7 @@ PROFILES = (cs.FlatBottomed(), cs.Parabolic(), cs.Cosine())
 
 
 def textured_waves() -> Iterator[AccuracyCase]:
-    """Across, along and oblique."""
+    """Yield waves across, along and oblique."""
     for height in (0.3, 1.0, 5.0):
         for length, cells in ((0.5, 97), (0.5, 256), (0.23, 150), (0.23, 320)):
             wavy = scene(cs.Waviness(height * GAP_SCALE, across=length * A, phase=0.4))
@@ -43,7 +43,7 @@ def textured_waves() -> Iterator[AccuracyCase]:
 
 
 def grooves() -> Iterator[AccuracyCase]:
-    """Along the length: every profile, from narrow grooves to narrow lands, coarse and fine."""
+    """Yield grooves along the length of every profile, from narrow grooves to narrow lands, on coarse and fine grids."""
     number = 0
     for profile in PROFILES:
         for fraction in (0.2, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995):
@@ -61,7 +61,7 @@ def grooves() -> Iterator[AccuracyCase]:
 
 
 def grooves_across() -> Iterator[AccuracyCase]:
-    """Across the length."""
+    """Yield grooves across the length."""
     for profile in PROFILES:
         for fraction, depth, cells in ((0.3, 0.3, 24), (0.7, 1.0, 50), (0.9, 0.2, 37)):
             groove = cs.Groove(depth * GAP_SCALE, fraction * 0.6 * A, profile)
@@ -83,7 +83,7 @@ def dimples() -> Iterator[AccuracyCase]:
 
 
 def windows() -> Iterator[AccuracyCase]:
-    """Every padding on a uniform and on a wavy contact, against all images."""
+    """Yield every padding on a uniform and on a wavy contact, against all images."""
     paddings: list[cs.Padding] = [
         cs.ZeroPadding(),
         cs.DuplicatedPadding(),
@@ -107,7 +107,7 @@ FINER = Finer((4, 4), EXACT)
 
 
 def rollers() -> Iterator[AccuracyCase]:
-    """Flat ends, profiles and crowns on a free length, the grid as long as the roller or longer."""
+    """Yield flat ends, profiles and crowns on a free length, the grid as long as the roller or longer."""
     length = 12 * A
     truth = Finer((4, 4), (FREE, FREE))
     lundberg = cs.LundbergProfile.for_load(
@@ -130,7 +130,7 @@ def rollers() -> Iterator[AccuracyCase]:
 
 
 def roughness() -> Iterator[AccuracyCase]:
-    """Cut off at one cell to sixteen, from a light roughness to one that leaves a tenth in contact."""
+    """Yield roughness cut off at one cell to sixteen, from a light roughness to one that leaves a tenth in contact."""
     for number, cut_off in enumerate((0.3, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0)):
         for rms in (0.05, 0.3, 1.0):
             for hurst, cells in ((0.8, 90), (0.4, 128)):
@@ -152,7 +152,7 @@ def roughness() -> Iterator[AccuracyCase]:
 
 
 def hard() -> Iterator[AccuracyCase]:
-    """A hardness that no cell reaches, some do, most do; smooth and rough."""
+    """Yield a hardness that no cell reaches, some do, or most do; smooth and rough."""
     for fraction in (0.6, 0.8, 0.95, 1.5):
         for cells in (50, 128):
             grid = cs.Grid((cells, 1), (3.0 * A, A))
@@ -169,7 +169,7 @@ def hard() -> Iterator[AccuracyCase]:
 
 
 def ground(points: tuple[int, int], seed: int) -> Array:
-    """Heights of a ground surface with unit rms: a lay along the length, and waves down to its points."""
+    """Return heights of a ground surface with unit rms: a lay along the length, and waves down to its points."""
     rng = np.random.default_rng(seed)
     heights = np.zeros(points)
     for across, along, weight in ((8.0, 30.0, 1.0), (2.5, 10.0, 0.5), (0.7, 3.0, 0.25)):
@@ -180,7 +180,7 @@ def ground(points: tuple[int, int], seed: int) -> Array:
 
 
 def measured() -> Iterator[AccuracyCase]:
-    """A measured surface at one, two and three cells per point, and at cells between."""
+    """Yield a measured surface at one, two and three cells per point, and at cells between."""
     for seed in range(3):
         heights = ground((80, 40), seed)
         for rms in (0.02, 0.1, 0.5):
@@ -208,7 +208,7 @@ class Bumps:
     curvature = 0.0
 
     def gap(self, grid: cs.Grid) -> Array:
-        """The bumps stand out of the body."""
+        """Return the heights of the bumps, which are a negative gap [m]."""
         x, y = (
             (points - place + pitch / 2) % pitch - pitch / 2
             for points, place, pitch in zip((grid.x, grid.y), self.place, self.pitch, strict=True)
@@ -217,7 +217,7 @@ class Bumps:
 
 
 def bumps() -> Iterator[AccuracyCase]:
-    """Bumps from a tenth of a cell to some cells wide, on the lines of the grid and between them."""
+    """Yield bumps from a tenth of a cell to some cells wide, on the lines of the grid and between them."""
     for number, (width, height) in enumerate(
         itertools.product((0.12, 0.4, 1.2, 3.0), (0.002, 0.02, 0.3))
     ):
@@ -234,7 +234,7 @@ def bumps() -> Iterator[AccuracyCase]:
 
 
 def ended() -> Iterator[AccuracyCase]:
-    """Crowned rollers that end inside a cell."""
+    """Yield crowned rollers that end inside a cell."""
     for cells, longer, length in (
         (64, 1.1, 16.4), (51, 1.1, 2.0), (45, 1.25, 8.0), (28, 1.3, 6.0), (47, 1.07, 20.0),
     ):  # fmt: skip
@@ -245,7 +245,7 @@ def ended() -> Iterator[AccuracyCase]:
 
 
 def logarithmic() -> Iterator[AccuracyCase]:
-    """Rollers whose profile drops steeply at the ends, where the mean of its heights depends on the cells."""
+    """Yield rollers whose profile drops steeply at the ends, where the mean of its heights depends on the cells."""
     for cells, length in (((60, 64), 12.0), ((38, 24), 30.0), ((44, 58), 8.0)):
         profile = cs.LundbergProfile.iso_16281(2 * HERTZ.radius, length * A)
         grid = cs.Grid(cells, (6 * A, length * A))
@@ -254,7 +254,7 @@ def logarithmic() -> Iterator[AccuracyCase]:
 
 
 def gaps() -> Iterator[AccuracyCase]:
-    """Smooth contacts with mean gaps from small to large: bare, coated and under friction."""
+    """Yield smooth contacts with mean gaps from small to large: bare, coated and under friction."""
     aluminium = cs.HalfSpace(70e9, 0.2)
     for cells, width, thickness, fraction in (
         (99, 2.3, 0.0, 0.0), (40, 3.3, 0.0, 0.0), (43, 3.6, 0.1, 0.02), (109, 5.0, 1.0, 0.05), (56, 2.6, 0.3, 0.8),
@@ -275,7 +275,7 @@ def gaps() -> Iterator[AccuracyCase]:
 
 
 def point_loads() -> Iterator[AccuracyCase]:
-    """A rough sphere on a free length."""
+    """Yield a rough sphere on a free length."""
     point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     size = 2.6 * point.contact_radius
     grown = point.peak_pressure * point.contact_radius / MODULUS

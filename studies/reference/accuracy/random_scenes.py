@@ -48,7 +48,7 @@ def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
-    """Waves across or along, of as many cells."""
+    """Return waves across or along, of as many cells."""
     height, phase = _ratio(rng, 1e-3, 1.0) * GAP_SCALE, rng.uniform(0, tau)
     width = (2.6 + 2 * (height / GAP_SCALE) ** 0.5) * A
     if rng.random() < 0.6:
@@ -62,17 +62,17 @@ def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
 
 
 def waves(rng: np.random.Generator) -> Made:
-    """Waves of four to forty cells."""
+    """Return waves of four to forty cells."""
     return _waves(rng, (4.0, 40.0))
 
 
 def waves_of_few_cells(rng: np.random.Generator) -> Made:
-    """Waves of one to three cells, every third of them of exactly two."""
+    """Return waves of one to three cells, every third of them of exactly two."""
     return _waves(rng, (2.0, 2.0) if rng.random() < 1 / 3 else (1.0, 3.0))
 
 
 def slits(rng: np.random.Generator) -> Made:
-    """Slits of a tenth of a cell to three cells."""
+    """Return slits of a tenth of a cell to three cells."""
     grid = cs.Grid((int(rng.integers(40, 250)), 1), (rng.uniform(2.6, 3.4) * A, A))
     places = tuple(rng.uniform(-1, 1, int(rng.integers(1, 4))) * A)
     shape = Slits(
@@ -82,7 +82,7 @@ def slits(rng: np.random.Generator) -> Made:
 
 
 def needles(rng: np.random.Generator) -> Made:
-    """Bumps of a third of a cell to one and a half."""
+    """Return bumps of a third of a cell to one and a half."""
     cells = int(rng.integers(30, 50)), int(rng.integers(14, 30))
     grid = cs.Grid(cells, (3 * A, 3 * A * cells[1] / cells[0]))
     shape = Bumps(
@@ -95,7 +95,7 @@ def needles(rng: np.random.Generator) -> Made:
 
 
 def textures(rng: np.random.Generator) -> Made:
-    """Grooves and dimples with each flank."""
+    """Return grooves and dimples with each flank."""
     profile = PROFILES[int(rng.integers(3))]
     depth = _ratio(rng, 0.02, 5) * GAP_SCALE
     if rng.random() < 0.5:
@@ -111,7 +111,7 @@ def textures(rng: np.random.Generator) -> Made:
 
 
 def roughness(rng: np.random.Generator) -> Made:
-    """Roughness cut off at one to sixteen cells."""
+    """Return roughness cut off at one to sixteen cells."""
     cells = int(rng.integers(60, 110))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
     cut_off = _ratio(rng, 1, 16) * grid.cell_size[0]
@@ -126,7 +126,7 @@ def roughness(rng: np.random.Generator) -> Made:
 
 
 def measured(rng: np.random.Generator) -> Made:
-    """A ground surface at one to three cells a point."""
+    """Return a ground surface at one to three cells a point."""
     heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * GAP_SCALE
     surface = cs.MeasuredSurface(heights, (80 * POINT, 40 * POINT), seam=cs.Tapered())
     cells_per_point = rng.uniform(1, 3)
@@ -137,7 +137,7 @@ def measured(rng: np.random.Generator) -> Made:
 
 
 def coatings(rng: np.random.Generator) -> Made:
-    """Coatings 2 to 200 times stiffer than the substrate, of a tenth of a cell to thirty."""
+    """Return coatings 2 to 200 times stiffer than the substrate, of a tenth of a cell to thirty."""
     stiffer, cells = _ratio(rng, 2, 200), int(rng.integers(30, 150))
     coating, substrate = (
         cs.HalfSpace(modulus, 0.3) for modulus in (2e11 * stiffer**0.5, 2e11 / stiffer**0.5)
@@ -152,7 +152,7 @@ def coatings(rng: np.random.Generator) -> Made:
 
 
 def point_contacts(rng: np.random.Generator) -> Made:
-    """Spheres that touch in a few cells to some hundred."""
+    """Return spheres that touch in a few cells to some hundred."""
     point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     width = rng.uniform(2.2, 10) * point.contact_radius
     across, along = (int(count) for count in rng.integers(5, 40, 2))
@@ -162,7 +162,7 @@ def point_contacts(rng: np.random.Generator) -> Made:
 
 
 def rollers(rng: np.random.Generator) -> Made:
-    """Rollers of a tenth of a cell to all of the length, straight or crowned."""
+    """Return rollers of a tenth of a cell to all of the length, straight or crowned."""
     period = rng.uniform(3, 16) * A
     grid = cs.Grid((int(rng.integers(28, 60)), int(rng.integers(16, 80))), (4 * A, period))
     length = (
@@ -179,7 +179,7 @@ def rollers(rng: np.random.Generator) -> Made:
 
 
 def hard(rng: np.random.Generator) -> Made:
-    """Roughness on a body with a hardness."""
+    """Return roughness on a body with a hardness."""
     cells = int(rng.integers(40, 100))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
     shape = cs.Roughness(

@@ -36,12 +36,12 @@ class Wedge:
     curvature: float = 1 / HERTZ.radius  # for the scales alone
 
     def gap(self, grid: cs.Grid) -> Array:
-        """Both flanks."""
+        """Return the heights of both flanks [m]."""
         return (self.slope * np.abs(grid.x))[:, None]
 
 
 def cylinders() -> Iterator[AccuracyCase]:
-    """The contact's edge anywhere in its cell."""
+    """Yield contacts with their edge anywhere in its cell."""
     for cells in (25, 48, 96, 192):
         for width in (2.2, 2.47, 2.8, 3.1):
             grid = cs.Grid((cells, 1), (width * A, A))
@@ -50,7 +50,7 @@ def cylinders() -> Iterator[AccuracyCase]:
 
 
 def few_cells() -> Iterator[AccuracyCase]:
-    """A contact from a part of a cell to ten cells wide, its axis anywhere in its cell."""
+    """Yield contacts from a part of a cell to ten cells wide, its axis anywhere in its cell."""
     for touching in (0.3, 0.6, 1.0, 1.4, 2.0, 2.6, 3.5, 5.0, 7.0, 10.0):
         for fraction in (0.0, 0.37):
             grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
@@ -61,7 +61,7 @@ def few_cells() -> Iterator[AccuracyCase]:
 
 
 def spheres() -> Iterator[AccuracyCase]:
-    """Point contacts on a free length."""
+    """Yield point contacts on a free length."""
     point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     for cells in (24, 33, 64):
         for width in (2.2, 2.6, 3.1):
@@ -76,7 +76,7 @@ def spheres() -> Iterator[AccuracyCase]:
 
 
 def waves() -> Iterator[AccuracyCase]:
-    """Westergaard's wave, from a strip of contact to nearly no gap left."""
+    """Yield Westergaard's wave, from a strip of contact to nearly no gap left."""
     height, length = 1e-6, 1e-3
     for cells in (25, 64):
         for fraction in (0.05, 0.3, 0.6, 0.9, 0.97):
@@ -97,7 +97,7 @@ def waves() -> Iterator[AccuracyCase]:
 
 
 def sharp() -> Iterator[AccuracyCase]:
-    """A flat punch and a wedge, whose peak pressure is infinite."""
+    """Yield a flat punch and a wedge, whose peak pressure is infinite."""
     load = SCENE.load.largest
     for cells in (64, 128, 250, 512):
         grid = cs.Grid((cells, 1), (4 * A, A))
@@ -137,7 +137,7 @@ class Power:
     curvature: float = 1 / HERTZ.radius  # for the scales alone
 
     def gap(self, grid: cs.Grid) -> Array:
-        """Both flanks."""
+        """Return the heights of both flanks [m]."""
         return np.asarray(self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
 
 

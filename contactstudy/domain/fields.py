@@ -23,7 +23,7 @@ BLOCK_CELLS = 2**15
 MIN_COMPILED_CELLS = 2**14
 # In rows of fewer cells, the overhead of a compiled loop exceeds its work.
 MIN_COMPILED_COLUMNS = 4
-# Smallest number of cells for a thread: waking a thread takes as long as a pass over about 100 000 cells.
+# Smallest number of cells for a thread: waking a thread takes as long as a loop over about 100 000 cells.
 CELLS_PER_THREAD = 2**17
 
 

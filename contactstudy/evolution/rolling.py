@@ -26,7 +26,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
 # Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
 # pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
-# passes end at the change COARSE_CHANGE.
+# outer iterations end at the change COARSE_CHANGE.
 CHANGE_FACTOR, PRESSURE_FACTOR, COARSE_CHANGE = 2.0, 0.15, 1e-4
 
 
@@ -37,7 +37,7 @@ class SteadyRolling:
     Attributes
     ----------
     lagged
-        The contact in its own frame, with the number of passes.
+        The contact in its own frame, with the number of outer iterations.
     antisymmetric_weights
         Coefficients [m] and weights [1/Pa] of the displacement that is antisymmetric across.
     solve_on
@@ -145,12 +145,12 @@ def solve_rolling(
     grid, padding
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     options
-        How each pass is solved.
+        How each outer iteration is solved.
     change
-        Relative L1 change of the pressure below which passes end, see
+        Relative L1 change of the pressure below which outer iterations end, see
         :func:`~contactstudy.solvers.lagged.solve_with_mixing`.
     max_outer
-        Largest number of passes.
+        Largest number of outer iterations.
 
     Returns
     -------

@@ -174,8 +174,8 @@ class Sliding:
                 "friction, in one solve."
             )
         return (
-            f"friction: full sliding of dissimilar bodies (Dundurs' beta {beta:.3g}), iterated with the shear of "
-            f"the previous pass until it converges, in about {_passes(abs(beta) * self.coefficient)} passes."
+            f"friction: full sliding of dissimilar bodies (Dundurs' beta {beta:.3g}), solved with the shear of "
+            f"the previous solve, in about {_outer_iterations(abs(beta) * self.coefficient)} outer iterations."
         )
 
 
@@ -340,8 +340,8 @@ def shear_coupling(
     return normal_displacement(first, second, axes, grid, paddings, datum)
 
 
-def _passes(product: float) -> int:
-    """Return the number of passes to a tolerance of 1e-8, each of which leaves about the product of beta and mu."""
+def _outer_iterations(product: float) -> int:
+    """Return the outer iterations to a tolerance of 1e-8, each of which leaves about the product of beta and mu."""
     return max(2, round(log(1e-8) / log(min(1.1 * product, 0.9))))
 
 

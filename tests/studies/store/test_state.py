@@ -4,6 +4,7 @@ import functools
 import types
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,50 +21,15 @@ def state(measures: Any) -> str:
     return text(States().held(measures))
 
 
-def closure(scale: float) -> Measures:
-    return lambda case, result: scale * result
+def over(value: object) -> Measures:
+    """A function that closes over a value."""
+    return lambda case, result: value
 
 
-def closure_of_a_function(scale: float) -> Measures:
-    inner = closure(scale)
-
-    def measures(case: object, result: float) -> float:
-        return float(inner(case, result))
-
-    return measures
-
-
-def closure_of_a_table(scale: float) -> Measures:
-    table = {"k": [scale]}
-    return lambda case, result: table["k"][0] * result
-
-
-def closure_of_functions(scale: float) -> Measures:
-    functions = {"k": (closure(scale),)}
-    return lambda case, result: functions["k"][0](case, result)
-
-
-def default(scale: float) -> Measures:
-    def measures(case: object, result: float, *, factor: float = scale) -> float:
-        return factor * result
-
-    return measures
-
-
-def attribute(scale: float) -> Measures:
-    def measures(case: object, result: float) -> float:
-        return float(measures.scale * result)  # type: ignore[attr-defined]
-
-    vars(measures)["scale"] = scale
-    return measures
-
-
-def decorated(scale: float) -> Measures:
-    @functools.wraps(closure)
-    def measures(case: object, result: float) -> float:
-        return scale * result
-
-    return measures
+def noted(value: Any, scale: float) -> Any:
+    """The value, with an attribute."""
+    vars(value)["more"] = scale
+    return value
 
 
 @dataclass(frozen=True)
@@ -73,6 +39,10 @@ class Frozen:
 
     def __call__(self, case: object, result: float) -> float:
         return self.scale * result
+
+
+class Named(list[float]):
+    """A list that has attributes."""
 
 
 def local_class(scale: float) -> Measures:
@@ -86,33 +56,8 @@ def local_class(scale: float) -> Measures:
     return Local()
 
 
-class Named(list[float]):
-    def __init__(self, scale: float) -> None:
-        self.scale = scale
-
-
-@dataclass(frozen=True)
-class Derived:
-    name: str = "of a file"
-
-    def __call__(self, case: object, result: float) -> float:
-        return float(vars(self)["scale"] * result)
-
-
-def with_more_than_its_fields(scale: float) -> Measures:
-    one = Derived()
-    object.__setattr__(one, "scale", scale)
-    return one
-
-
-def partial_with_an_attribute(scale: float) -> Measures:
-    made = functools.partial(pow, 2)
-    vars(made)["scale"] = scale
-    return made
-
-
 def class_with_a_made_default(scale: float) -> Measures:
-    made = functools.partial(float, scale)
+    made = partial(float, scale)
 
     @dataclass(frozen=True)
     class Part:
@@ -122,21 +67,24 @@ def class_with_a_made_default(scale: float) -> Measures:
 
 
 KINDS: dict[str, Callable[[float], Any]] = {
-    made.__name__: made
-    for made in (closure, closure_of_a_function, closure_of_a_table, closure_of_functions, default, attribute)
-} | {
-    "decorated": decorated,
-    "list with an attribute": lambda scale: over(Named(scale)),
-    "frozen dataclass with more than its fields": with_more_than_its_fields,
+    "closure": over,
+    "closure of a function": lambda scale: over(over(scale)),
+    "closure of a table": lambda scale: over({"k": [scale]}),
+    "closure of functions": lambda scale: over({"k": (over(scale),)}),
+    "default": lambda scale: lambda case, result, *, factor=scale: factor * result,
+    "attribute": lambda scale: noted(over(1.0), scale),
+    "decorated": lambda scale: functools.wraps(over)(over(scale)),
+    "list with an attribute": lambda scale: over(noted(Named(), scale)),
+    "frozen dataclass with more than its fields": lambda scale: noted(Frozen(1.0), scale),
     "class with a made default": class_with_a_made_default,
-    "partial with an attribute": partial_with_an_attribute,
-    "partial": lambda scale: functools.partial(pow, scale),
+    "partial with an attribute": lambda scale: noted(partial(pow, 2), scale),
+    "partial": lambda scale: partial(pow, scale),
     "frozen dataclass": Frozen,
     "method of a frozen dataclass": lambda scale: Frozen(scale).__call__,
-    "frozen dataclass with a function": lambda scale: Frozen(1.0, closure(scale)),
+    "frozen dataclass with a function": lambda scale: Frozen(1.0, over(scale)),
     "class in a function": local_class,
-    "cached": lambda scale: functools.lru_cache(closure(scale)),
-}  # fmt: skip
+    "cached": lambda scale: functools.lru_cache(over(scale)),
+}
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -165,15 +113,11 @@ class Changeable:
         return self.scale * result
 
 
-def over(value: object) -> Measures:
-    return lambda case, result: value
-
-
 @pytest.mark.parametrize(
     "measures",
     [
-        Plain(1.0), Plain(1.0).measure, over(Plain(1.0)), over([Plain(1.0)]), functools.partial(pow, Plain(1.0)),
-        Changeable(), over(np.frompyfunc(closure(1.0), 2, 1)), over(types.SimpleNamespace(k=1.0)), over(iter([1])),
+        Plain(1.0), Plain(1.0).measure, over(Plain(1.0)), over([Plain(1.0)]), partial(pow, Plain(1.0)),
+        Changeable(), over(np.frompyfunc(over(1.0), 2, 1)), over(types.SimpleNamespace(k=1.0)), over(iter([1])),
     ],
 )  # fmt: skip
 def test_an_object_whose_state_cannot_be_seen_is_refused_with_the_remedy(measures: Any) -> None:

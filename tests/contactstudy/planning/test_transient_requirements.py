@@ -40,8 +40,10 @@ def test_a_plan_makes_room_for_wear() -> None:
 
 
 def test_rolling_takes_passes() -> None:
-    plan = cs.plan(rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), error=1e-2)
-    found = solve_rolling(rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), plan.grid, plan.padding)
+    scene = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1))
+    plan = cs.plan(scene, error=1e-2)
+    assert plan.seconds > plan_grid(scene, error=1e-2).seconds
+    found = solve_rolling(scene, plan.grid, plan.padding)
     assert found.lagged.outer_iterations == pytest.approx(plan.steps, abs=2)
     assert found.solution.status is cs.Status.CONVERGED
 
@@ -74,6 +76,19 @@ def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
     layers = found.frames[-1].coupled_state["equivalent0"].shape[0]
     assert f"{ratio:.3g} times the lowest yield stress" in said
     assert 0.7 < int(said.split("some ")[1].split()[0]) / layers < 1.4
+
+
+def test_cells_are_finer_where_a_body_yields_by_more_than_three_times() -> None:
+    """The error of a plastic contact is ``(r / 3)^1.5`` times the elastic one, and that of steps is half of it."""
+    elastic = replace(PLAIN, solids=(STEEL, cs.HalfSpace(np.inf, 0.0)))
+    loads = cs.LoadHistory((0.0, 1.0), (0.0, elastic.load.per_length))
+    cells = []
+    for ratio in (2.0, 3.0, 6.0):
+        body = cs.ElasticPlasticHalfSpace(210e9, 0.3, elastic.hertz.peak_pressure / ratio)
+        scene = replace(elastic, load=loads, solids=(body, elastic.solids[1]))
+        cells.append(plan_grid(scene, error=1e-2).grid.cell_size[0])
+    assert cells[0] == pytest.approx(cells[1], rel=0.1)
+    assert cells[2] == pytest.approx(cells[1] / 2**1.5, rel=0.1)
 
 
 def test_a_finer_grid_of_what_yields_is_said_to_take_more() -> None:

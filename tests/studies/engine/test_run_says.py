@@ -1,5 +1,6 @@
 """What a run says it will do, does and did, counted by hand."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -71,3 +72,14 @@ def test_a_dry_run_of_many_points_judges_by_some_of_them(
         "trouble: 40 points, estimated from 10 of them in proportion",
         "trouble: 40 points, 40 distinct cases, 0 stored, 40 to compute, 0 timed runs to take",
     ]
+
+
+def test_what_is_solved_says_how_long_its_times_will_take(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hundred runs of each of three cases that take 0.1 s; the last fails, which ends the run before them."""
+    monkeypatch.setattr("studies.engine.progress.LINE_INTERVAL", 0.0)
+    options, lines = RunOptions(workers=0, repeats=100, after_failure="stop"), []
+    run(trouble.study([1, 2, RAISES], seconds=0.1), tmp_path, options=options, log=lines.append)
+    times = re.findall(r"then (\d+) s timing", "\n".join(lines))
+    assert 30 <= int(times[-1]) < 100

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.grid import Grid
-from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, strip
@@ -100,3 +100,23 @@ def test_a_cylinder_of_uniform_strain_far_below_has_the_stress_of_eshelby(radius
     exact = 2 * operator.moduli.shear / (4 * (1 - nu))
     # the outline is one of squares: of 2 pi r cells on it, half are cut
     assert taken == pytest.approx(exact, rel=0.25 / radius)
+
+
+def test_strain_on_both_sides_acts_as_that_of_many_cells_there() -> None:
+    """What is left of the cells beyond falls as one over their distance."""
+    moduli, beyond, edges = Moduli(2.0, 0.3), 2000, LAYERS["graded"]
+    near, wide = (
+        PlaneStrainOperator(Volume(Grid((n, 1), (0.4 * n, 3.0)), 0, n, edges), moduli)
+        for n in (20, 20 + 2 * beyond)
+    )
+    left, right = np.random.default_rng(3).standard_normal((2, 3, 5))
+    strain = np.zeros((3, *wide.volume.shape))
+    strain[..., :beyond, 0], strain[..., -beyond:, 0] = left[..., None], right[..., None]
+    outer, inside = OuterStrain(near), slice(beyond, -beyond)
+    found = outer.tensor(left, right), outer.residual_displacement(left, right)
+    expected = (
+        wide.tensor_of_strain(strain)[..., inside, :],
+        wide.residual_displacement(strain)[inside],
+    )
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(one, other, atol=0.01 * np.abs(one).max())

@@ -115,7 +115,7 @@ def test_strain_on_both_sides_acts_as_that_of_many_cells_there() -> None:
     outer, inside = OuterStrain(near), slice(beyond, -beyond)
     found = outer.tensor(left, right), outer.residual_displacement(left, right)
     expected = (
-        wide.tensor_of_strain(strain)[..., inside, :],
+        wide.residual_stress_tensor(strain)[..., inside, :],
         wide.residual_displacement(strain)[inside],
     )
     for one, other in zip(found, expected, strict=True):

@@ -197,7 +197,8 @@ def _of_traction(
     force = float(np.hypot(*traction.shear.sum(axis=(1, 2))))
     coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
     if isinstance(traction, RollingTraction) and isfinite(traction.errors.force):
-        bound = traction.errors.force * pressed / abs(load) if load else 0.0
+        by_cells = traction.errors.force * pressed / abs(load) if load else 0.0
+        bound = by_cells + solution.residual * coefficient.value
         coefficient = replace(coefficient, bound=bound, reason="")
     friction = getattr(scene_of(solution), "friction", None)
     slides_freely = getattr(friction, "displacements", None) is not None

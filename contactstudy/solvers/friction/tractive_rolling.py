@@ -44,10 +44,9 @@ COARSEST = 24
 LEVEL_TOLERANCE = 1e-3
 # Outer iterations between pressure and shear of elastically dissimilar bodies.
 MAX_COUPLED_ITERATIONS = 60
-# Distance [cells] within which the edge of stick is found.
-EDGE = 0.3
-# Least creepage over that at which all slides, and least force over mu P, that an error is related to.
-LEAST_SLIDING = 0.1
+# Distance [cells] within which the edge of stick is found: errors were at most 0.96 of the bound in 600 line contacts of
+# 28 to 90 cells, a third of them near full sliding and a third near full stick.
+EDGE = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,9 +236,9 @@ class TractiveShear:
         sliding = 1 - sqrt(1 - min(part, 1.0))  # creepage over that at which all slides
         if self.force is None:
             free = size
-            edge_error = 4 * sliding * max(1 - sliding, edge) * edge / max(part, LEAST_SLIDING)
+            edge_error = 4 * sliding * (1 - sliding + 2 * edge) * edge / part if part else 0.0
         else:
-            free, edge_error = force[1], edge / max(sliding, LEAST_SLIDING)
+            across, free, edge_error = 0.0, force[1], 2 * edge
         return RollingErrors(
             force=max(float(np.hypot(across, along)), edge_error * free),
             creepage=max(float(creepage), edge_error * found_creepage),

@@ -249,6 +249,22 @@ def test_creepage_of_a_given_force_is_carters(fraction: float) -> None:
     assert found == pytest.approx(expected, abs=1e-4)
 
 
+@pytest.mark.parametrize("cells", [28, 41, 54, 84])
+@pytest.mark.parametrize("part", [0.01, 0.91, 0.97])
+def test_force_and_creepage_of_a_narrow_zone_of_slip_or_stick_are_within_their_bounds(
+    part: float, cells: int
+) -> None:
+    """A zone of few cells; Carter's force and creepage."""
+    driven = solved(rolling(longitudinal=part * SATURATION), (cells, 1)).quantities
+    force = MU * (1 - (1 - part) ** 2)
+    assert abs(driven["traction_coefficient"].value - force) <= driven["traction_coefficient"].bound
+    friction = cs.TractiveRolling(MU, tangential=force * LOAD.per_length)
+    found = solved(friction, (cells, 1)).quantities
+    assert abs(found["creepage"].value - part * SATURATION) <= found["creepage"].bound
+    assert found["traction_coefficient"].bound < 1e-8  # it is given
+    assert found["traction_coefficient"].value == pytest.approx(force, abs=1e-8)
+
+
 RIGID, ELASTIC = cs.HalfSpace(inf, 0.3), cs.HalfSpace(210e9, 0.3)
 UNLIKE = (ELASTIC, RIGID)
 WIDE = replace(SMOOTH, solids=UNLIKE).hertz.half_width

@@ -137,12 +137,12 @@ class Power:
     curvature: float = 1 / HERTZ.radius  # for the scales alone
 
     def gap(self, grid: cs.Grid) -> Array:
-        """Return the heights of both flanks [m]."""
+        """Return the heights [m]."""
         return np.asarray(self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
 
 
 def powers() -> Iterator[AccuracyCase]:
-    """Apexes between a wedge and a cylinder, whose peak pressure is finite and reached slowly."""
+    """Yield apexes between a wedge and a cylinder, whose peak pressure is finite and reached slowly."""
     for power, height, cells in (
         (1.2, 2.0, 160), (1.3, 1.0, 77), (1.5, 2.0, 56), (1.8, 3.0, 101), (1.86, 1.5, 20), (1.92, 1.0, 200),
     ):  # fmt: skip
@@ -152,7 +152,7 @@ def powers() -> Iterator[AccuracyCase]:
 
 
 def full() -> Iterator[AccuracyCase]:
-    """Waves pressed flat, over both axes and over one."""
+    """Yield waves pressed flat, over both axes and over one."""
     length, mean = 1e-4, 1e9
     for cells, fraction, across, along in (
         ((36, 36), 0.25, 1, 1), ((50, 80), 0.4, 2, 1), ((96, 64), 0.3, 1, 2), ((48, 1), 0.35, 2, 0),

@@ -26,7 +26,7 @@ from contactstudy.elasticity.approximate_inverse import (
 )
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
-from contactstudy.lubrication.pseudo_time import ActiveSets, FilmStep
+from contactstudy.lubrication.pseudo_time import ActiveSets, FilmCorrection
 
 
 @dataclass(frozen=True)
@@ -35,16 +35,16 @@ class KrylovTuning:
 
     Attributes
     ----------
-    tolerance, tolerance_touching, refused
+    tolerance, tolerance_touching, max_residual
         Linear residual where GMRES stops (0.1 costs steps, 0.01 half as many iterations again), the same where cells
-        touch (with 1e-2 the active sets did not settle on 128 x 32 cells), and above which a step is refused.
+        touch (with 1e-2 the active sets did not converge on 128 x 32 cells), and above which a step is refused.
     basis, restarts
         Length of the basis of GMRES, and restarts.
     waves
         Harmonics along the length in the Fourier stage: further ones change no count.
-    film_fraction, width_fraction
+    elastic_fraction, width_fraction
         Elasticity of the local stage: fractions of the coefficients of the film, and of a cell's width.
-    film_fraction_long, width_fraction_long, long_cell
+    elastic_fraction_long, width_fraction_long, long_cell
         The same by sparse factors, for cells so many times as long as wide, which lines along the length do not couple.
     growth, margin, step_ratio, longest_step
         Rebuild the preconditioner when iterations exceed ``growth`` times those of the last build plus ``margin``, or
@@ -53,13 +53,13 @@ class KrylovTuning:
 
     tolerance: float = 3e-2
     tolerance_touching: float = 1e-3
-    refused: float = 0.1
+    max_residual: float = 0.1
     basis: int = 120
     restarts: int = 4
     waves: int = 33
-    film_fraction: float = 0.03
+    elastic_fraction: float = 0.03
     width_fraction: float = 0.03
-    film_fraction_long: float = 0.05
+    elastic_fraction_long: float = 0.05
     width_fraction_long: float = 0.1
     long_cell: float = 2.0
     growth: float = 1.5
@@ -72,7 +72,7 @@ TUNING = KrylovTuning()
 
 
 @dataclass(frozen=True, eq=False)
-class KrylovStep:
+class KrylovSolver:
     """GMRES for a film that varies along its length.
 
     The Fourier stage was ``built_for`` a step in pseudo-time, and GMRES took ``iterations_at_build`` with it at first.
@@ -88,7 +88,7 @@ class KrylovStep:
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
-    ) -> FilmStep:
+    ) -> FilmCorrection:
         """Return the step for given ``active`` sets.
 
         GMRES starts from the step for the sets before, if the linearised balance is the same. The change of film of
@@ -100,9 +100,9 @@ class KrylovStep:
         pressure = np.where(cavitated, -film.pressure, 0.0)
         void = np.where(cavitated, 0.0, -film.void)
         total = np.where(touching, 0.0, pressure)
-        if film.contact is not None:
-            total = np.where(touching, 0.0, pressure - film.contact)
-        unsolved = FilmStep(pressure, void, 0.0, replace(self, fourier=None), solved=False)
+        if film.asperity_pressure is not None:
+            total = np.where(touching, 0.0, pressure - film.asperity_pressure)
+        unsolved = FilmCorrection(pressure, void, 0.0, replace(self, fourier=None), solved=False)
         try:
             staged = self._with_fourier_stage(linear, cavitated, touching)
             assert staged.fourier is not None
@@ -116,15 +116,17 @@ class KrylovStep:
             system = replace(system, extension=inverse.extension(touching.astype(float)))
         deflection = equation.deflection(total)
         to_boundary = equation.boundary - film.film
-        missing = load_residual - system.mean * total.sum()
+        remaining_load = load_residual - system.mean * total.sum()
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, deflection))
         balance = -(linear.residual + change)
         right = system.stacked(
-            balance, (to_boundary - deflection) * touching, system.flow * missing
+            balance, (to_boundary - deflection) * touching, system.flow * remaining_load
         )
         norm = float(np.linalg.norm(right))
         if norm == 0:
-            return FilmStep(pressure, void, 0.0, staged, contact=film.contact)
+            return FilmCorrection(
+                pressure, void, 0.0, staged, asperity_pressure=film.asperity_pressure
+            )
         start = np.zeros_like(right)
         if self.last is not None and self.last[0].linear is linear:
             start = system.restricted_from(*self.last)
@@ -140,24 +142,30 @@ class KrylovStep:
         )
         change_of_pressure, change_of_void, asperities, separation = system.split(unknowns)
         pressure = pressure + change_of_pressure
-        contact = None
-        if film.contact is not None:
-            contact = np.where(touching, asperities - pressure, -film.contact)
-        solved = bool(np.isfinite(residual) and residual < TUNING.refused)
-        return FilmStep(pressure, void + change_of_void, separation, solver, solved, count, contact)
+        asperity_pressure = None
+        if film.asperity_pressure is not None:
+            asperity_pressure = np.where(touching, asperities - pressure, -film.asperity_pressure)
+        solved = bool(np.isfinite(residual) and residual < TUNING.max_residual)
+        return FilmCorrection(
+            pressure, void + change_of_void, separation, solver, solved, count, asperity_pressure
+        )
 
     def _with_fourier_stage(
         self, linear: Linearised, cavitated: Mask, touching: Mask
-    ) -> "KrylovStep":
+    ) -> "KrylovSolver":
         """Return the solver with a new Fourier stage where the time step has changed, or iterations grew."""
         time_step = (
-            min(1 / linear.rate, TUNING.longest_step) if linear.rate else TUNING.longest_step
+            min(1 / linear.inverse_time_step, TUNING.longest_step)
+            if linear.inverse_time_step
+            else TUNING.longest_step
         )
         ratio = time_step / self.built_for if self.built_for else 0.0
         if self.fourier is not None and 1 / TUNING.step_ratio < ratio < TUNING.step_ratio:
             return self
-        free = ~(cavitated | linear.equation.fixed)
-        fourier = FourierStage.of(linear, free, touching, influence_by_harmonic(self.deflection))
+        full_film = ~(cavitated | linear.equation.fixed)
+        fourier = FourierStage.of(
+            linear, full_film, touching, influence_by_harmonic(self.deflection)
+        )
         return replace(self, fourier=fourier, built_for=time_step, iterations_at_build=None)
 
 
@@ -178,7 +186,7 @@ class StepSystem:
     extension: ExactExtension | CoveringExtension | None = None
 
     @cached_property
-    def free(self) -> Mask:
+    def full_film(self) -> Mask:
         """Cells whose lubricant is under pressure."""
         return ~(self.cavitated | self.linear.equation.fixed)
 
@@ -190,7 +198,7 @@ class StepSystem:
     @property
     def mean(self) -> float:
         """Load of a unit pressure on one cell."""
-        return float(self.linear.equation.cell[0] / self.free.shape[1])
+        return float(self.linear.equation.cell[0] / self.full_film.shape[1])
 
     def stacked(self, cells: Array, touching: Array, last: float) -> Array:
         """Return a vector of values of cells (x, y), of touching cells (x, y), and of the separation or the load."""
@@ -198,15 +206,15 @@ class StepSystem:
 
     def unstacked(self, values: Array) -> tuple[Array, Array, float]:
         """Return what :meth:`stacked` stacks; zero where no cell touches."""
-        cells = values[: self.free.size].reshape(self.free.shape)
+        cells = values[: self.full_film.size].reshape(self.full_film.shape)
         touching = np.zeros_like(cells)
-        touching[self.touching] = values[self.free.size : -1]
+        touching[self.touching] = values[self.full_film.size : -1]
         return cells, touching, float(values[-1])
 
     def split(self, values: Array) -> tuple[Array, Array, Array, float]:
         """Return pressure and void fraction (x, y), pressure on touching cells, and separation of the unknowns."""
         cells, touching, separation = self.unstacked(values)
-        return cells * self.free, cells * self.cavitated, touching, separation
+        return cells * self.full_film, cells * self.cavitated, touching, separation
 
     def restricted_from(self, system: "StepSystem", values: Array) -> Array:
         """Return the unknowns of another system where they are those of this one, else zero."""
@@ -224,11 +232,11 @@ class StepSystem:
     def preconditioned(self, values: Array) -> Array:
         """Apply the Fourier stage, then the local stage to what it leaves."""
         cells, touching, load = self.unstacked(values)
-        solved = self.free | self.touching
-        rows = np.where(self.touching, touching, cells * self.free)
+        solved = self.full_film | self.touching
+        rows = np.where(self.touching, touching, cells * self.full_film)
         coarse, separation = self.fourier.solve(rows, load / self.flow)
         coarse = coarse * solved
-        unknowns = self.stacked(coarse * (self.free & ~self.touching), coarse, separation)
+        unknowns = self.stacked(coarse * (self.full_film & ~self.touching), coarse, separation)
         cells, touching, _ = self.unstacked(values - self.product(unknowns))
         correction = self.local.solve(cells) * ~self.linear.equation.fixed
         if self.extension is not None:
@@ -268,24 +276,30 @@ class FourierStage:
     scale: Array
 
     @classmethod
-    def of(cls, linear: Linearised, free: Mask, touching: Mask, influence: Array) -> "FourierStage":
+    def of(
+        cls, linear: Linearised, full_film: Mask, touching: Mask, influence: Array
+    ) -> "FourierStage":
         """Average over the length, and invert; ``influence`` (wave, x, x) in single precision.
 
         Rows of touching cells are those of their film; the film of others changes by elasticity.
         """
         equation = linear.equation
-        nx, ny = free.shape
+        nx, ny = full_film.shape
         number = len(influence)
         matrices = np.zeros((number, nx, nx), dtype=np.float32)
         index = np.arange(nx)
         by_separation = np.zeros(nx)
         # identity rows for cells that are not free
-        solved, moves, free = free | touching, ~touching, free & ~touching
+        solved, film_can_change, full_film = full_film | touching, ~touching, full_film & ~touching
         matrices[:, index, index] = 1 - solved.mean(axis=1)
         turn = np.cos(2 * np.pi * np.arange(number) / ny)
         for bands, elastic in ((linear.pressure, False), (linear.film, True)):
             for (across, along), coefficient in bands.items():
-                counted = free & neighbour(moves, (across, along)) if elastic else free
+                counted = (
+                    full_film & neighbour(film_can_change, (across, along))
+                    if elastic
+                    else full_film
+                )
                 average = (coefficient * counted).mean(axis=1).astype(np.float32)
                 rows = index[max(0, -across) : nx - max(0, across)]
                 weight = turn if along else np.ones(number)
@@ -351,7 +365,12 @@ class LineStage:
         return cls(
             *(
                 _coefficient(
-                    linear, cavitated, touching, offset, TUNING.film_fraction, TUNING.width_fraction
+                    linear,
+                    cavitated,
+                    touching,
+                    offset,
+                    TUNING.elastic_fraction,
+                    TUNING.width_fraction,
                 )
                 for offset in offsets
             )
@@ -381,7 +400,7 @@ class FactorStage:
                 cavitated,
                 touching,
                 offset,
-                TUNING.film_fraction_long,
+                TUNING.elastic_fraction_long,
                 TUNING.width_fraction_long,
             )
             inside = neighbour(np.ones_like(cavitated), offset)
@@ -412,17 +431,17 @@ def _coefficient(
     cavitated: Mask,
     touching: Mask,
     offset: tuple[int, int],
-    film_fraction: float,
+    elastic_fraction: float,
     width_fraction: float,
 ) -> Array:
     """Return the coefficient of the unknown of the neighbour at ``offset``, with a remainder of elasticity."""
     fixed = linear.equation.fixed
     zero = np.zeros(fixed.shape)
-    moves = neighbour(~touching, offset)
+    film_can_change = neighbour(~touching, offset)
     pressure = linear.pressure.get(offset, zero)
-    pressure = pressure + film_fraction * moves * linear.film.get(offset, zero)
+    pressure = pressure + elastic_fraction * film_can_change * linear.film.get(offset, zero)
     if offset == (0, 0):
-        pressure = pressure + width_fraction * linear.equation.cell[0] * moves
+        pressure = pressure + width_fraction * linear.equation.cell[0] * film_can_change
     unknown = np.where(neighbour(cavitated, offset), linear.void.get(offset, zero), pressure)
     return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
 

@@ -17,14 +17,14 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import Film, Storage
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.posed_film import PosedFilm, lubricated_scales, pose, step_solver
-from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, StepSolver, iterate
+from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
+from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
 from contactstudy.lubrication.steady_film import (
     TUNING as STEADY,
 )
 from contactstudy.lubrication.steady_film import (
-    contact_of,
     continued,
+    film_solution,
 )
 from contactstudy.scene.load import ChangingLoad, LineLoad
 from contactstudy.scene.lubrication import ChangingSpeed
@@ -43,27 +43,27 @@ class StepTuning:
         First step, over the passage of a cell.
     shrink, grow, safety
         Limits of the factor of a step, and the factor below the error that a step aims at.
-    least
+    min_step
         Step over the first one where a failed step is kept, and the evolution ends.
     step_error
         Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps).
     largest
         Error by the steps over the largest difference to an evolution with steps twice as long.
-    newton
-        First pseudo-time step [a / u_m], so long that it is Newton's.
-    film_fall
-        Fraction of the last film that is left in a film to start from.
+    pseudo_time_step
+        First pseudo-time step [a / u_m], so long that it is a Newton step.
+    min_film_fraction
+        Least film to start from over that of the last instant.
     """
 
     first: float = 0.5
     shrink: float = 0.3
     grow: float = 1.6
     safety: float = 0.8
-    least: float = 1e-4
+    min_step: float = 1e-4
     step_error: float = 2 / 11
     largest: float = 1.5
-    newton: float = 1e6
-    film_fall: float = 0.3
+    pseudo_time_step: float = 1e6
+    min_film_fraction: float = 0.3
 
 
 TUNING = StepTuning()
@@ -171,10 +171,10 @@ def evolve_lubricated(
         step = positive("TimeSteps.step", step, "give a step above 0 s")
     error = positive("TimeSteps.error", 1e-3 if error is None else error, "give one above 0")
     stepper = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
-    every = None if times is None else instants
-    history = _through(stepper, instants, every, error, step, tolerance, progress)
+    recorded_times = None if times is None else instants
+    history = _integrate(stepper, instants, recorded_times, error, step, tolerance, progress)
     long_step = None if step is None else 2 * step
-    long_steps = _through(
+    long_steps = _integrate(
         stepper, list(history.times), list(history.times), 8 * error, long_step, tolerance, None
     )
     return replace(history, errors_by_steps=_errors_by_steps(history, long_steps))
@@ -190,7 +190,10 @@ def _errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mapp
             zip(fine.contacts, coarse_films.contacts, strict=False)
         ):
             if failed not in (contact.status, wide_contact.status):
-                value, coarse = float(getattr(contact, name)), float(getattr(wide_contact, name))
+                value, coarse = (
+                    float(getattr(contact, name)),
+                    float(getattr(wide_contact, name)),
+                )
                 errors[name][number] = abs(value - coarse) / (abs(value) or 1.0)
         # the largest, as a difference may vanish by chance where a wave passes
         errors[name][:] = TUNING.largest * errors[name].max()
@@ -210,7 +213,7 @@ def _check_loaded(scene: Scene, instants: list[float]) -> None:
             )
 
 
-def _through(
+def _integrate(
     stepper: "_FilmStepper",
     instants: list[float],
     times: list[float] | None,
@@ -222,25 +225,25 @@ def _through(
     """Step to the last of ``instants``; record every step if ``times`` is None."""
     recorded, contacts = [instants[0]], [stepper.contact()]
     steps, largest_error, iterations, linear_iterations = 0, 0.0, 0, 0
-    cell_passage = stepper.posed.equation.cell[0] * stepper.unit
+    cell_passage = stepper.posed.equation.cell[0] * stepper.time_unit
     length = step or TUNING.first * cell_passage
     for target in instants[1:]:
         while stepper.time < target - 1e-9 * cell_passage:
             remaining = target - stepper.time
             # avoid a tiny last step before an instant
             trial = remaining / max(np.ceil(remaining / length - 1e-3), 1)
-            stepped, step_error = stepper.stepped(trial)
-            iterations += stepped.last.iterations
-            linear_iterations += stepped.last.linear_iterations
-            failed = not stepped.last.converged(tolerance)
+            advanced, step_error = stepper.advanced(trial)
+            iterations += advanced.last.iterations
+            linear_iterations += advanced.last.linear_iterations
+            failed = not advanced.last.converged(tolerance)
             if (
                 failed or (step is None and step_error > error)
-            ) and trial > TUNING.least * cell_passage:
+            ) and trial > TUNING.min_step * cell_passage:
                 length = trial * (
                     TUNING.shrink if failed else max(TUNING.shrink, (error / step_error) ** (1 / 3))
                 )
                 continue
-            stepper, steps, largest_error = stepped, steps + 1, max(largest_error, step_error)
+            stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
             if progress is not None:
                 progress(stepper.time, instants[-1])
             factor = TUNING.safety * (error / step_error) ** (1 / 3) if step_error > 0 else 1.0
@@ -293,8 +296,8 @@ class _FilmStepper:
     grid: Grid
     padding: Padding | Paddings
     posed: PosedFilm
-    solver: StepSolver
-    unit: float
+    solver: LinearSolver
+    time_unit: float
     tolerance: float
     distance: float
     past: tuple[_Instant, ...]
@@ -313,9 +316,9 @@ class _FilmStepper:
         changing = isinstance(scene.load, ChangingLoad)
         largest = replace(scene, load=LineLoad(scene.load.largest)) if changing else scene
         posed = pose(largest, grid, padding)
-        unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
+        time_unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
         stepper = cls(
-            scene, grid, padding, posed, step_solver(posed), unit, tolerance, 0.0, (), posed
+            scene, grid, padding, posed, linear_solver(posed), time_unit, tolerance, 0.0, (), posed
         )
         now = stepper._posed_at(start, 0.0)
         if now.equation.speed <= 0:
@@ -324,41 +327,43 @@ class _FilmStepper:
                 "value above 0, or a later first time."
             )
         last = continued(now, FilmControls(tolerance=tolerance))
-        instant = _Instant(start / unit, last.film, now.equation.content(last.film), last)
+        instant = _Instant(start / time_unit, last.film, now.equation.content(last.film), last)
         return replace(stepper, past=(instant,), now=now)
 
     @property
     def time(self) -> float:
         """Time of the last instant [s]."""
-        return self.past[0].time * self.unit
+        return self.past[0].time * self.time_unit
 
     @property
     def last(self) -> FilmIteration:
         """Iteration of the last instant."""
         return self.past[0].iteration
 
-    def stepped(self, length: float) -> tuple["_FilmStepper", float]:
+    def advanced(self, length: float) -> tuple["_FilmStepper", float]:
         """Return the time stepper after a step [s], and the error of that step."""
         end = self.time + length
         speed = self.posed.scales.lubrication.speed_at
         middle = speed(self.time + length / 2)
         distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6
         now = self._posed_at(end, distance)
-        equation, step = now.equation, length / self.unit
-        expected = self._expected(now, end / self.unit)
+        equation, step = now.equation, length / self.time_unit
+        expected = self._expected(now, end / self.time_unit)
         controls = FilmControls(
             tolerance=self.tolerance,
             max_iterations=60,
-            time_step=TUNING.newton,
+            time_step=TUNING.pseudo_time_step,
             viscosity_change=STEADY.rough_change,
         )
         last = iterate(
             equation, expected, self.solver, controls,
             storage=self._storage(step), cavitated=self.last.cavitated,
         )  # fmt: skip
-        instant = _Instant(end / self.unit, last.film, equation.content(last.film), last)
+        instant = _Instant(end / self.time_unit, last.film, equation.content(last.film), last)
         inside = np.abs(now.x) < 1
-        change = np.abs(last.film.film - self._extrapolated(end / self.unit, "film"))[inside].mean()
+        change = np.abs(last.film.film - self._extrapolated(end / self.time_unit, "film"))[
+            inside
+        ].mean()
         enough = len(self.past) > 2
         size = TUNING.step_error * float(change / last.film.film[inside].mean()) if enough else 0.0
         past = (instant, *self.past[:2])
@@ -366,7 +371,9 @@ class _FilmStepper:
 
     def contact(self) -> FilmSolution:
         """Return the contact at the last instant."""
-        return contact_of(self.scene, self.grid, self.padding, self.now, self.last, self.tolerance)
+        return film_solution(
+            self.scene, self.grid, self.padding, self.now, self.last, self.tolerance
+        )
 
     def _posed_at(self, time: float, distance: float) -> PosedFilm:
         """Return the film equation at a time [s], after the mean speed has gone a distance [m]."""
@@ -417,8 +424,8 @@ class _FilmStepper:
         void = np.where(pressure > 0, 0, last.void)
         separation = float(self._extrapolated(time, "separation").flat[0])
         film = now.equation.film_of(pressure, void, separation)
-        if (film.film > TUNING.film_fall * last.film).all():
+        if (film.film > TUNING.min_film_fraction * last.film).all():
             return film
         film = now.equation.film_of(last.pressure, last.void, last.separation)
-        rise = max(0.0, float((TUNING.film_fall * last.film - film.film).max()))
+        rise = max(0.0, float((TUNING.min_film_fraction * last.film - film.film).max()))
         return now.equation.film_of(last.pressure, last.void, last.separation + rise)

@@ -77,7 +77,7 @@ class FilmScales:
         return film * pi / (8 * self.load_parameter)
 
     @property
-    def reach(self) -> float:
+    def relative_half_width(self) -> float:
         """Half-width of the pressure in units of that of Hertz; a thick film carries load over ``sqrt(2 H)``."""
         return max(1.0, sqrt(2 * self.expected_film))
 
@@ -86,19 +86,23 @@ class FilmScales:
 class Film:
     """A state of the film: fields (x, y) of pressure, void fraction and film, and the separation H0.
 
-    ``contact`` (x, y) is the pressure of asperities; None without a boundary film.
+    ``asperity_pressure`` (x, y) is that of asperities; None without a boundary film.
     """
 
     pressure: Array
     void: Array
     separation: float
     film: Array
-    contact: Array | None = None
+    asperity_pressure: Array | None = None
 
     @property
     def total_pressure(self) -> Array:
         """Pressure (x, y) of lubricant and asperities."""
-        return self.pressure if self.contact is None else self.pressure + self.contact
+        return (
+            self.pressure
+            if self.asperity_pressure is None
+            else self.pressure + self.asperity_pressure
+        )
 
 
 @dataclass(frozen=True)
@@ -127,13 +131,13 @@ class _FaceSide(NamedTuple):
 
 
 class _FaceFlow(NamedTuple):
-    """Flow through faces, and its derivatives by pressure and film of the cell before and behind."""
+    """Flow through faces, and its derivatives by pressure and film of the cells upstream and downstream."""
 
     flux: Array
-    pressure_before: Array
-    pressure_behind: Array
-    film_before: Array
-    film_behind: Array
+    pressure_upstream: Array
+    pressure_downstream: Array
+    film_upstream: Array
+    film_downstream: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +145,8 @@ class Linearised:
     """The balance of the cells to first order in changes of pressure, film and void fraction.
 
     ``pressure`` at a constant film, ``film`` and ``void`` are bands of coefficients (x, y): one of offset (i, j)
-    multiplies the change in the cell that far away. Rows of fixed cells are zero. ``rate`` is that of a step in time.
+    multiplies the change in the cell that far away. Rows of fixed cells are zero. ``inverse_time_step`` is that
+    of an implicit step, zero for none.
     """
 
     residual: Array
@@ -151,14 +156,14 @@ class Linearised:
     void: Bands
     content_slopes: tuple[Array, Array, Array]
     equation: "FilmEquation"
-    rate: float = 0.0
+    inverse_time_step: float = 0.0
 
-    def delayed(self, rate: float, moved: Array | float = 0.0) -> "Linearised":
-        """Add ``rate`` times the change of content: an implicit step in time of length 1 / rate.
+    def with_time_step(self, inverse: float, moved: Array | float = 0.0) -> "Linearised":
+        """Add ``inverse`` times the change of content: an implicit step in time of length 1 / inverse.
 
         The change is from a film that is lower by ``moved`` (x, y).
         """
-        scaled = rate * self.equation.cell[0] * ~self.equation.fixed
+        scaled = inverse * self.equation.cell[0] * ~self.equation.fixed
         bands = (
             {**band, (0, 0): band[0, 0] + scaled * slope}
             for band, slope in zip(
@@ -167,7 +172,14 @@ class Linearised:
         )
         pressure, film, void = bands
         residual = self.residual + scaled * self.content_slopes[1] * moved
-        return replace(self, residual=residual, pressure=pressure, film=film, void=void, rate=rate)
+        return replace(
+            self,
+            residual=residual,
+            pressure=pressure,
+            film=film,
+            void=void,
+            inverse_time_step=inverse,
+        )
 
     def change(self, pressure: Array, void: Array, separation: float) -> Array:
         """Return the change of the balance under changes of pressure, void fraction and separation."""
@@ -221,22 +233,26 @@ class FilmEquation:
         return fixed
 
     def film_of(
-        self, pressure: Array, void: Array, separation: float, contact: Array | None = None
+        self,
+        pressure: Array,
+        void: Array,
+        separation: float,
+        asperity_pressure: Array | None = None,
     ) -> Film:
-        """Return the state with the film under ``pressure``, and that of asperities in ``contact``."""
-        total = pressure if contact is None else pressure + contact
+        """Return the state with the film under ``pressure``, and ``asperity_pressure``."""
+        total = pressure if asperity_pressure is None else pressure + asperity_pressure
         film = separation + self.gap + self.deflection(total)
-        return Film(pressure, void, separation, film, contact)
+        return Film(pressure, void, separation, film, asperity_pressure)
 
     def content(self, film: Film) -> Array:
         """Return the content of each cell, ``(1 - theta) rho H``."""
-        return np.asarray(self.filled(film) * self.density(film.pressure)[0] * film.film)
+        return np.asarray(self.film_fraction(film) * self.density(film.pressure)[0] * film.film)
 
-    def filled(self, film: Film) -> Array:
+    def film_fraction(self, film: Film) -> Array:
         """Return the fraction of the film that holds lubricant."""
-        filled = 1 - film.void if self.conserves else np.ones_like(film.void)
-        filled[:2] = np.minimum(filled[:2], self.supply / film.film[:2])
-        return filled
+        film_fraction = 1 - film.void if self.conserves else np.ones_like(film.void)
+        film_fraction[:2] = np.minimum(film_fraction[:2], self.supply / film.film[:2])
+        return film_fraction
 
     def load_residual(self, film: Film) -> float:
         """Return the load less what the pressure carries."""
@@ -250,12 +266,12 @@ class FilmEquation:
         cells = _FaceSide(
             film.pressure, -log_viscosity, -log_slope, density, density_slope, film.film
         )
-        filled = self.filled(film)
-        content = filled * density * film.film
+        film_fraction = self.film_fraction(film)
+        content = film_fraction * density * film.film
         by_void = -density * film.film if self.conserves else np.zeros_like(content)
-        by_film = filled * density
+        by_film = film_fraction * density
         by_film[:2] *= film.film[:2] <= self.supply
-        slopes = (filled * density_slope * film.film, by_film, by_void)
+        slopes = (film_fraction * density_slope * film.film, by_film, by_void)
         dx, dy = self.cell
         across = _poiseuille_flow(
             cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
@@ -263,7 +279,7 @@ class FilmEquation:
         wedge, wedge_own, wedge_upstream = (
             self.speed * values for values in _couette_flow(content)
         )
-        least = self.speed * (filled * density * self.boundary)[:-1]
+        least = self.speed * (film_fraction * density * self.boundary)[:-1]
         on_boundary = wedge < least
         wedge[on_boundary] = least[on_boundary]
         wedge_own[on_boundary] = wedge_upstream[on_boundary] = 0
@@ -271,23 +287,23 @@ class FilmEquation:
 
         residual = np.zeros_like(content)
         residual[1:-1] = flux[1:] - flux[:-1]
-        after, before = _face_behind, _face_before
+        downstream, upstream = _downstream_face, _upstream_face
         pressure = {
-            (0, 0): after(across.pressure_before) - before(across.pressure_behind),
-            (1, 0): after(across.pressure_behind),
-            (-1, 0): -before(across.pressure_before),
+            (0, 0): downstream(across.pressure_upstream) - upstream(across.pressure_downstream),
+            (1, 0): downstream(across.pressure_downstream),
+            (-1, 0): -upstream(across.pressure_upstream),
         }
         height = {
-            (0, 0): after(across.film_before) - before(across.film_behind),
-            (1, 0): after(across.film_behind),
-            (-1, 0): -before(across.film_before),
+            (0, 0): downstream(across.film_upstream) - upstream(across.film_downstream),
+            (1, 0): downstream(across.film_downstream),
+            (-1, 0): -upstream(across.film_upstream),
         }
         if content.shape[1] > 1:
             residual += _balance_along(cells, dx / (self.resistance * dy**2), pressure, height)
         drawn = {
-            (0, 0): after(wedge_own),
-            (-1, 0): after(wedge_upstream) - before(wedge_own),
-            (-2, 0): -before(wedge_upstream),
+            (0, 0): downstream(wedge_own),
+            (-1, 0): downstream(wedge_upstream) - upstream(wedge_own),
+            (-2, 0): -upstream(wedge_upstream),
         }
         if storage is not None:
             residual += dx * (storage.rate * content + storage.history)
@@ -299,8 +315,8 @@ class FilmEquation:
                 bands[offset] = bands[offset] + term if offset in bands else term
         if on_boundary.any():
             held_faces: Array = self.speed * on_boundary.astype(float)
-            held_bands = {(0, 0): after(held_faces), (-1, 0): -before(held_faces)}
-            held_slopes = filled * density_slope * self.boundary, -density * self.boundary
+            held_bands = {(0, 0): downstream(held_faces), (-1, 0): -upstream(held_faces)}
+            held_slopes = film_fraction * density_slope * self.boundary, -density * self.boundary
             for offset, coefficient in held_bands.items():
                 for bands, held_slope in zip((pressure, void), held_slopes, strict=True):
                     bands[offset] = bands[offset] + coefficient * neighbour(held_slope, offset)
@@ -329,12 +345,12 @@ def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scala
     return result
 
 
-def _face_behind(faces: Array) -> Array:
+def _downstream_face(faces: Array) -> Array:
     """Return for each row of cells the value of the face downstream; zero for the last."""
     return np.concatenate((faces, np.zeros_like(faces[:1])))
 
 
-def _face_before(faces: Array) -> Array:
+def _upstream_face(faces: Array) -> Array:
     """Return for each row of cells the value of the face upstream; zero for the first."""
     return np.concatenate((np.zeros_like(faces[:1]), faces))
 
@@ -378,8 +394,8 @@ def _balance_along(
     along = _poiseuille_flow(cells, cells.next_along(), factor)
     last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
     for bands, by_behind, by_before, last_by_behind, last_by_before in (
-        (pressure, along.pressure_behind, along.pressure_before, *last[1:3]),
-        (film, along.film_behind, along.film_before, *last[3:5]),
+        (pressure, along.pressure_downstream, along.pressure_upstream, *last[1:3]),
+        (film, along.film_downstream, along.film_upstream, *last[3:5]),
     ):
         bands[0, 0] = bands[0, 0] + by_before - last_by_before
         bands[0, 1], bands[0, -1] = by_behind, -last_by_behind

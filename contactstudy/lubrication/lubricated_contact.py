@@ -275,12 +275,12 @@ def shear_stress(
     film: Array,
     film_fraction: Array,
     contact: Array | None = None,
-    thinned: Array | float = 1.0,
+    viscosity_ratio: Array | float = 1.0,
 ) -> Array:
     """Return the shear stress [Pa] of sliding in the middle of the film, by the shear law of the lubricant.
 
     Only the part of the film that holds lubricant is sheared. Asperities add their friction on the pressure that they
-    carry in ``contact``; the lubricant beside them has the remainder of it. ``thinned`` is the viscosity over
+    carry in ``contact``; the lubricant beside them has the remainder of it. ``viscosity_ratio`` is the viscosity over
     that at the temperature of the supply.
     """
     motion = scales.lubrication
@@ -289,7 +289,7 @@ def shear_stress(
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
     with np.errstate(over="ignore"):  # Barus' law may overflow
         sliding = mean_speed * motion.slide_roll_ratio
-        newtonian = thinned * oil.viscosity * np.exp(log_viscosity) * sliding / film
+        newtonian = viscosity_ratio * oil.viscosity * np.exp(log_viscosity) * sliding / film
     lubricant = film_fraction * oil.shear.stress(newtonian, pressure)
     if contact is None or motion.boundary is None:
         return lubricant

@@ -14,7 +14,7 @@ import numpy as np
 
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film
-from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, step_solver
+from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, linear_solver
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -30,7 +30,7 @@ class MixedTuning:
         fractions above 0.88.
     change
         Largest change of ln(eta) in a step from a film.
-    rounds
+    max_active_set_iterations
         Largest number of iterations for the active sets of a step.
     dry_steps
         Steps from the dry contact in plane strain: more are spent where there is a film.
@@ -43,7 +43,7 @@ class MixedTuning:
     from_film: float = 0.1
     from_dry: float = 10.0
     change: float = 6.0
-    rounds: int = 12
+    max_active_set_iterations: int = 12
     dry_steps: int = 30
     dry_residual: float = 1e-10
     speeds: SpeedSteps = SpeedSteps(1.3, 5, 1.02)  # noqa: RUF009 (a frozen value)
@@ -60,7 +60,7 @@ def solve_mixed(
     The dry contact comes before the film where that of Moes is thinner than the boundary film.
     """
     smooth = posed.upstream.cells[1] == 1
-    controls = replace(controls, rounds=TUNING.rounds)
+    controls = replace(controls, max_active_set_iterations=TUNING.max_active_set_iterations)
     film_controls = replace(
         controls,
         time_step=TUNING.from_film,
@@ -72,8 +72,8 @@ def solve_mixed(
         dry_controls = replace(dry_controls, max_iterations=TUNING.dry_steps)
     iterations: list[FilmIteration] = []
     if warm is not None:
-        assert warm.contact is not None
-        near_dry = not smooth and 2 * warm.contact.sum() > warm.total_pressure.sum()
+        assert warm.asperity_pressure is not None
+        near_dry = not smooth and 2 * warm.asperity_pressure.sum() > warm.total_pressure.sum()
         if near_dry:
             iterations.append(_iterated(posed, warm, replace(controls, time_step=TUNING.from_dry)))
         if not (iterations and iterations[-1].converged(controls.tolerance)):
@@ -87,7 +87,7 @@ def solve_mixed(
         iterations.append(_iterated(posed, start(posed), start_controls))
     if iterations[-1].converged(controls.tolerance) or not smooth:
         return min(iterations, key=lambda iteration: iteration.residual)
-    slowed = from_higher_speeds(
+    from_higher_speed = from_higher_speeds(
         posed,
         TUNING.speeds,
         controls.tolerance,
@@ -95,7 +95,8 @@ def solve_mixed(
         lambda slower, last: _iterated(slower, last.film, film_controls),
     )
     return min(
-        (*iterations, *([slowed] if slowed else [])), key=lambda iteration: iteration.residual
+        (*iterations, *([from_higher_speed] if from_higher_speed else [])),
+        key=lambda iteration: iteration.residual,
     )
 
 
@@ -113,11 +114,11 @@ def _dry_start(posed: PosedFilm) -> Film:
     dry = solve_contact(posed.problem, SolveOptions(tolerance=TUNING.dry_residual)).pressure[
         : len(posed.x)
     ]
-    contact = np.asarray(dry / posed.scales.hertz.peak_pressure)
-    zeros = np.zeros_like(contact)
-    below = (equation.gap + equation.deflection(contact)).min()
-    return equation.film_of(zeros, zeros, equation.boundary - float(below), contact)
+    asperity_pressure = np.asarray(dry / posed.scales.hertz.peak_pressure)
+    zeros = np.zeros_like(asperity_pressure)
+    below = (equation.gap + equation.deflection(asperity_pressure)).min()
+    return equation.film_of(zeros, zeros, equation.boundary - float(below), asperity_pressure)
 
 
 def _iterated(posed: PosedFilm, start: Film, controls: FilmControls) -> FilmIteration:
-    return iterate(posed.equation, start, step_solver(posed), controls)
+    return iterate(posed.equation, start, linear_solver(posed), controls)

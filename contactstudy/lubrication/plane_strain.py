@@ -7,11 +7,11 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.lubrication.film_equation import Bands, Film, FilmEquation, Linearised
-from contactstudy.lubrication.pseudo_time import ActiveSets, FilmStep
+from contactstudy.lubrication.pseudo_time import ActiveSets, FilmCorrection
 
 
 @dataclass(frozen=True, eq=False)
-class DirectStep:
+class DirectSolver:
     """Gaussian elimination for one row of cells; ``influence`` (i, j) is the deflection of cell i under cell j.
 
     ``last`` are the coefficients of the last linearisation, for further sets of cavitated cells.
@@ -21,7 +21,7 @@ class DirectStep:
     last: "DenseCoefficients | None" = None
 
     @classmethod
-    def for_equation(cls, equation: FilmEquation) -> "DirectStep":
+    def for_equation(cls, equation: FilmEquation) -> "DirectSolver":
         """Return the solver for ``equation``, whose deflection depends on the offset between cells only."""
         first = np.zeros(equation.gap.shape)
         first[0] = 1
@@ -31,7 +31,7 @@ class DirectStep:
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
-    ) -> FilmStep:
+    ) -> FilmCorrection:
         """Return the step for given ``active`` sets.
 
         The unknowns are the pressure or the void fraction of each cell, the pressure of asperities of each touching
@@ -41,59 +41,63 @@ class DirectStep:
             fresh = replace(self, last=DenseCoefficients(linear, self.influence))
             return fresh.step(linear, film, active, load_residual)
         equation, width = linear.equation, linear.equation.cell[0]
-        n, fixed, empty = len(film.film), equation.fixed[:, 0], active.cavitated[:, 0]
-        bears = ~(empty | fixed)
+        n, fixed, cavitated = len(film.film), equation.fixed[:, 0], active.cavitated[:, 0]
+        full_film = ~(cavitated | fixed)
         # prescribed changes: pressures and voids that vanish
-        pressure = np.where(empty, -film.pressure[:, 0], 0.0)
-        void = np.where(empty, 0.0, -film.void[:, 0])
+        pressure = np.where(cavitated, -film.pressure[:, 0], 0.0)
+        void = np.where(cavitated, 0.0, -film.void[:, 0])
         change = linear.change(pressure[:, None], void[:, None], 0.0)
         balance = -(linear.residual + change)[:, 0]
         load_residual -= width * pressure.sum()
-        contact, touching_cells = None, np.empty(0, dtype=int)
-        if film.contact is not None and active.touching is not None:
+        asperity_pressure, touching_cells = None, np.empty(0, dtype=int)
+        if film.asperity_pressure is not None and active.touching is not None:
             touching = active.touching[:, 0]
-            contact, touching_cells = (
-                np.where(touching, 0.0, -film.contact[:, 0]),
+            asperity_pressure, touching_cells = (
+                np.where(touching, 0.0, -film.asperity_pressure[:, 0]),
                 np.flatnonzero(touching),
             )
-            balance -= self.last.by_film @ contact
-            load_residual -= width * contact.sum()
+            balance -= self.last.by_film @ asperity_pressure
+            load_residual -= width * asperity_pressure.sum()
         balance[fixed] = 0
 
         size = n + len(touching_cells) + 1
         system = np.zeros((size, size))
         system[:n, :n] = self.last.by_pressure
-        system[:n, :n][:, empty] = self.last.by_void[:, empty]
+        system[:n, :n][:, cavitated] = self.last.by_void[:, cavitated]
         system[:n, -1] = self.last.by_separation
-        system[-1, :n] = width * bears
-        right = np.zeros(size)
-        right[:n], right[-1] = balance, load_residual
+        system[-1, :n] = width * full_film
+        rhs = np.zeros(size)
+        rhs[:n], rhs[-1] = balance, load_residual
         if len(touching_cells):
-            assert contact is not None
+            assert asperity_pressure is not None
             system[:n, n:-1] = self.last.by_film[:, touching_cells]
-            system[n:-1, :n] = self.influence[touching_cells] * bears
+            system[n:-1, :n] = self.influence[touching_cells] * full_film
             system[n:-1, n:-1] = self.influence[np.ix_(touching_cells, touching_cells)]
             system[n:-1, -1] = 1
             system[-1, n:-1] = width
-            distance = equation.boundary - film.film[:, 0] - self.influence @ (pressure + contact)
-            right[n:-1] = distance[touching_cells]
+            distance = (
+                equation.boundary
+                - film.film[:, 0]
+                - self.influence @ (pressure + asperity_pressure)
+            )
+            rhs[n:-1] = distance[touching_cells]
         system[:n][fixed] = np.eye(n, size)[fixed]
         scale = np.abs(system).max(axis=1)
         system /= scale[:, None]
         try:
-            solution = np.linalg.solve(system, right / scale)
+            solution = np.linalg.solve(system, rhs / scale)
         except np.linalg.LinAlgError:
-            return FilmStep(film.pressure, film.void, 0.0, self, solved=False)
+            return FilmCorrection(film.pressure, film.void, 0.0, self, solved=False)
         unknown = solution[:n]
-        if contact is not None:
-            contact[touching_cells] = solution[n:-1]
-            contact = contact[:, None]
-        return FilmStep(
-            np.where(empty, pressure, unknown)[:, None],
-            np.where(empty, unknown, void)[:, None],
+        if asperity_pressure is not None:
+            asperity_pressure[touching_cells] = solution[n:-1]
+            asperity_pressure = asperity_pressure[:, None]
+        return FilmCorrection(
+            np.where(cavitated, pressure, unknown)[:, None],
+            np.where(cavitated, unknown, void)[:, None],
             float(solution[-1]),
             self,
-            contact=contact,
+            asperity_pressure=asperity_pressure,
         )
 
 

@@ -20,11 +20,11 @@ from contactstudy.elasticity.convolution import (
     odd_convolution,
     superposed,
 )
-from contactstudy.lubrication.along_length import KrylovStep
+from contactstudy.lubrication.along_length import KrylovSolver
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.plane_strain import DirectStep
-from contactstudy.lubrication.pseudo_time import FilmIteration, StepSolver
+from contactstudy.lubrication.plane_strain import DirectSolver
+from contactstudy.lubrication.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import contact_modulus, creeps, instantaneous, response
 from contactstudy.scene.inelastic import rolling_bodies
@@ -39,8 +39,8 @@ MIN_WIDTH = 1.2
 # A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than EDGE that
 # of a sharp end.
 CROWNED, EDGE = 0.5, 300.0
-# Cells of the coarsest grid: across in plane strain, else across and along. Numbers of cells are multiples of LEVELS.
-COARSEST, COARSEST_ROUGH, COARSEST_ALONG, LEVELS = 200, 48, 16, 8
+# Cells of the coarsest grid: across in plane strain, else across and along. Numbers of rows are multiples of the last.
+COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 
 
 def lubricated_scales(scene: Scene) -> FilmScales:
@@ -113,7 +113,7 @@ class PosedFilm:
         return bool(np.ptp(self.equation.gap, axis=1).max() > CROWNED)
 
     @property
-    def ridges(self) -> float:
+    def relative_roughness(self) -> float:
         """Rms of the heights in the contact over the expected film; zero where lubricant can flow around them."""
         if self.upstream.cells[1] > 1:
             return 0.0
@@ -166,17 +166,17 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
             "length, give one for the length that wraps, such as ExactPeriodicity()."
         )
-    bearing = scales.reach * scales.hertz.half_width
-    if grid.cell_size[0] > bearing:
-        least = ceil(grid.extent[0] / bearing)
+    pressure_half_width = scales.relative_half_width * scales.hertz.half_width
+    if grid.cell_size[0] > pressure_half_width:
+        least = ceil(grid.extent[0] / pressure_half_width)
         raise InvalidInput(
             f"Grid.cells[0] is {grid.cells[0]}, of cells wider than half the contact: give {least} at the least."
         )
-    if grid.extent[0] < 2 * MIN_WIDTH * bearing:
+    if grid.extent[0] < 2 * MIN_WIDTH * pressure_half_width:
         raise InvalidInput(
-            f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that bears load over "
-            f"{readable(2 * bearing)}: "
-            f"give {readable(2 * MIN_WIDTH * bearing)} at the least, or take film_grid(scene)."
+            f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that carries load over "
+            f"{readable(2 * pressure_half_width)}: "
+            f"give {readable(2 * MIN_WIDTH * pressure_half_width)} at the least, or take film_grid(scene)."
         )
     assert isinstance(scene.load, ConstantLoad)
     sudden = instantaneous(scene.solids)
@@ -189,7 +189,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         )
     hertz = scales.hertz
     outlet = max(OUTLET, 1 + OUTLET_GROWTH * sqrt(2 * scales.expected_film)) * hertz.half_width
-    rows = min(LEVELS * ceil(np.count_nonzero(grid.x < outlet) / LEVELS), grid.cells[0])
+    rows = min(ROW_MULTIPLE * ceil(np.count_nonzero(grid.x < outlet) / ROW_MULTIPLE), grid.cells[0])
     oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
     bodies = rolling_bodies(scene.solids, scales.lubrication.contact_speeds)
     weights = response(bodies, problem.scales.length)
@@ -226,24 +226,24 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem, displacement)
 
 
-def step_solver(posed: PosedFilm) -> StepSolver:
+def linear_solver(posed: PosedFilm) -> LinearSolver:
     """Return how steps are solved: directly in plane strain, else by GMRES."""
     if posed.upstream.cells[1] == 1:
-        return DirectStep.for_equation(posed.equation)
-    return KrylovStep(posed.deflection.even)
+        return DirectSolver.for_equation(posed.equation)
+    return KrylovSolver(posed.deflection.even)
 
 
-def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
+def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
     """Return a film on a finer grid, raised so that it is nowhere below half the coarse one, and its cavitated cells."""
     shape = equation.gap.shape
     pressure = coarse.film.pressure
     modes: tuple[Literal["edge", "wrap"], ...] = ("edge", "wrap")
     for axis, ends in enumerate(modes):
-        times = shape[axis] // pressure.shape[axis]
-        if times == 2:
-            pressure = _halved(pressure, axis, ends)
-        elif times > 2:
-            pressure = pressure.repeat(times, axis=axis)
+        ratio = shape[axis] // pressure.shape[axis]
+        if ratio == 2:
+            pressure = _prolongated_axis(pressure, axis, ends)
+        elif ratio > 2:
+            pressure = pressure.repeat(ratio, axis=axis)
     blocks = [fine // wide for fine, wide in zip(shape, coarse.film.pressure.shape, strict=True)]
     cavitated = coarse.cavitated.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
     void = coarse.film.void.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
@@ -251,10 +251,10 @@ def refined(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
     pressure = np.where(cavitated | equation.fixed, 0, pressure)
     void = np.where(cavitated, void, 0)
     lowest = float(coarse.film.film.min()) / 2
-    return raised(equation, pressure, void, coarse.film.separation, lowest), cavitated
+    return with_minimum_film(equation, pressure, void, coarse.film.separation, lowest), cavitated
 
 
-def _halved(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
+def _prolongated_axis(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
     """Return values at the middles of cells half as long, linear between those of the cells."""
     width = [(0, 0), (0, 0)]
     width[axis] = (1, 1)
@@ -273,7 +273,7 @@ def hertz_start(posed: PosedFilm) -> Film:
     if posed.is_crowned:
         pressure = _dry_pressure(posed)
     else:
-        hertz = np.sqrt(np.clip(1 - (posed.x / posed.scales.reach) ** 2, 0, None))
+        hertz = np.sqrt(np.clip(1 - (posed.x / posed.scales.relative_half_width) ** 2, 0, None))
         pressure = np.repeat(hertz[:, None], equation.gap.shape[1], axis=1)
     pressure[equation.fixed] = 0
     pressure *= equation.load / (pressure.sum() * equation.cell[0] / pressure.shape[1])
@@ -291,7 +291,7 @@ def _dry_pressure(posed: PosedFilm) -> Array:
     return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
 
 
-def restart(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
+def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
     """Return the film of another contact on this grid, in the units of this one, and its cavitated cells.
 
     Values are linear between the cells of the other grid, periodic along the length, and zero beyond its width.
@@ -300,24 +300,24 @@ def restart(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
     x, y = posed.x * scales.hertz.half_width, posed.upstream.y
     touching = contact.contact_pressure
     lubricant = contact.pressure if touching is None else contact.pressure - touching
-    pressure = between_cells(lubricant, contact.grid, x, y) / scales.hertz.peak_pressure
+    pressure = interpolated(lubricant, contact.grid, x, y) / scales.hertz.peak_pressure
     pressure[fixed] = 0
-    void = between_cells(1 - contact.film_fraction, contact.grid, x, y)
+    void = interpolated(1 - contact.film_fraction, contact.grid, x, y)
     void = np.where(pressure > 0, 0.0, void)
     lowest = float(contact.film.min()) / scales.film / 2
     asperities = None
     if boundary := posed.equation.boundary:
         lowest, asperities = boundary, np.zeros_like(pressure)
         if touching is not None:
-            asperities = between_cells(touching, contact.grid, x, y) / scales.hertz.peak_pressure
+            asperities = interpolated(touching, contact.grid, x, y) / scales.hertz.peak_pressure
     separation = contact.separation / scales.film
-    film = raised(posed.equation, pressure, void, separation, lowest, asperities)
+    film = with_minimum_film(posed.equation, pressure, void, separation, lowest, asperities)
     # lubricant fills a longer inlet, as far as the other one was flooded
     inside = (x > contact.grid.x[1])[:, None]
     return film, (pressure == 0) & ~fixed & inside
 
 
-def between_cells(values: Array, grid: Grid, x: Array, y: Array) -> Array:
+def interpolated(values: Array, grid: Grid, x: Array, y: Array) -> Array:
     """Return values (x, y) on ``grid`` at other places, linear between its cells, and zero beyond its width."""
     columns = [np.interp(x, grid.x, column, left=0, right=0) for column in values.T]
     if len(columns) == 1:
@@ -328,7 +328,7 @@ def between_cells(values: Array, grid: Grid, x: Array, y: Array) -> Array:
     return np.stack(rows)
 
 
-def raised(
+def with_minimum_film(
     equation: FilmEquation,
     pressure: Array,
     void: Array,

@@ -34,9 +34,9 @@ class PseudoTimeTuning:
 
     Attributes
     ----------
-    film_fall, content_fall
-        Fractions of a film, and of the content of a cavitated cell, that are left after a step at least: with these no
-        point failed.
+    min_film_fraction, content_fall
+        Least fractions of a film, and of the content of a cavitated cell, after a step: with these no point
+        failed.
     clipped
         Fraction of the cells of a film without asperities in which the change of ln(eta) is cut off at its limit, so
         that single cells do not shorten the step: light rough films of 432 x 64 cells took 44 steps for 61.
@@ -44,12 +44,12 @@ class PseudoTimeTuning:
         Limits of the factor of the step in time, by the ratio of residuals: with these no point failed.
     shortened
         Factor of the step in time after a shortened step, from rough films.
-    falling, rises
-        Least factor while the residual falls, or rises by no more than ``rises``. Against ``rises`` of 1, steps at 210
-        points fell from 2883 to 2426.
+    min_growth, allowed_rise
+        Least factor while the residual falls, or rises by no more than the factor ``allowed_rise``. Against a rise of 1,
+        steps at 210 points fell from 2883 to 2426.
     refused, least
         Factor of the step in time after a refused step, and the step in time where the iteration ends.
-    patience
+    stall_steps
         Whole steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
         steps, most of them shortened.
     cycle, longest, damped
@@ -59,29 +59,29 @@ class PseudoTimeTuning:
     unsettled
         Largest factor of the residual in a step of a mixed film whose sets have not converged, which is refused above
         it: some of these steps lost all that the iteration had gained.
-    touches
+    contact_tolerance
         Fraction by which a film is below the boundary film where it touches: above the rounding of heights.
-    coarse
+    max_rounding
         Largest residual that counts as rounding.
     """
 
-    film_fall: float = 0.3
+    min_film_fraction: float = 0.3
     content_fall: float = 0.1
     clipped: float = 2e-3
     shrink: float = 0.3
     grow: float = 4.0
     shortened: float = 0.7
-    falling: float = 2.0
-    rises: float = 1.1
+    min_growth: float = 2.0
+    allowed_rise: float = 1.1
     refused: float = 0.25
     least: float = 1e-9
-    patience: int = 30
+    stall_steps: int = 30
     cycle: int = 6
     longest: float = 90.0
     damped: float = 0.3
     unsettled: float = 1.5
-    touches: float = 1e-9
-    coarse: float = 1e-3
+    contact_tolerance: float = 1e-9
+    max_rounding: float = 1e-3
 
     def next_time_step(
         self, time_step: float, before: float, residual: float, fraction: float
@@ -92,8 +92,8 @@ class PseudoTimeTuning:
         )
         if fraction < 1:
             factor = min(factor, self.shortened)
-        elif residual < self.rises * before:
-            factor = max(factor, self.falling)
+        elif residual < self.allowed_rise * before:
+            factor = max(factor, self.min_growth)
         return factor * time_step
 
 
@@ -115,28 +115,28 @@ class ActiveSets(NamedTuple):
         )
 
 
-class FilmStep(NamedTuple):
+class FilmCorrection(NamedTuple):
     """Changes of pressure, void fraction and separation, and how the linear system was solved.
 
-    ``solver`` solves the next system: it keeps what this one has found. ``contact`` is the change of the pressure of
-    asperities, None without a boundary film.
+    ``solver`` solves the next system: it keeps what this one has found. ``asperity_pressure`` is the change of the
+    pressure of asperities, None without a boundary film.
     """
 
     pressure: Array
     void: Array
     separation: float
-    solver: "StepSolver"
+    solver: "LinearSolver"
     solved: bool = True
     iterations: int = 0
-    contact: Array | None = None
+    asperity_pressure: Array | None = None
 
 
-class StepSolver(Protocol):
+class LinearSolver(Protocol):
     """Method that solves the linear system of a step."""
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
-    ) -> FilmStep:
+    ) -> FilmCorrection:
         """Return the step after which cavitated cells have no pressure, touching ones the boundary film."""
         ...
 
@@ -146,10 +146,10 @@ class FilmControls:
     """When the iteration stops, and how it starts.
 
     A step that takes the film or the logarithm of the viscosity too far is shortened to the fraction that does not, and
-    refused below the fraction ``shortest``. The active sets of a step converge in ``rounds`` at most; far from the
-    answer a fraction ``set_changes`` of the cells may still change. A step whose sets do not converge is taken, or
-    refused if ``converged_only``: near a mixed solution in plane strain such a step increases the residual by orders of
-    magnitude. From the dry contact it is taken, as no solution is near.
+    refused below the fraction ``shortest``. The active sets of a step converge in ``max_active_set_iterations`` at most;
+    far from the answer a fraction ``allowed_set_changes`` of the cells may still change. A step whose sets do not
+    converge is taken, or refused if ``converged_only``: near a mixed solution in plane strain such a step increases the
+    residual by orders of magnitude. From the dry contact it is taken, as no solution is near.
     """
 
     tolerance: float = 1e-8
@@ -157,9 +157,9 @@ class FilmControls:
     time_step: float = 0.1
     viscosity_change: float = inf
     shortest: float = 0.05
-    rounds: int = 6
+    max_active_set_iterations: int = 6
     converged_only: bool = False
-    set_changes: float = 1e-3
+    allowed_set_changes: float = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,18 +189,18 @@ class FilmIteration:
         linear, heights = self.linear, float(np.abs(self.linear.equation.gap).max())
         by_pressure = float((np.abs(linear.pressure[0, 0]) * self.film.pressure).sum())
         by_film = float(np.abs(linear.film[0, 0]).sum()) * heights
-        return float(min(ROUNDING * (by_pressure + by_film) / _flow(linear), TUNING.coarse))
+        return float(min(ROUNDING * (by_pressure + by_film) / _flow(linear), TUNING.max_rounding))
 
 
 def iterate(
     equation: FilmEquation,
     start: Film,
-    solver: StepSolver,
+    solver: LinearSolver,
     controls: FilmControls,
     *,
     storage: Storage | None = None,
     cavitated: Mask | None = None,
-    watch: Callable[[FilmIteration], None] | None = None,
+    callback: Callable[[FilmIteration], None] | None = None,
 ) -> FilmIteration:
     """Iterate from ``start`` until the residual converges or stagnates, at the limit, or when steps vanish."""
     linear = equation.linearise(start, storage)
@@ -209,7 +209,7 @@ def iterate(
     time_step, best, waited, longest = controls.time_step, last.residual, 0, inf
     while (
         not last.converged(controls.tolerance)
-        and waited < TUNING.patience
+        and waited < TUNING.stall_steps
         and last.iterations < controls.max_iterations
         and time_step > TUNING.least
         and np.isfinite(last.residual)
@@ -242,8 +242,8 @@ def iterate(
             film, linear, active, residual,
             last.iterations + 1, last.linear_iterations + step.iterations,
         )  # fmt: skip
-        if watch is not None and not refused:
-            watch(last)
+        if callback is not None and not refused:
+            callback(last)
     return last
 
 
@@ -255,11 +255,11 @@ def _residual(linear: Linearised, film: Film) -> float:
     """
     unbalanced = float(np.abs(linear.residual).sum() / _flow(linear))
     residual = max(unbalanced, abs(linear.equation.load_residual(film)))
-    if film.contact is None:
+    if film.asperity_pressure is None:
         return residual
     boundary = linear.equation.boundary
     rise = film.film / boundary - 1
-    violation = float(np.minimum(np.abs(rise), film.contact).max())
+    violation = float(np.minimum(np.abs(rise), film.asperity_pressure).max())
     return max(residual, violation, -float(rise.min()))
 
 
@@ -270,18 +270,18 @@ def _flow(linear: Linearised) -> float:
 
 def _initial_active_sets(equation: FilmEquation, start: Film, cavitated: Mask | None) -> ActiveSets:
     """Return the active sets of a start: all cells filled, if neither cavitated cells nor asperities are given."""
-    if start.contact is None:
+    if start.asperity_pressure is None:
         return ActiveSets(np.zeros_like(equation.fixed) if cavitated is None else cavitated)
     if cavitated is None:
-        has_state = (start.contact > 0).any() or start.void.any()
+        has_state = (start.asperity_pressure > 0).any() or start.void.any()
         cavitated = (start.pressure == 0) & ~equation.fixed & has_state
-    return ActiveSets(cavitated, start.contact > 0)
+    return ActiveSets(cavitated, start.asperity_pressure > 0)
 
 
 class _ActiveSetStep(NamedTuple):
     """Step with the sets it was solved for, those that hold after it, and the linear iterations it took."""
 
-    change: FilmStep
+    change: FilmCorrection
     active: ActiveSets
     next: ActiveSets
     converged: bool
@@ -289,17 +289,19 @@ class _ActiveSetStep(NamedTuple):
 
 
 def _step_of_active_sets(
-    last: FilmIteration, solver: StepSolver, time_step: float, controls: FilmControls
+    last: FilmIteration, solver: LinearSolver, time_step: float, controls: FilmControls
 ) -> _ActiveSetStep:
     """Solve a step of ``time_step`` for its active sets, and correct the sets until they hold."""
     film, next_active, iterations = last.film, last.active, 0
-    delayed = last.linear.delayed(1 / time_step, _height_off_boundary(last.linear.equation, film))
-    missing = last.linear.equation.load_residual(film)
+    linear = last.linear.with_time_step(
+        1 / time_step, _height_off_boundary(last.linear.equation, film)
+    )
+    load_residual = last.linear.equation.load_residual(film)
     # near the answer every cell counts
-    allowed = controls.set_changes * min(1.0, last.residual) * film.film.size
-    for _ in range(controls.rounds):
+    allowed = controls.allowed_set_changes * min(1.0, last.residual) * film.film.size
+    for _ in range(controls.max_active_set_iterations):
         active = next_active
-        change = solver.step(delayed, film, active, missing)
+        change = solver.step(linear, film, active, load_residual)
         solver, converged = change.solver, False
         iterations += change.iterations
         if not change.solved:
@@ -317,13 +319,15 @@ def _height_off_boundary(equation: FilmEquation, film: Film) -> Array | float:
     A step takes these cells onto the boundary film at once. As a motion within a short step in time it would squeeze
     lubricant out at any pressure.
     """
-    if film.contact is None:
+    if film.asperity_pressure is None:
         return 0.0
     height = film.film - equation.boundary
-    return np.where((film.contact > 0) | (height < 0), height, 0.0)
+    return np.where((film.asperity_pressure > 0) | (height < 0), height, 0.0)
 
 
-def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: FilmStep) -> ActiveSets:
+def _corrected_active_sets(
+    last: FilmIteration, active: ActiveSets, change: FilmCorrection
+) -> ActiveSets:
     """Return the active sets that hold after a whole step."""
     film, equation = last.film, last.linear.equation
     cavitated = np.where(
@@ -332,15 +336,24 @@ def _corrected_active_sets(last: FilmIteration, active: ActiveSets, change: Film
     cavitated &= ~equation.fixed
     if active.touching is None:
         return ActiveSets(cavitated)
-    assert film.contact is not None
-    assert change.contact is not None
-    low = film.film + _change_of_film(equation, change) < equation.boundary * (1 - TUNING.touches)
-    return ActiveSets(cavitated, np.where(active.touching, film.contact + change.contact > 0, low))
+    assert film.asperity_pressure is not None
+    assert change.asperity_pressure is not None
+    low = film.film + _change_of_film(equation, change) < equation.boundary * (
+        1 - TUNING.contact_tolerance
+    )
+    return ActiveSets(
+        cavitated,
+        np.where(active.touching, film.asperity_pressure + change.asperity_pressure > 0, low),
+    )
 
 
-def _change_of_film(equation: FilmEquation, change: FilmStep) -> Array:
+def _change_of_film(equation: FilmEquation, change: FilmCorrection) -> Array:
     """Return the change of the film (x, y) in a step."""
-    total = change.pressure if change.contact is None else change.pressure + change.contact
+    total = (
+        change.pressure
+        if change.asperity_pressure is None
+        else change.pressure + change.asperity_pressure
+    )
     return equation.deflection(total) + change.separation
 
 
@@ -361,8 +374,8 @@ def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmCon
         viscous = log_change[~taken_over].max(initial=0.0)
     # each fraction is its limit over the change
     largest = max(
-        float(-rise.min()) / (1 - TUNING.film_fall),
-        float(rise[film.pressure > 0].max(initial=0.0)) / (1 / TUNING.film_fall - 1),
+        float(-rise.min()) / (1 - TUNING.min_film_fraction),
+        float(rise[film.pressure > 0].max(initial=0.0)) / (1 / TUNING.min_film_fraction - 1),
         float(viscous) / controls.viscosity_change,
     )
     return 1.0 if largest <= 1 else 1 / largest
@@ -374,7 +387,7 @@ def _updated_film(
     """Return the film after a ``fraction`` of a step, with pressures and voids in their range."""
     film, equation, change = last.film, last.linear.equation, step.change
     pressure_change = fraction * change.pressure
-    if film.contact is None:
+    if film.asperity_pressure is None:
         largest = np.full_like(pressure_change, inf)
         log_slope = equation.log_viscosity(film.pressure)[1]
         np.divide(controls.viscosity_change, log_slope, out=largest, where=log_slope > 0)
@@ -382,12 +395,14 @@ def _updated_film(
     pressure = np.maximum(film.pressure + pressure_change, 0)
     largest_void = 1 - TUNING.content_fall * (1 - film.void) if equation.conserves else inf
     void = np.clip(film.void + fraction * change.void, 0, largest_void)
-    contact = None
-    if film.contact is not None and change.contact is not None:
-        contact = np.maximum(film.contact + fraction * change.contact, 0)
+    asperity_pressure = None
+    if film.asperity_pressure is not None and change.asperity_pressure is not None:
+        asperity_pressure = np.maximum(
+            film.asperity_pressure + fraction * change.asperity_pressure, 0
+        )
     if fraction == 1:
         pressure[step.active.cavitated], void[~step.active.cavitated] = 0, 0
-        if contact is not None and step.active.touching is not None:
-            contact[~step.active.touching] = 0
+        if asperity_pressure is not None and step.active.touching is not None:
+            asperity_pressure[~step.active.touching] = 0
     separation = film.separation + fraction * change.separation
-    return equation.film_of(pressure, void, separation, contact)
+    return equation.film_of(pressure, void, separation, asperity_pressure)

@@ -12,7 +12,7 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.film_equation import Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
-from contactstudy.lubrication.posed_film import LEVELS, between_cells, lubricated_scales
+from contactstudy.lubrication.posed_film import ROW_MULTIPLE, interpolated, lubricated_scales
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
 from contactstudy.scene.lubrication import Eyring, LimitingShear, Newtonian
@@ -71,11 +71,15 @@ def film_grid(
     scales = lubricated_scales(scene)
     film, a = scales.expected_film, scales.hertz.half_width
     inlet = longer * max(INLET, 1 + sqrt(2 * INLET_ERROR * film / error))
-    sweep = min((film / SWEEP) ** (2 / 3), INLET_SWEEP_FRACTION * scales.reach)
+    sweep = min((film / SWEEP) ** (2 / 3), INLET_SWEEP_FRACTION * scales.relative_half_width)
     cell = sweep / 2 * min(1.0, sqrt(error / 2 / HALF_SWEEP_ERROR)) / finer
     cell = min(cell, finest[0] / a / CELLS_PER_WAVE)
-    across = min(LEVELS * ceil(2 * inlet / cell / LEVELS), MAX_CELLS)
-    along = 1 if finest[1] == inf else LEVELS * ceil(CELLS_PER_WAVE * period / finest[1] / LEVELS)
+    across = min(ROW_MULTIPLE * ceil(2 * inlet / cell / ROW_MULTIPLE), MAX_CELLS)
+    along = (
+        1
+        if finest[1] == inf
+        else ROW_MULTIPLE * ceil(CELLS_PER_WAVE * period / finest[1] / ROW_MULTIPLE)
+    )
     return Grid((across, along), (2 * inlet * a, period))
 
 
@@ -181,7 +185,9 @@ def _on_extent(grid: Grid, finer: float) -> Grid:
     if finer == 1:
         return grid
     # a multiple, so that the cells of the estimate's grids lie on each other
-    return Grid((max(nx, min(LEVELS * ceil(nx * finer / LEVELS), MAX_CELLS)), ny), grid.extent)
+    return Grid(
+        (max(nx, min(ROW_MULTIPLE * ceil(nx * finer / ROW_MULTIPLE), MAX_CELLS)), ny), grid.extent
+    )
 
 
 def _with_error(
@@ -251,7 +257,10 @@ def _too_coarse(scene: Scene, grid: Grid) -> str | None:
     """Return why a quarter of the cells are too few to estimate an error with; None if they are not."""
     scales = lubricated_scales(scene)
     cells = grid.cells[0] // 4
-    if cells >= MIN_CELLS and grid.extent[0] / cells <= scales.reach * scales.hertz.half_width:
+    if (
+        cells >= MIN_CELLS
+        and grid.extent[0] / cells <= scales.relative_half_width * scales.hertz.half_width
+    ):
         return None
     return (
         f"The error is unknown: its estimate needs a quarter of the {grid.cells[0]} cells across, and {cells} do not "
@@ -424,7 +433,7 @@ def _drag_of_spike(contact: FilmSolution) -> float:
 
 def _pressure_at(grid: Grid, contact: FilmSolution) -> Array:
     """Return the pressure of ``contact`` (x, y) at the cells of another grid, linear between its own."""
-    return between_cells(contact.pressure, contact.grid, grid.x, grid.y)
+    return interpolated(contact.pressure, contact.grid, grid.x, grid.y)
 
 
 def _l1(pressure: Array, reference: Array) -> float:

@@ -17,11 +17,11 @@ from contactstudy.lubrication.mixed import solve_mixed
 from contactstudy.lubrication.posed_film import (
     PosedFilm,
     hertz_start,
+    linear_solver,
     pose,
-    raised,
-    refined,
-    restart,
-    step_solver,
+    prolongated,
+    start_from,
+    with_minimum_film,
 )
 from contactstudy.lubrication.pseudo_time import (
     FilmControls,
@@ -45,23 +45,23 @@ class SteadyTuning:
 
     Attributes
     ----------
-    refined
+    step_after_prolongation
         First step in pseudo-time after a coarser grid. On rough films a hundredth of it took 1.3 to 4 times as long,
         and ten times it needed hundreds of linear iterations in its first steps.
     rough_change
         Largest change of ln(eta) in a step of a film that varies along its length; none is needed in plane strain.
-    ridges, growth
-        A second film is sought where the rms of heights is more than ``ridges`` times the film, by heights that grow
-        by the factor ``growth``.
+    relative_roughness, growth
+        A second film is sought where the rms of heights is more than ``relative_roughness`` times the film, by
+        heights that grow by the factor ``growth``.
     distinct
         Relative difference of the mean film by which two films are distinct.
     speeds
         Where a cold start fails.
     """
 
-    refined: float = 0.3
+    step_after_prolongation: float = 0.3
     rough_change: float = 6.0
-    ridges: float = 2.0
+    relative_roughness: float = 2.0
     growth: float = 1.25
     distinct: float = 0.01
     speeds: SpeedSteps = SpeedSteps(10.0, 4, 1.05)  # noqa: RUF009 (a frozen value)
@@ -85,7 +85,7 @@ def solve_on(
     if posed.equation.boundary:
         warm, before = None, (0, 0)
         if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
-            warm = restart(posed, start)[0]
+            warm = start_from(posed, start)[0]
         elif posed.scales.expected_film > posed.equation.boundary:
             warm, before = _without_asperities(posed, controls)
         mixed = solve_mixed(posed, controls, warm)
@@ -94,25 +94,33 @@ def solve_on(
             iterations=mixed.iterations + before[0],
             linear_iterations=mixed.linear_iterations + before[1],
         )
-        return contact_of(scene, grid, padding, posed, mixed, controls.tolerance)
+        return film_solution(scene, grid, padding, posed, mixed, controls.tolerance)
     last = cold = None
     if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
-        film, cavitated = restart(posed, start)
+        film, cavitated = start_from(posed, start)
         on_same_grid = start.grid == grid
-        last = _iterated(posed, film, controls if on_same_grid else _refining(controls), cavitated)
+        last = _iterated(
+            posed, film, controls if on_same_grid else _after_coarser_grid(controls), cavitated
+        )
     if last is None or not last.converged(controls.tolerance):
         last = cold = continued(posed, controls)
-    contact = contact_of(scene, grid, padding, posed, last, controls.tolerance)
-    if not (last.converged(controls.tolerance) and posed.ridges > TUNING.ridges):
+    contact = film_solution(scene, grid, padding, posed, last, controls.tolerance)
+    if not (
+        last.converged(controls.tolerance) and posed.relative_roughness > TUNING.relative_roughness
+    ):
         return contact
-    alternatives = [grown] if (grown := _with_growing_ridges(posed, controls)) else []
+    alternatives = (
+        [from_lower_heights]
+        if (from_lower_heights := _with_growing_ridges(posed, controls))
+        else []
+    )
     if cold is None:
         alternatives.append(_nested(posed, controls))
-    several = any(
+    has_second_film = any(
         alternative.converged(controls.tolerance) and _differs(posed, last, alternative)
         for alternative in alternatives
     )
-    return replace(contact, status=Status.SEVERAL_FILMS) if several else contact
+    return replace(contact, status=Status.SEVERAL_FILMS) if has_second_film else contact
 
 
 def _without_asperities(posed: PosedFilm, controls: FilmControls) -> tuple[Film, tuple[int, int]]:
@@ -121,10 +129,12 @@ def _without_asperities(posed: PosedFilm, controls: FilmControls) -> tuple[Film,
     On the finest grid alone the film took ten times as long, or did not converge between ridges.
     """
     equation = posed.equation
-    bare = replace(posed, equation=replace(equation, boundary=0.0))
-    last = _nested(bare, controls)
+    without_boundary = replace(posed, equation=replace(equation, boundary=0.0))
+    last = _nested(without_boundary, controls)
     film, zeros = last.film, np.zeros_like(last.film.pressure)
-    film = raised(equation, film.pressure, film.void, film.separation, equation.boundary, zeros)
+    film = with_minimum_film(
+        equation, film.pressure, film.void, film.separation, equation.boundary, zeros
+    )
     return film, (last.iterations, last.linear_iterations)
 
 
@@ -132,8 +142,10 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
     """Iterate from a film with lower heights up to these; None where that fails."""
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
-    number = ceil(log(posed.ridges / TUNING.ridges) / log(TUNING.growth))
-    for fraction in np.geomspace(TUNING.ridges / posed.ridges, 1, number + 1):
+    number = ceil(log(posed.relative_roughness / TUNING.relative_roughness) / log(TUNING.growth))
+    for fraction in np.geomspace(
+        TUNING.relative_roughness / posed.relative_roughness, 1, number + 1
+    ):
         lower = replace(posed, equation=replace(posed.equation, gap=smooth + fraction * heights))
         last = (
             _iterated(lower, last.film, controls, last.cavitated)
@@ -161,14 +173,14 @@ def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     cold = _nested(posed, controls)
     if cold.converged(controls.tolerance):
         return cold
-    slowed = from_higher_speeds(
+    from_higher_speed = from_higher_speeds(
         posed,
         TUNING.speeds,
         controls.tolerance,
         lambda faster: _nested(faster, controls),
         lambda slower, last: _iterated(slower, last.film, controls, last.cavitated),
     )
-    return slowed or cold
+    return from_higher_speed or cold
 
 
 def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
@@ -177,13 +189,13 @@ def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
     if coarser is None:
         return _iterated(posed, hertz_start(posed), controls)
     coarse = _nested(coarser, controls)
-    film, cavitated = refined(posed.equation, coarse)
-    return _iterated(posed, film, _refining(controls), cavitated)
+    film, cavitated = prolongated(posed.equation, coarse)
+    return _iterated(posed, film, _after_coarser_grid(controls), cavitated)
 
 
-def _refining(controls: FilmControls) -> FilmControls:
+def _after_coarser_grid(controls: FilmControls) -> FilmControls:
     """Return the controls after a coarser grid."""
-    return replace(controls, time_step=TUNING.refined)
+    return replace(controls, time_step=TUNING.step_after_prolongation)
 
 
 def _iterated(
@@ -191,10 +203,10 @@ def _iterated(
 ) -> FilmIteration:
     if posed.upstream.cells[1] > 1:
         controls = replace(controls, viscosity_change=TUNING.rough_change)
-    return iterate(posed.equation, film, step_solver(posed), controls, cavitated=cavitated)
+    return iterate(posed.equation, film, linear_solver(posed), controls, cavitated=cavitated)
 
 
-def contact_of(
+def film_solution(
     scene: Scene,
     grid: Grid,
     padding: Padding | Paddings,
@@ -207,21 +219,23 @@ def contact_of(
     pressure = np.zeros(grid.cells)
     pressure[:rows] = last.film.total_pressure * scales.hertz.peak_pressure
     asperities = None
-    if last.film.contact is not None:
+    if last.film.asperity_pressure is not None:
         asperities = np.zeros(grid.cells)
-        asperities[:rows] = last.film.contact * scales.hertz.peak_pressure
+        asperities[:rows] = last.film.asperity_pressure * scales.hertz.peak_pressure
     separation = last.film.separation * scales.film
     film = separation + posed.problem.undeformed_gap + posed.displacement(pressure)
     # downstream of the last balance streamers carry what left it
-    filled = np.zeros(grid.cells)
-    filled[: rows - 1] = equation.filled(last.film)[:-1]
+    film_fraction = np.zeros(grid.cells)
+    film_fraction[: rows - 1] = equation.film_fraction(last.film)[:-1]
     content = equation.content(last.film)[-2] * scales.film
-    filled[rows - 1 :] = np.minimum(content / film[rows - 1 :], 1) if equation.conserves else 1
+    film_fraction[rows - 1 :] = (
+        np.minimum(content / film[rows - 1 :], 1) if equation.conserves else 1
+    )
     flow = last.linear.flux[2:-1].mean(axis=1)
     if not equation.conserves:  # where the film opens for good, any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     mean_speed = equation.speed * scales.lubrication.largest_speed
-    state = pressure, film, filled, asperities
+    state = pressure, film, film_fraction, asperities
     if scales.lubrication.thermal is None:
         shear, temperatures = shear_stress(scales, mean_speed, *state), None
     else:
@@ -235,7 +249,7 @@ def contact_of(
         scales=scales,
         pressure=pressure,
         film=film,
-        film_fraction=filled,
+        film_fraction=film_fraction,
         shear=shear,
         temperatures=temperatures,
         mean_speed=mean_speed,

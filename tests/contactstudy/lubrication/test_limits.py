@@ -8,7 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.film_equation import Film, FilmEquation
-from contactstudy.lubrication.plane_strain import DirectStep
+from contactstudy.lubrication.plane_strain import DirectSolver
 from contactstudy.lubrication.pseudo_time import FilmControls, iterate
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, total
@@ -234,7 +234,7 @@ def rigid_equation(inlet: float, cells: int) -> tuple[FilmEquation, Film]:
 
 def rigid_film(inlet: float, cells: int) -> Film:
     rigid, start = rigid_equation(inlet, cells)
-    last = iterate(rigid, start, DirectStep.for_equation(rigid), FilmControls())
+    last = iterate(rigid, start, DirectSolver.for_equation(rigid), FilmControls())
     assert last.converged(1e-8)
     return last.film
 

@@ -125,6 +125,9 @@ def test_disks_meet_every_condition_of_coulombs_law() -> None:
     problem = one.problem(grid, cs.ExactPeriodicity())
     assert isinstance(problem.friction, PartialSlipShear)
     solution = cs.solve(problem, tolerance=1e-9)
+    # two applications of the operator in each step, beside those of the pressure
+    pressed = cs.solve(replace(problem, friction=None), tolerance=1e-9)
+    assert solution.convolutions - pressed.convolutions == 2 * solution.traction.iterations
     shear, size = solution.shear, np.hypot(*solution.shear)
     radius = mu * solution.pressure
     assert (size <= radius * (1 + 1e-12)).all()

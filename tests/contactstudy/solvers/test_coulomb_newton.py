@@ -106,6 +106,12 @@ def test_the_projection_is_nearest_among_those_with_the_sum(fraction: float) -> 
         assert ((TRIAL - found) * (other - found)).sum() <= 1e-7
 
 
+def test_a_sum_that_is_not_prescribed_shifts_nothing() -> None:
+    plain = FrictionSet(RADIUS).project(TRIAL).traction
+    found = FrictionSet(RADIUS, np.array([plain[0].sum(), np.nan])).project(TRIAL).traction
+    np.testing.assert_allclose(found, plain, atol=1e-9)
+
+
 def test_a_shift_that_belonged_to_another_trial_does_no_harm() -> None:
     """The first trial leaves a shift that brings all cells of the second one to their rims, on the wrong side."""
     radius = np.sqrt(1 - np.linspace(-0.99, 0.99, 60) ** 2)

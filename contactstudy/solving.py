@@ -152,11 +152,17 @@ def solve(
             f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
         )
     if scene.lubrication is not None:
+        if scene.wears_steadily:
+            request.refuse_unless("a film that wears", "times")
+            return request.film_wear()
         if scene.time_dependent_field is not None:
             request.refuse_unless("a film that changes in time", "times")
             return request.time_dependent_film()
         request.refuse_unless("a steady film", "start")
         return request.film()
+    if scene.wears_steadily:
+        request.refuse_unless("a contact that rolls and wears", "times")
+        return request.steady_wear()
     if scene.takes_times:
         if scene.is_quasi_static:
             request.refuse_unless("a load history with adhesion or rolling", "times")
@@ -383,6 +389,46 @@ class _Request:
         )
         return evolution_answer(trajectory, self.requested)
 
+    def steady_wear(self) -> "Evolution":
+        """Follow the wear of a contact that rolls or is driven."""
+        from contactstudy.answers.evolution import evolution_answer
+        from contactstudy.evolution.steady_wear import follow_wear
+
+        grid, padding = self.planned(self.requested)
+        trajectory = follow_wear(
+            self.scene,
+            grid,
+            padding,
+            times=self.steps.instants_of(self.scene.load),
+            error=self._error_of_a_step,
+            options=self.options,
+            progress=self._time_reporter,
+        )
+        return evolution_answer(trajectory, self.requested)
+
+    def film_wear(self) -> "Evolution":
+        """Follow the wear of asperities on a boundary film."""
+        from contactstudy.answers.evolution import films_answer
+        from contactstudy.evolution.steady_wear import follow_film_wear
+
+        grid, padding = self.planned(self.requested)
+        films = follow_film_wear(
+            self.scene,
+            grid,
+            padding,
+            times=self.steps.instants_of(self.scene.load),
+            error=self._error_of_a_step,
+            tolerance=self.options.tolerance,
+            max_iterations=min(self.options.max_iterations, FILM_ITERATIONS),
+            progress=self._time_reporter,
+        )
+        return films_answer(films, self.requested)
+
+    @property
+    def _error_of_a_step(self) -> float | None:
+        """Largest error of a step in time: the given one, or a fraction of the requested error."""
+        return self.steps.error or (self.requested and STEP_FRACTION * self.requested)
+
     @property
     def _time_reporter(self) -> Callable[[float, float], None] | None:
         """Function of the time reached and the last time [s] that reports them as progress; None without `progress`."""
@@ -425,7 +471,7 @@ class _Request:
             grid,
             padding,
             times=steps.instants_of(self.scene.load, self.scene.lubrication.mean_speed),
-            error=None if steps.step else steps.error or (requested and STEP_FRACTION * requested),
+            error=None if steps.step else self._error_of_a_step,
             step=steps.step,
             tolerance=self.options.tolerance,
             progress=self._time_reporter,

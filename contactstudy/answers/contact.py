@@ -76,7 +76,7 @@ class Contact(Answer, Solution):
     def error(self) -> ErrorEstimate:
         """Estimate of the errors, see :func:`~contactstudy.accuracy.estimate.error_estimate`."""
         try:
-            if self.rolling is not None:
+            if self.rolling is not None and self.estimate is None:
                 return self.rolling.error_estimate()
             if not self._is_static:
                 return self.estimate or error_estimate(self)

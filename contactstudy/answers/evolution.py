@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
 from re import sub
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -135,11 +135,13 @@ class Evolution(Answer):
         plastic_fields: Mapping[str, Field] = {}
         if coupled is not None and last_frame is not None:
             plastic_fields = coupled.over_time([last_frame.coupled_state])
+        turned = getattr(self.posed.scene.wear, "circumference", None)
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
             [float(time) for time in self.times],
-            last_frame,
+            self._last_fields,
             roller_length(self.posed),
+            1.0 if turned is None else turned / self.grid.extent[0],
             (self.grid.cell_area, self.grid.length),
             plastic_fields,
             self.error.l1,
@@ -152,6 +154,14 @@ class Evolution(Answer):
             loss = work_lost(frames, errors)
             numbers = cycle_quantities(loss, separation(frames), jump_in(frames)) | numbers
         return numbers
+
+    @property
+    def _last_fields(self) -> Mapping[str, Field]:
+        """Fields that the last instant keeps from those before, such as the worn depth."""
+        if self.trajectory is not None:
+            return self.trajectory.frames[-1].fields
+        worn = None if self.films is None else self.films.contacts[-1].worn_depth
+        return {} if worn is None else {"worn_depth": Field(("x", "y"), worn, "m", "worn depth")}
 
     @property
     def counts(self) -> Counts:
@@ -228,9 +238,10 @@ def evolution_answer(trajectory: "Trajectory", requested: float | None = None) -
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     """Return a recorded frame as an answer; its gap includes the worn depth and the residual displacement."""
     if frame.solution is not None:
-        return contact_answer(
+        contact = contact_answer(
             frame.solution, time=frame.time, state=frame.fields, rolling=frame.rolling
         )
+        return _with_steps(contact, frame.step_error) if frame.step_error else contact
     problem = trajectory.problem
     outputs = tuple(trajectory.derived(frame, output) for output in problem.outputs)
     problem = replace(problem, outputs=outputs)
@@ -263,6 +274,17 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         time=frame.time,
         state=frame.fields,
     )
+
+
+def _with_steps(contact: Contact, error: float) -> Contact:
+    """Return a contact with the relative L1 error by the steps in time added to its errors."""
+    estimate = contact.error
+    with_steps: dict[str, Any] = {
+        name: replace(parts, steps=error)
+        for name, parts in estimate
+        if name in ("l1", "peak_pressure", "contact_area", "rolling_resistance")
+    }
+    return replace(contact, estimate=replace(estimate, **with_steps))
 
 
 def passes_answer(rolled: "RepeatedRolling", requested: float | None = None) -> Evolution:

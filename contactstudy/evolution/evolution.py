@@ -143,6 +143,8 @@ class Trajectory:
 
     def traction(self, frame: Frame) -> TangentialTraction | None:
         """Return the shear at the instant of `frame`; None without friction."""
+        if frame.solution is not None:
+            return frame.solution.traction
         if "shear_x" in frame.fields:
             across, along, stick = (frame.fields[n].values for n in ("shear_x", "shear_y", "stick"))
             return TangentialTraction(np.stack([across, along]), stick > 0, "fretting", 0)

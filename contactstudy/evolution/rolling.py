@@ -160,13 +160,8 @@ def solve_rolling(
     Raises
     ------
     InvalidInput
-        If the scene has a load that changes, wear or a fluid.
+        If the scene has a load that changes, or a fluid.
     """
-    if scene.wear is not None:
-        raise InvalidInput(
-            "Scene.wear changes in time together with Scene.rolling: a body that rolls wears alike all round, leave "
-            "rolling out and multiply Wear.coefficient by the contact's width over the circumference."
-        )
     speed = scene.rolling_speed
     assert speed is not None
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)

@@ -456,6 +456,8 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
         bearer = "lubricant and asperities together"
         of_asperities = labelled(plane, contact.contact_pressure, "Pa", "pressure of asperities")
         touching["contact_pressure"] = of_asperities
+    if contact.worn_depth is not None:
+        touching["worn_depth"] = labelled(plane, contact.worn_depth, "m", "worn depth")
     if (heat := contact.temperatures) is not None:
         rise = "temperature rise"
         touching["film_temperature_rise"] = labelled(plane, heat.film, "K", f"{rise} of the film")

@@ -12,7 +12,6 @@ from contactstudy.io.quantities import Quantity, per_length, with_bound
 from contactstudy.problem.problem import Field
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.evolution import Frame
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
 
 NO_BOUND_OF_SLIP = "No bound: the discretisation error of slip is not estimated; solve again on cells of half the width."
@@ -22,8 +21,9 @@ NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; so
 def evolution_quantities(
     frames: Sequence[Mapping[str, Quantity]],
     times: Sequence[float],
-    last_frame: "Frame | None",
+    fields: Mapping[str, Field],
     length: float | None,
+    around: float,
     cell: tuple[float, float],
     plastic_fields: Mapping[str, Field],
     error: ErrorParts,
@@ -36,10 +36,12 @@ def evolution_quantities(
         Quantities of each recorded instant.
     times
         The instants [s].
-    last_frame
-        The last frame of a dry contact, whose fields hold wear and dent; None for a film.
+    fields
+        Fields of the last instant that hold wear and dent, by name.
     length
         Length of the roller [m]; None for an endless contact.
+    around
+        Circumference of a worn body that turns over the width of the grid; 1 where none turns.
     cell
         Cell area [m^2] and period [m] of the grid.
     plastic_fields
@@ -85,16 +87,16 @@ def evolution_quantities(
                 position=None,
                 detail="" if final.position else final.detail,
             )
-    fields = {} if last_frame is None else last_frame.fields
     if "worn_depth" in fields:
         worn, (area, period) = fields["worn_depth"].values, cell
-        volume = float(worn.sum() * area)
+        volume = float(worn.sum() * area * around)
         # sliding wears in proportion to the load, which is exact, and to the pressure before
         by_load = replace(error, images=None, discretisation=None)
         by_slip = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
-        slips = "friction_energy" in fields
+        slips = "friction_energy" in fields or "frictional_power" in frames[-1]
+        of_film = error if "central_film" in frames[-1] else by_load
         quantities["worn_volume"] = with_bound(
-            per_length(volume, "m3", "worn volume", length, period), by_slip if slips else by_load
+            per_length(volume, "m3", "worn volume", length, period), by_slip if slips else of_film
         )
         deepest = Quantity(float(worn.max()), "m", "largest worn depth")
         quantities["largest_worn_depth"] = with_bound(deepest, by_slip if slips else error)

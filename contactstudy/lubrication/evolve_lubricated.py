@@ -177,10 +177,10 @@ def evolve_lubricated(
     long_steps = _integrate(
         stepper, list(history.times), list(history.times), 8 * error, long_step, tolerance, None
     )
-    return replace(history, errors_by_steps=_errors_by_steps(history, long_steps))
+    return replace(history, errors_by_steps=errors_by_steps(history, long_steps))
 
 
-def _errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mapping[str, Array]:
+def errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mapping[str, Array]:
     """Return estimates from the relative differences of two evolutions, the second with longer steps."""
     failed = Status.FILM_NOT_CONVERGED
     errors = {}

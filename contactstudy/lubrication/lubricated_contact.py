@@ -85,6 +85,8 @@ class FilmSolution:
     temperatures
         Temperatures of a film with ``Lubrication.thermal``. Pressure and film are isothermal, shear is at these
         temperatures.
+    worn_depth
+        Depth [m] worn until now, a part of the gap; None without wear.
     """
 
     scene: Scene
@@ -106,6 +108,7 @@ class FilmSolution:
     estimate: ErrorEstimate | None = None
     contact_pressure: Array | None = None
     temperatures: FilmTemperatures | None = None
+    worn_depth: Array | None = None
 
     @property
     def central_film(self) -> float:

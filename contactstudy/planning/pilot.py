@@ -163,6 +163,13 @@ def _seconds_and_solves(
     scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
 ) -> tuple[float, int]:
     """Return the seconds and the solves of `scene` on `grid`."""
+    if scene.wears_steadily:
+        # imported only for scenes that roll and wear
+        from contactstudy.evolution.steady_wear import follow_wear
+
+        begin, instants_of_wear = process_time(), steps.instants_of(scene.load)
+        worn = follow_wear(scene, grid, padding, times=instants_of_wear, error=error)
+        return process_time() - begin, worn.steps
     if scene.rolling is not None and scene.rolling.passes is not None:
         # imported only for scenes with such passes
         from contactstudy.evolution.repeated_rolling import roll_repeatedly

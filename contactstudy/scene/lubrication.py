@@ -34,11 +34,6 @@ class FilmContext(BodyContext, Protocol):
     """Properties of a scene that decide whether it can have a film."""
 
     @property
-    def wear(self) -> object | None:
-        """Sliding wear, or None."""
-        ...
-
-    @property
     def friction(self) -> object | None:
         """Dry friction, or None."""
         ...
@@ -564,11 +559,6 @@ class Lubrication:
         """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not supported with a film."""
         for present, field, reason in (
             (
-                scene.wear is not None,
-                "Scene.wear",
-                "a full film keeps the bodies apart, so that nothing wears",
-            ),
-            (
                 scene.rolling is not None,
                 "Scene.rolling",
                 "Lubrication.mean_speed moves the surfaces already",
@@ -584,7 +574,8 @@ class Lubrication:
                 "a limit to the pressure would break the balance of flow",
             ),
             (
-                any(map(creeps, scene.solids)) and scene.time_dependent_field is not None,
+                any(map(creeps, scene.solids))
+                and scene.time_dependent_field not in (None, "Scene.wear"),
                 scene.time_dependent_field,
                 "a body creeps below a steady film only",
             ),

@@ -320,6 +320,8 @@ class Scene:
 
             _instance("Scene.adhesion", self.adhesion, Adhesion, "give an Adhesion, or None")
             self.adhesion.check(self)
+        if self.wear is not None:
+            self.wear.check(self)
 
     @property
     def radius(self) -> float | None:
@@ -516,8 +518,14 @@ class Scene:
     def takes_times(self) -> bool:
         """True if it is solved at several instants, since it or the load of its steady rolling changes in time."""
         if self.rolling_speed is not None:
-            return isinstance(self.load, ChangingLoad)
+            return isinstance(self.load, ChangingLoad) or self.wear is not None
         return self.rolling is None and self.time_dependent_field is not None
+
+    @property
+    def wears_steadily(self) -> bool:
+        """True for a contact that wears and is steady at each instant: rolling, driven, or with a film."""
+        steady = self.rolling_speed is not None or getattr(self.friction, "is_steady", False)
+        return self.wear is not None and (steady or self.lubrication is not None)
 
     @property
     def is_quasi_static(self) -> bool:

@@ -107,14 +107,10 @@ class TractiveRolling:
     def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         check_tangential_response(scene, "TractiveRolling", creep="follows")
-        if isinstance(scene.load, ChangingLoad) and scene.wear is None and scene.rolling is None:
+        if scene.rolling is not None:
+            check_static(scene, "TractiveRolling")
+        if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
-        else:
-            check_static(
-                scene,
-                "TractiveRolling",
-                "and steady rolling has none: leave one of them out, wear follows from the frictional power",
-            )
         for number, shape in enumerate(scene.shapes):
             if hasattr(shape, "gap_after"):
                 raise InvalidInput(

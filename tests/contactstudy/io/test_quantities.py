@@ -203,7 +203,9 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     stress[0, 2, 0, 0] = 9e8  # in depth
     dimensions = ("time", "component", "z_1", "x", "y")
     strained = {"residual_stress_1": Field(dimensions, stress, "Pa", "")}
-    numbers = evolution_quantities([{}], [1.0], None, None, (1.0, 1.0), strained, cs.ErrorParts())
+    numbers = evolution_quantities(
+        [{}], [1.0], {}, None, 1.0, (1.0, 1.0), strained, cs.ErrorParts()
+    )
     assert numbers["highest_residual_stress_1"].value == 3e8
     assert numbers["lowest_residual_stress_1"].value == -4e8
     assert "of solids[1]" in numbers["lowest_residual_stress_1"].label

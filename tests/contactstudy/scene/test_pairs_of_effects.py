@@ -3,6 +3,7 @@
 ``python -m tests.contactstudy.scene.test_pairs_of_effects`` writes the page of the documentation anew.
 """
 
+from dataclasses import replace
 from functools import cache
 from itertools import combinations
 from pathlib import Path
@@ -36,7 +37,8 @@ HEAD = """# Which effects work together
 A scene names its effects. Each pair of effects is tried on a small scene: `+` is a pair that is computed, a number is a
 pair that is refused, with the message of this number below. Bodies that yield roll in passes (`Rolling(passes=...)`),
 bodies that creep roll at a speed. Partial slip is `Fretting` with times; with adhesion it is a cycle without times
-(`Fretting.cycle`). This page is written by the test that tries the pairs.
+(`Fretting.cycle`). Wear of a contact that rolls is that of a body that turns (`Wear(circumference=...)`), wear with a film
+that of the asperities on its boundary film. This page is written by the test that tries the pairs.
 
 """
 
@@ -60,6 +62,13 @@ def scene_with(first: str, second: str) -> dict[str, Any]:
             fields["friction"] = cs.Fretting.cycle(0.3, 1e4)
     if {first, second} == {"partial slip", "wear"}:
         fields["wear"] = cs.Wear(1e-15, 0.0)
+    if {first, second} == {"wear", "rolling"}:
+        fields["wear"] = cs.Wear(1e-15, 0.1, circumference=0.06)
+    if {first, second} in ({"wear", "tractive rolling"}, {"wear", "film"}):
+        fields["wear"] = cs.Wear(1e-15, 0.0, circumference=0.06)
+    if {first, second} == {"wear", "film"}:
+        layer = cs.Boundary(5e-9)
+        fields["lubrication"] = replace(fields["lubrication"], boundary=layer)
     if {first, second} == {"yielding", "rolling"}:
         fields["rolling"] = cs.Rolling(passes=1, distance=1e-4)
     return fields
@@ -76,7 +85,7 @@ def refusal(first: str, second: str) -> str:
         padding = (cs.ZeroPadding(), cs.ExactPeriodicity())
     try:
         scene = cs.Scene(**scene_with(first, second))
-        times = [0.0, 1.0] if scene.time_dependent_field and scene.rolling is None else None
+        times = [0.0, 1.0] if scene.takes_times else None
         answer = cs.solve(scene, cs.Grid((24, along), (1.2e-3, 4e-4)), padding, times=times)
     except cs.InvalidInput as refused:
         return str(refused)

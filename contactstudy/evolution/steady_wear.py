@@ -1,0 +1,346 @@
+"""Wear of contacts that are steady at each instant: rolling, driven, or on a boundary film.
+
+The worn depth w adds to the gap, and its rate follows from the contact on that gap: ``dw/dt = f(w)``. Heun's method
+takes a step by the rates at its start and at the end of Euler's step; the change of the pressure from one to the other
+controls its length. A body that turns wears alike all round, by the mean of Archard's law over its circumference.
+
+Source of the wear law: Archard (1953).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from math import inf
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import ndimage
+
+from contactstudy.domain.checks import InvalidInput, finite
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
+from contactstudy.evolution.evolution import Frame, Trajectory
+from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
+from contactstudy.lubrication.evolve_lubricated import FilmTrajectory, errors_by_steps
+from contactstudy.lubrication.lubricated_contact import FilmSolution
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.problem.problem import Field
+from contactstudy.scene.bodies import instantaneous
+from contactstudy.scene.motion import Wear
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.solvers.friction.rolling_traction import RollingTraction
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+# Largest depth of the first step, over the unit of the gap or the boundary film. Limits of the factor of a step, and the
+# factor below the error that a step aims at. Shortest step over the time between two instants.
+FIRST, SHRINK, GROW, SAFETY, LEAST = 0.01, 0.1, 2.0, 0.8, 1e-6
+# Error of a step where none is asked for. Cells around a grid by which splines continue beyond it.
+STEP_ERROR, PADDED = 1e-3, 4
+# Count of a rejected pair of steps in the work of an instant.
+REJECTED = np.array((0.0, 0.0, 0.0, 0.0, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class WornSurface:
+    """Shape of a worn depth (x, y) [m] in the cells of a grid, smooth from one cell to the next."""
+
+    depth: Array
+    grid: Grid
+    curvature: float = 0.0
+    length_scales: LengthScales = LengthScales()  # noqa: RUF009 (a frozen value)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the depth on another grid: means over larger cells, a cubic spline between these cells."""
+        if all(n <= m for n, m in zip(grid.cells, self.grid.cells, strict=True)):
+            return on_cells(self.depth, grid.cells)
+        around = np.pad(
+            np.pad(self.depth, ((PADDED, PADDED), (0, 0)), "edge"),
+            ((0, 0), (PADDED, PADDED)),
+            "wrap",
+        )
+        dx, dy = self.grid.cell_size
+        rows, columns = (grid.x - self.grid.x[0]) / dx, (grid.y - self.grid.y[0]) / dy
+        places = np.meshgrid(PADDED + rows, PADDED + columns, indexing="ij")
+        return np.asarray(ndimage.map_coordinates(around, places, order=3, mode="nearest"))
+
+
+@dataclass(frozen=True, eq=False)
+class _DryContact:
+    """A dry contact, with its rolling where it rolls."""
+
+    solution: Solution
+    rolling: SteadyRolling | None
+
+    @property
+    def pressure(self) -> Array:
+        return self.solution.pressure
+
+    @property
+    def status(self) -> Status:
+        return self.solution.status
+
+
+class _Worn(Protocol):
+    """A steady contact on a worn gap."""
+
+    @property
+    def pressure(self) -> Array: ...
+
+    @property
+    def status(self) -> Status: ...
+
+
+Contact = TypeVar("Contact", bound=_Worn)
+
+
+@dataclass(frozen=True, eq=False)
+class _Instant(Generic[Contact]):
+    """A contact at a time [s] with the depth (x, y) [m] worn until then, and the one that steps twice as long lead to.
+
+    ``work`` are steps, solves and two counts of their iterations, and rejected steps, since the instant before.
+    """
+
+    time: float
+    contact: Contact
+    depth: Array
+    by_double_steps: "_Instant[Contact] | None" = None
+    work: Array = field(default_factory=lambda: np.zeros(5))
+    largest_change: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _WearingContact(Generic[Contact]):
+    """A contact that wears: solved with a worn depth from one before, its wear rate (x, y) [m/s], its iterations."""
+
+    solved: Callable[[Array, Contact | None], Contact]
+    rate: Callable[[Contact], Array]
+    iterations: Callable[[Contact], tuple[float, float]]
+    first_depth: float
+
+    def step(self, now: _Instant[Contact], duration: float) -> _Instant[Contact]:
+        """Return the contact after a step [s], with the change of pressure by its correction."""
+        rate = self.rate(now.contact)
+        predicted = self.solved(now.depth + duration * rate, now.contact)
+        depth = now.depth + duration / 2 * (rate + self.rate(predicted))
+        after = self.solved(depth, predicted)
+        change = np.abs(after.pressure - predicted.pressure).sum() / now.contact.pressure.sum()
+        failed = after.status.is_failure or predicted.status.is_failure
+        first, second = (
+            sum(counts)
+            for counts in zip(self.iterations(predicted), self.iterations(after), strict=True)
+        )
+        return _Instant(
+            now.time + duration,
+            after,
+            depth,
+            work=np.array((1.0, 2.0, first, second, 0.0)),
+            largest_change=inf if failed else float(change),
+        )
+
+    def through(
+        self,
+        cells: tuple[int, int],
+        times: Sequence[float],
+        error: float,
+        progress: Callable[[float, float], None] | None = None,
+    ) -> list[_Instant[Contact]]:
+        """Return the contact at each of `times`, by pairs of steps of an `error` each, beside one of both at once."""
+        start, depth = min(0.0, times[0]), np.zeros(cells)
+        fine = wide = _Instant(start, self.solved(depth, None), depth)
+        rate = float(self.rate(fine.contact).max())
+        length = self.first_depth / rate if rate else inf
+        instants, work, largest = [], np.array((0.0, 1.0, *self.iterations(fine.contact), 0.0)), 0.0
+        for target in times:
+            span = target - fine.time
+            while (remaining := target - fine.time) > LEAST * span:
+                duration = remaining / np.ceil(remaining / min(2 * length, remaining) - LEAST) / 2
+                middle = self.step(fine, duration)
+                end, double = self.step(middle, duration), self.step(wide, 2 * duration)
+                work += middle.work + end.work + double.work
+                change = max(middle.largest_change, end.largest_change, double.largest_change / 4)
+                factor = SAFETY * np.sqrt(error / max(change, LEAST * error))
+                factor = float(np.clip(factor, SHRINK, GROW))
+                if change > error and duration > LEAST * span:
+                    work, length = work + REJECTED, duration * factor
+                    continue
+                fine, wide, largest = end, double, max(largest, change)
+                # a step shortened to end at an instant does not limit the next one
+                length = max(duration * factor, length if duration < length else 0.0)
+                if progress is not None:
+                    progress(fine.time, times[-1])
+            instants.append(
+                replace(fine, time=target, by_double_steps=wide, work=work, largest_change=largest)
+            )
+            work = np.zeros(5)
+        return instants
+
+
+def follow_wear(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    *,
+    times: ArrayLike | None,
+    error: float | None = None,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
+    progress: Callable[[float, float], None] | None = None,
+) -> Trajectory:
+    """Follow the wear of a contact that rolls or is driven.
+
+    Parameters
+    ----------
+    scene
+        A scene with wear, and with steady or tractive rolling.
+    grid, padding
+        Cells and boundary conditions, as for :func:`~contactstudy.solve`.
+    times
+        Recorded instants [s], ascending. Wear begins at 0 s, or at the first of them if that is earlier.
+    error
+        Largest relative L1 change of the pressure from Euler's to Heun's step; 1e-3 if None.
+    options
+        How each contact is solved.
+    progress
+        Called with time and end [s] after each step.
+
+    Returns
+    -------
+    Trajectory
+        The recorded frames. Their error by the steps is the change from an evolution with steps twice as long.
+
+    Raises
+    ------
+    InvalidInput
+        If no times are given, or they do not ascend.
+    """
+    wear, unworn = scene.wear, replace(scene, wear=None)
+    assert wear is not None
+    elastic = replace(unworn, rolling=None, solids=instantaneous(scene.solids))
+    problem = elastic.problem(grid, padding)
+
+    def solved(depth: Array, before: _DryContact | None) -> _DryContact:
+        worn = replace(unworn, shapes=(*unworn.shapes, WornSurface(depth, grid)))
+        if worn.rolls:
+            rolling = solve_rolling(worn, grid, padding, options=options)
+            return _DryContact(rolling.solution, rolling)
+        start = None if before is None else before.pressure
+        return _DryContact(solve_contact(worn.problem(grid, padding), options, start), None)
+
+    def rate(contact: _DryContact) -> Array:
+        traction = contact.solution.traction
+        if isinstance(traction, RollingTraction):
+            # where it slips, friction times slip is the coefficient of friction times pressure times slip
+            pressed = traction.power / getattr(scene.friction, "coefficient", 1.0)
+            return _depth(wear, pressed, grid)
+        return _depth(wear, wear.speed * contact.pressure, grid)
+
+    def iterations(contact: _DryContact) -> tuple[float, float]:
+        return contact.solution.iterations, contact.solution.convolutions
+
+    contact = _WearingContact(solved, rate, iterations, FIRST * problem.scales.gap)
+    instants = contact.through(grid.cells, *_instants(times, error), progress)
+    frames = []
+    for instant in instants:
+        wide = instant.by_double_steps
+        assert wide is not None
+        solution, pressure = instant.contact.solution, instant.contact.pressure
+        # the picture of an instant names the scene, not the surface that is worn by now
+        posed = PosedScene(scene, grid, padding)
+        solution = replace(solution, problem=replace(solution.problem, description=posed))
+        change = np.abs(pressure - wide.contact.pressure).sum() / pressure.sum()
+        worn_depth = Field(("x", "y"), instant.depth, "m", "worn depth")
+        frames.append(
+            Frame(
+                time=instant.time,
+                load=scene.load.largest,
+                pressure=pressure,
+                gap=solution.gap,
+                approach=solution.approach,
+                fields={"worn_depth": worn_depth},
+                status=solution.status,
+                residual=solution.residual,
+                step_error=float(change),
+                grid_error=inf,
+                steps=int(instant.work[1]),
+                iterations=int(instant.work[2]),
+                convolutions=float(instant.work[3]),
+                solution=solution,
+                rolling=instant.contact.rolling,
+            )
+        )
+    rejected = sum(instant.work[4] for instant in instants)
+    return Trajectory(problem, tuple(frames), int(rejected), 0, PosedScene(scene, grid, padding))
+
+
+def follow_film_wear(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    *,
+    times: ArrayLike | None,
+    error: float | None = None,
+    tolerance: float = 1e-6,
+    max_iterations: int = 300,
+    progress: Callable[[float, float], None] | None = None,
+) -> FilmTrajectory:
+    """Follow the wear of asperities on the boundary film of `scene`; the arguments are those of :func:`follow_wear`.
+
+    The film is steady at each instant, begun with that before. Only the pressure that asperities carry wears.
+    """
+    wear, lubrication, unworn = scene.wear, scene.lubrication, replace(scene, wear=None)
+    assert wear is not None
+    assert lubrication is not None
+    assert lubrication.boundary is not None
+
+    def solved(depth: Array, before: FilmSolution | None) -> FilmSolution:
+        worn = replace(unworn, shapes=(*unworn.shapes, WornSurface(depth, grid)))
+        film = solve_lubricated(
+            worn,
+            grid,
+            padding,
+            tolerance=tolerance,
+            max_iterations=max_iterations,
+            start=before,
+        )
+        return replace(film, scene=scene, worn_depth=depth)
+
+    def rate(film: FilmSolution) -> Array:
+        assert film.contact_pressure is not None
+        return _depth(wear, abs(film.sliding_speed) * film.contact_pressure, grid)
+
+    def iterations(film: FilmSolution) -> tuple[float, float]:
+        return film.iterations, film.linear_iterations
+
+    contact = _WearingContact(solved, rate, iterations, FIRST * lubrication.boundary.film)
+    instants = contact.through(grid.cells, *_instants(times, error), progress)
+    steps, _, first, second, _ = np.sum([instant.work for instant in instants], axis=0)
+    films = FilmTrajectory(
+        tuple(instant.time for instant in instants),
+        tuple(instant.contact for instant in instants),
+        int(steps),
+        int(first),
+        int(second),
+        max(instant.largest_change for instant in instants),
+    )
+    wide = [instant.by_double_steps for instant in instants]
+    others = replace(films, contacts=tuple(other.contact for other in wide if other is not None))
+    return replace(films, errors_by_steps=errors_by_steps(films, others))
+
+
+def _depth(wear: Wear, pressed: Array, grid: Grid) -> Array:
+    """Return the wear rate (x, y) [m/s] where the pressure times the sliding speed is `pressed` (x, y) [W/m^2]."""
+    if wear.circumference is None:
+        return wear.coefficient * pressed
+    around = pressed.sum(axis=0) * grid.cell_size[0] / wear.circumference
+    return np.broadcast_to(wear.coefficient * around, pressed.shape)
+
+
+def _instants(times: ArrayLike | None, error: float | None) -> tuple[list[float], float]:
+    """Return the instants to record, once they are checked, and the error of a step."""
+    if times is None:
+        raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
+    instants = [finite("solve.times", time, "give times in s") for time in np.ravel(times).tolist()]
+    if not instants or sorted(set(instants)) != instants:
+        raise InvalidInput(f"solve.times is {times!r}: give one or more, ascending.")
+    return instants, STEP_ERROR if error is None else error

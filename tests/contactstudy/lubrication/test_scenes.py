@@ -15,7 +15,6 @@ MOTION = cs.Lubrication(OIL, 1.0)
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear is not supported together with Scene.lubrication"),
         ({"rolling": cs.Rolling(1.0)}, "Scene.rolling is not supported"),
         ({"friction": cs.Sliding(0.1)}, "Scene.friction is not supported"),
         ({"hardness": 2e9}, "Scene.hardness is not supported"),

@@ -37,8 +37,8 @@ HEAD = """# Which effects work together
 A scene names its effects. Each pair of effects is tried on a small scene: `+` is a pair that is computed, a number is a
 pair that is refused, with the message of this number below. Bodies that yield roll in passes (`Rolling(passes=...)`),
 bodies that creep roll at a speed. Partial slip is `Fretting` with times; with adhesion it is a cycle without times
-(`Fretting.cycle`). Wear of a contact that rolls is that of a body that turns (`Wear(circumference=...)`), wear with a film
-that of the asperities on its boundary film. This page is written by the test that tries the pairs.
+(`Fretting.cycle`). Wear of a contact that rolls is that of a body that turns (`Wear(circumference=...)`), wear with a
+film that of the asperities on its boundary film. This page is written by the test that tries the pairs.
 
 """
 

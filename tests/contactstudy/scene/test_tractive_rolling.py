@@ -352,7 +352,6 @@ def test_values_that_cannot_be_say_so(given: dict[str, object], said: str) -> No
             },
             "tangential",
         ),
-        ({"wear": cs.Wear(1e-15, 1.0)}, "Scene.wear changes"),
         ({"rolling": cs.Rolling(1.0)}, "Scene.rolling"),
         ({"solids": (cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9), STEEL)}, "flow along its surface"),
         ({"shapes": (*CYLINDER, cs.MovingShape(ROUGH[1]))}, "travel through the contact"),

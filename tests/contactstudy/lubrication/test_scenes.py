@@ -6,7 +6,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
 OIL = cs.Lubricant(0.04, 2e-8)
 MOTION = cs.Lubrication(OIL, 1.0)
@@ -18,7 +18,6 @@ MOTION = cs.Lubrication(OIL, 1.0)
         ({"rolling": cs.Rolling(1.0)}, "Scene.rolling is not supported"),
         ({"friction": cs.Sliding(0.1)}, "Scene.friction is not supported"),
         ({"hardness": 2e9}, "Scene.hardness is not supported"),
-        ({"solids": (cs.ViscoelasticHalfSpace(1e9, 0.4, ((1e9, 1.0),)), STEEL)}, "Scene.solids is not supported"),
         ({"lubrication": OIL}, "give a Lubrication, or None"),
     ],
 )  # fmt: skip

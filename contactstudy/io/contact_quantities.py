@@ -338,6 +338,32 @@ def _of_stress(
             bound = margin.value * error.total / (1 - error.total)
             margin = replace(margin, bound=bound, reason="")
         quantities["safety_factor"] = margin
+    return quantities | _of_coating(scene, derived, axes, where)
+
+
+def _of_coating(
+    scene: Scene, derived: Mapping[str, Field], axes: Mapping[str, Array], where: str
+) -> dict[str, Quantity]:
+    """Return the largest von Mises stress in the coating of a body and the largest shear stress at its bond.
+
+    Each needs a depth there: down to the thickness, and equal to it.
+    """
+    bodies = (scene.solids[output.solid] for output in scene.outputs if hasattr(output, "solid"))
+    thickness = next((body.thickness for body in bodies if hasattr(body, "thickness")), -1.0)
+    depths = derived["z"].values
+    in_coating, at_bond = depths <= thickness, depths == thickness
+    quantities = {}
+    if in_coating.any():
+        stress, dimensions = derived["von_mises"].values[in_coating], ("z", "x", "y")
+        largest, position = _largest(stress, {**axes, "z": depths[in_coating]}, dimensions)
+        label = f"largest von Mises stress in the coating{where}"
+        quantities["coating_von_mises"] = Quantity(largest, "Pa", label, position=position)
+    if at_bond.any():
+        components = dict(zip(derived["component"].values, derived["stress"].values, strict=True))
+        shear = np.hypot(*(components[name][at_bond][0] for name in ("xz", "yz")))
+        largest, position = _largest(shear, axes)
+        label = "largest shear stress between coating and substrate"
+        quantities["bond_shear"] = Quantity(largest, "Pa", label, position=position)
     return quantities
 
 

@@ -251,8 +251,8 @@ class SubsurfaceStressOperator:
         """Return the stress (component, x, y) by depths [m], growing, that include the largest von Mises stress, to 1 %.
 
         Near its maximum the stress changes slowly with depth, so that steps by a third find the neighbouring depths, and
-        steps by a tenth between them the maximum. On a large grid only the depth of the maximum and those beside it are
-        returned.
+        steps by a tenth between them the maximum. On a large grid only the depth of the maximum, those beside it and the
+        faces of an interface are returned.
         """
         rows = np.flatnonzero((pressure > 0).any(axis=1))
         width = (rows[-1] - rows[0] + 1) * self.grid.cell_size[0] if rows.size else 0.0
@@ -277,7 +277,7 @@ class SubsurfaceStressOperator:
         depths = sorted(largest)
         if len(stress) < len(depths):
             nearest = depths.index(best)
-            depths = depths[max(nearest - 1, 0) : nearest + 2]
+            depths = sorted({*depths[max(nearest - 1, 0) : nearest + 2], *self.medium.faces})
         return {depth: stress[depth] if depth in stress else at(depth) for depth in depths}
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:

@@ -186,3 +186,47 @@ def test_a_scene_with_a_coated_body_has_its_stress_on_both_sides_of_the_bond() -
         for which in (same, plain)
     )
     np.testing.assert_array_equal(one, two)
+
+
+@pytest.mark.parametrize("fractions", [None, (0.5, 0.70429, 1.0, 1.5)])
+def test_numbers_of_a_coating_are_its_von_mises_stress_and_the_shear_at_its_bond(
+    fractions: tuple[float, ...] | None,
+) -> None:
+    """Materials that are nearly alike, under Hertz's pressure: 0.5575162 and 0.21796353 of its peak, by quadrature."""
+    plain = cs.Scene(cs.LineLoad(1e5), (cs.HalfSpace(inf, 0.3), STEEL), (cs.Cylinder(0.01),))
+    thickness = plain.hertz.half_width
+    coating = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * (1 + 1e-6))
+    depths = "auto" if fractions is None else tuple(part * thickness for part in fractions)
+    scene = replace(
+        plain,
+        solids=(plain.solids[0], cs.CoatedHalfSpace(coating, thickness, STEEL)),
+        outputs=(cs.SubsurfaceStress(depths, solid=1),),
+    )
+    grid = cs.Grid((201, 1), (2.4 * thickness, 1e-3))
+    quantities = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
+    in_coating, bond = quantities["coating_von_mises"], quantities["bond_shear"]
+    peak = plain.hertz.peak_pressure
+    assert in_coating.value / peak == pytest.approx(
+        0.5575162, rel=1e-2 if fractions is None else 1e-3
+    )
+    assert in_coating.position["z"] == pytest.approx(0.70429 * thickness, rel=0.15)
+    assert bond.value / peak == pytest.approx(0.21796353, rel=1e-3)
+    assert abs(bond.position["x"]) == pytest.approx(0.950175 * thickness, abs=2 * grid.cell_size[0])
+
+
+def test_a_body_without_a_coating_or_depths_at_its_bond_has_no_numbers_of_them() -> None:
+    body = cs.CoatedHalfSpace(cs.HalfSpace(840e9, 0.3), 1e-5, STEEL)
+    grid = cs.Grid((48, 1), (4e-4, 1e-3))
+    for solid in (STEEL, body):
+        scene = cs.Scene(
+            cs.LineLoad(1e5),
+            (cs.HalfSpace(inf, 0.3), solid),
+            (cs.Cylinder(0.01),),
+            outputs=(cs.SubsurfaceStress((2e-5,), solid=1),),
+        )
+        found = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
+        assert {"largest_von_mises"} == found.keys() & {
+            "largest_von_mises",
+            "coating_von_mises",
+            "bond_shear",
+        }

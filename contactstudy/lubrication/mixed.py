@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
-from contactstudy.lubrication.film_equation import Film
+from contactstudy.lubrication.film_equation import Film, Mask
 from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, linear_solver
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -53,11 +53,12 @@ TUNING = MixedTuning()
 
 
 def solve_mixed(
-    posed: PosedFilm, controls: FilmControls, warm: Film | None = None
+    posed: PosedFilm, controls: FilmControls, warm: tuple[Film, Mask] | None = None
 ) -> FilmIteration:
     """Iterate from ``warm``, else from the film, from the dry contact, or from higher speeds.
 
-    The dry contact comes before the film where that of Moes is thinner than the boundary film.
+    ``warm`` is a film and its cavitated cells. The dry contact comes before the film where that of Moes is thinner than
+    the boundary film.
     """
     smooth = posed.upstream.cells[1] == 1
     controls = replace(controls, max_active_set_iterations=TUNING.max_active_set_iterations)
@@ -72,12 +73,14 @@ def solve_mixed(
         dry_controls = replace(dry_controls, max_iterations=TUNING.dry_steps)
     iterations: list[FilmIteration] = []
     if warm is not None:
-        assert warm.asperity_pressure is not None
-        near_dry = not smooth and 2 * warm.asperity_pressure.sum() > warm.total_pressure.sum()
+        film, cavitated = warm
+        assert film.asperity_pressure is not None
+        near_dry = not smooth and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
         if near_dry:
-            iterations.append(_iterated(posed, warm, replace(controls, time_step=TUNING.from_dry)))
+            dry = replace(controls, time_step=TUNING.from_dry)
+            iterations.append(_iterated(posed, film, dry, cavitated))
         if not (iterations and iterations[-1].converged(controls.tolerance)):
-            iterations.append(_iterated(posed, warm, film_controls))
+            iterations.append(_iterated(posed, film, film_controls, cavitated))
     starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
     if posed.scales.expected_film < posed.equation.boundary:
         starts.reverse()
@@ -120,5 +123,7 @@ def _dry_start(posed: PosedFilm) -> Film:
     return equation.film_of(zeros, zeros, equation.boundary - float(below), asperity_pressure)
 
 
-def _iterated(posed: PosedFilm, start: Film, controls: FilmControls) -> FilmIteration:
-    return iterate(posed.equation, start, linear_solver(posed), controls)
+def _iterated(
+    posed: PosedFilm, start: Film, controls: FilmControls, cavitated: Mask | None = None
+) -> FilmIteration:
+    return iterate(posed.equation, start, linear_solver(posed), controls, cavitated=cavitated)

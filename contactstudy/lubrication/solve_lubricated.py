@@ -408,9 +408,8 @@ def has_spike(pressure: Array) -> bool:
 
 
 def _falls_within_a_cell(pressure: Array) -> bool:
-    """Return whether the mean pressure over the length (x, y) falls so steeply that cells do not resolve a spike."""
-    mean = pressure.mean(axis=1)
-    return bool((mean[:-1] - mean[1:]).max() > STEEP_FALL * mean.max())
+    """Return whether the pressure (x, y) falls so steeply that cells do not resolve a spike."""
+    return bool((pressure[:-1] - pressure[1:]).max() > STEEP_FALL * pressure.max())
 
 
 def _valley(pressure: Array) -> tuple[int, float]:

@@ -85,7 +85,7 @@ def solve_on(
     if posed.equation.boundary:
         warm, before = None, (0, 0)
         if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
-            warm = start_from(posed, start)[0]
+            warm = start_from(posed, start)
         elif posed.scales.expected_film > posed.equation.boundary:
             warm, before = _without_asperities(posed, controls)
         mixed = solve_mixed(posed, controls, warm)
@@ -123,8 +123,10 @@ def solve_on(
     return replace(contact, status=Status.SEVERAL_FILMS) if has_second_film else contact
 
 
-def _without_asperities(posed: PosedFilm, controls: FilmControls) -> tuple[Film, tuple[int, int]]:
-    """Return the film on nested grids without a boundary film, raised to it, and the iterations that it took.
+def _without_asperities(
+    posed: PosedFilm, controls: FilmControls
+) -> tuple[tuple[Film, Mask], tuple[int, int]]:
+    """Return the film on nested grids without a boundary film, raised to it, its cavitated cells, and the iterations.
 
     On the finest grid alone the film took ten times as long, or did not converge between ridges.
     """
@@ -135,7 +137,7 @@ def _without_asperities(posed: PosedFilm, controls: FilmControls) -> tuple[Film,
     film = with_minimum_film(
         equation, film.pressure, film.void, film.separation, equation.boundary, zeros
     )
-    return film, (last.iterations, last.linear_iterations)
+    return (film, last.cavitated), (last.iterations, last.linear_iterations)
 
 
 def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:

@@ -26,6 +26,8 @@ HALF_SWEEP_ERROR = 0.02
 INLET, INLET_SWEEP_FRACTION = 1.5, 0.1
 # Rounds of refinement towards an error, and the most cells across of plane strain.
 REFINEMENTS, MAX_CELLS = 6, 3200
+# Factor on the cells that the film needs, at which nothing else is refined for: temperatures cost the most.
+REFINED_FOR_MOTION = 2.0
 # Cells for the shortest wave of a surface.
 CELLS_PER_WAVE = 8
 # The inlet's error falls as its length^-2. A constriction of few cells hides a fraction of the film's rise beside it.
@@ -105,8 +107,9 @@ def solve_lubricated(
     padding
         Along the length, one that wraps.
     error
-        Relative error of central and smallest film to reach, 1 % without a grid. With it the contact has an
-        estimate of its errors as ``error``, found on further grids.
+        Relative error of central and smallest film to reach, 1 % without a grid; with up to twice the cells also of
+        friction, temperatures and load fraction. With it the contact has an estimate of its errors as ``error``, found
+        on further grids.
     tolerance, max_iterations
         Where the iteration stops: a residual, and a number of steps.
     start
@@ -152,10 +155,9 @@ def solve_lubricated(
         assert contact.estimate is not None
         estimate = contact.estimate
         asked = contact.errors_asked_for(estimate)
-        # where the film is known and another number has no bound, finer cells give none
-        known = [
-            parts for name, parts in asked.items() if "film" in name[-4:] or isfinite(parts.total)
-        ]
+        known = [asked["central_film"], asked["minimum_film"]]
+        if finer < REFINED_FOR_MOTION:
+            known += [parts for parts in asked.values() if isfinite(parts.total)]
         inlet = max(parts.by_cause["inlet"] for parts in known)
         cells = max(parts.by_cause["discretisation"] for parts in known)
         if inlet + cells <= error:
@@ -232,6 +234,8 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
     """
     if (reason := _too_coarse(contact.scene, contact.grid)) is not None:
         return _unknown(reason)
+    if contact.status is Status.FILM_NOT_CONVERGED:
+        return _unknown(f"The error is unknown: {contact.status}")
     controls, scene = FilmControls(), _same_surface(contact.scene, contact.grid)
     return _compared(
         contact,

@@ -68,12 +68,13 @@ print(both)
 assert both.film.min() >= 3e-9 * (1 - 1e-6)
 
 # %%
-# Roughness that varies along the length lets oil flow around asperities: the load passes from oil to asperities over a wide range of speeds.
+# Roughness that varies along the length lets oil flow around asperities: the load passes from oil to asperities over a wide range of speeds. On
+# 256 x 64 cells all twenty speeds converge, each from the film of the one before.
 
-rough = cs.Roughness(rms=5e-8, hurst=0.8, roll_off=5e-5, cut_off=2e-5, seed=3)
-cylinder, roughness_grid = cs.Cylinder(0.01), cs.Grid((96, 32), (6.3e-4, 2.1e-4))
+rough = cs.Roughness(rms=5e-8, hurst=0.8, roll_off=5e-5, cut_off=2e-5, seed=1)
+cylinder, roughness_grid = cs.Cylinder(0.01), cs.Grid((256, 64), (6.3e-4, 2.1e-4))
 boundary_of_additives = cs.Boundary(film=1e-8, coefficient=0.12)
-speeds, contacts, last = np.geomspace(0.2, 2e-3, 12), [], None
+speeds, contacts, last = np.geomspace(0.5, 1e-3, 20), [], None
 for speed in speeds:
     motion = cs.Lubrication(
         oil, mean_speed=speed, slide_roll_ratio=0.1, boundary=boundary_of_additives
@@ -82,12 +83,15 @@ for speed in speeds:
     last = cs.solve(scene, roughness_grid, start=last)
     contacts.append(last)
 fraction = np.array([one.contact_load_fraction for one in contacts])
-figure, axes = plt.subplots(figsize=(7, 3.6), layout="constrained")
-axes.semilogx(speeds, fraction, "o-", color="#D55E00")
-axes.set(xlabel="mean speed [m/s]", ylabel="fraction of the load on asperities")
-print(", ".join(f"{one:.2f}" for one in fraction))
+friction = np.array([one.friction for one in contacts])
+figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
+left.semilogx(speeds, friction, "o-")
+left.set(xlabel="mean speed [m/s]", ylabel="friction at 10 % sliding", ylim=(0, 0.13))
+right.semilogx(speeds, fraction, "o-", color="#D55E00")
+right.set(xlabel="mean speed [m/s]", ylabel="fraction of the load on asperities")
+print(", ".join(f"{one:.3f}" for one in fraction))
 assert all(one.status is not cs.Status.FILM_NOT_CONVERGED for one in contacts)
 assert fraction[0] == 0
 assert (np.diff(fraction) >= 0).all()
 assert np.count_nonzero((fraction > 0.05) & (fraction < 0.9)) >= 4
-assert fraction[-1] > 0.9
+assert abs(fraction[-1] - 0.988) < 2e-3

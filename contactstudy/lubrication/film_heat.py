@@ -101,7 +101,7 @@ def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
 def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
     """Return the film with a heated inlet over that without, by Gupta et al. (1992).
 
-    An approximation; its coefficients are also those of Zhou & Hoeprich (1991), eq. 21, and of Arana et al. (2019), eq. 24.
+    An approximation; Zhou & Hoeprich (1991), eq. 21, and Arana et al. (2019), eq. 24, give the same coefficients.
     """
     loading = thermal_loading(scales, heat)
     load = scales.hertz.half_width / (4 * scales.hertz.radius)  # p_H / E'

@@ -561,34 +561,34 @@ class Lubrication:
             (
                 scene.rolling is not None,
                 "Scene.rolling",
-                "Lubrication.mean_speed moves the surfaces already",
+                "Lubrication.mean_speed moves the surfaces already: leave rolling out",
             ),
             (
                 scene.friction is not None,
                 "Scene.friction",
-                "the lubricant's own shear law gives the friction",
+                "Lubricant.shear and the boundary film give the friction: leave Scene.friction out",
             ),
             (
                 scene.hardness != inf,
                 "Scene.hardness",
-                "a limit to the pressure would break the balance of flow",
+                "the pressure of a lubricant follows from its flow, which a limit would interrupt: leave the hardness "
+                "out, and compare the peak pressure with it",
             ),
             (
                 any(map(creeps, scene.solids))
                 and scene.time_dependent_field not in (None, "Scene.wear"),
                 scene.time_dependent_field,
-                "a body creeps below a steady film only",
+                "a body creeps below a steady film only: leave one of them out",
             ),
             (
                 any(map(yields, scene.solids)),
                 "Scene.solids",
-                "the linearised film has no plastic strain",
+                "the linearised film has no plastic strain: leave one of them out",
             ),
         ):
             if present:
                 raise InvalidInput(
-                    f"{field} is not supported together with Scene.lubrication, since {reason}: "
-                    "leave one of them out."
+                    f"{field} is not supported together with Scene.lubrication, since {reason}."
                 )
 
     @property

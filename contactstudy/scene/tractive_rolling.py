@@ -22,7 +22,6 @@ from contactstudy.scene.friction import (
     FrictionContext,
     Load,
     are_similar,
-    check_static,
     check_tangential_response,
     coefficient,
     shear_coupling,
@@ -108,7 +107,10 @@ class TractiveRolling:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         check_tangential_response(scene, "TractiveRolling", creep="follows")
         if scene.rolling is not None:
-            check_static(scene, "TractiveRolling")
+            raise InvalidInput(
+                f"Scene.rolling is {scene.rolling!r} together with TractiveRolling, which rolls at its own speed: leave "
+                "rolling out."
+            )
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         for number, shape in enumerate(scene.shapes):

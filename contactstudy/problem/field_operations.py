@@ -389,15 +389,8 @@ class CompiledOperations(ArrayOperations):
         fraction: float,
     ) -> None:  # fmt: skip
         """Take a `fraction` of a step, in place, as :meth:`ArrayOperations.take_fraction` does."""
-        _rows(
-            self._loops.take_fraction,
-            trial,
-            pressure,
-            trial_displacement,
-            displacement,
-            fraction,
-            self._limit,
-        )
+        fields = trial, pressure, trial_displacement, displacement
+        _rows(self._loops.take_fraction, *fields, fraction, self._limit)
 
 
 def _sum(field: Array) -> float:

@@ -51,10 +51,10 @@ class PressureStep:
     `cut` says whether a limit cut the step off, so that the next one cannot be conjugate to it.
     """
 
-    before: Array
     after: Array
-    displacement_before: Array
+    before: Array
     displacement_after: Array
+    displacement_before: Array
     curvature: float
     cut: bool = False
 
@@ -109,14 +109,7 @@ class ContactState:
         fraction = self._fraction(trial, best)
         if fraction != 1:
             operations.take_fraction(*ends, fraction)
-        self._last = PressureStep(
-            self.pressure,
-            trial.pressure,
-            self.displacement,
-            displacement,
-            curvature * fraction**2,
-            trial.cut,
-        )
+        self._last = PressureStep(*ends, curvature * fraction**2, trial.cut)
         self.pressure, self.displacement = trial.pressure, displacement
         self.gap = self.problem.gap(self.pressure, displacement, self.gap)
         return best

@@ -49,24 +49,19 @@ class FrettingShear:
         sliding: list[Array] = []
         displacements = [0.0]
         shears = []
+        limits = options.tolerance, options.max_iterations
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
         for force in forces:
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
-            step = slip_step(
-                self.response, limit, shear, options.tolerance, options.max_iterations, total=total
-            )
+            step = slip_step(self.response, limit, shear, *limits, total=total)
             sliding.append(np.hypot(*step.slip))
             displacements.append(displacements[-1] + float(step.rigid[0]))
             shear, stick = step.shear, step.stick
             shears.append(shear)
             applications += step.applications
             residual = max(residual, step.residual)
-            statuses.append(
-                shear_status(
-                    step.residual, step.applications, options.tolerance, options.max_iterations
-                )
-            )
+            statuses.append(shear_status(step.residual, step.applications, *limits))
         cycle_start = _cycle_start(self.forces_per_length)
         slip_distance = sum(sliding[cycle_start:], start=np.zeros_like(limit))
         traction = FrettingTraction(

@@ -120,25 +120,14 @@ class PartialSlipShear:
         """Return the normal contact with its shear, by one step from no shear."""
         normal = solve_contact(problem, options, start, on)
         limit = self.coefficient * normal.pressure
-        step = slip_step(
-            self.response,
-            limit,
-            np.zeros((2, *limit.shape)),
-            options.tolerance,
-            options.max_iterations,
-            total=np.array(
-                [self.force_per_length * problem.grid.length / problem.grid.cell_area, 0.0]
-            ),
-        )
-        status = shear_status(
-            step.residual, step.applications, options.tolerance, options.max_iterations
-        )
-        traction = TangentialTraction(
-            step.shear, step.stick, "partial slip, Newton", step.applications
-        )
-        return with_traction(
-            normal, status, step.residual, step.applications, 2.0 * step.applications, traction
-        )
+        total = self.force_per_length * problem.grid.length / problem.grid.cell_area
+        limits = options.tolerance, options.max_iterations
+        unloaded, sums = np.zeros((2, *limit.shape)), np.array([total, 0.0])
+        step = slip_step(self.response, limit, unloaded, *limits, total=sums)
+        count = step.applications
+        status = shear_status(step.residual, count, *limits)
+        traction = TangentialTraction(step.shear, step.stick, "partial slip, Newton", count)
+        return with_traction(normal, status, step.residual, count, 2.0 * count, traction)
 
 
 def with_traction(

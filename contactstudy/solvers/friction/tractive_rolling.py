@@ -46,7 +46,7 @@ LEVEL_TOLERANCE = 1e-3
 MAX_COUPLED_ITERATIONS = 60
 # Distance [cells] within which the edge of stick is found: errors were at most 0.96 of the bound in 600 line contacts of
 # 28 to 90 cells, a third of them near full sliding and a third near full stick.
-EDGE = 0.4
+STICK_EDGE_CELLS = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +84,8 @@ class TractiveShear:
     coefficient
         Coefficient of friction mu.
     creepage
-        Creepage and spin; the longitudinal creepage is found if `force` is given.
-    force
+        Creepage and spin; the longitudinal creepage is found if `force_per_length` is given.
+    force_per_length
         Tangential force along x [N/m], less than friction bears, or None.
     speed
         Speed of rolling [m/s], negative to smaller x.
@@ -99,7 +99,7 @@ class TractiveShear:
 
     coefficient: float
     creepage: Creepage
-    force: float | None
+    force_per_length: float | None
     speed: float
     shear_response: Callable[[Grid], ShearResponse]
     coupling: ShearPressureCoupling | None
@@ -163,7 +163,7 @@ class TractiveShear:
             power=power,
             power_outside_contact=float(power[pressure == 0].sum()) / total if total else 0.0,
             errors=state.errors,
-            creepage_given=self.force is None,
+            creepage_given=self.force_per_length is None,
         )
 
     def _power(self, grid: Grid, state: "SteadyShear") -> Array:
@@ -193,8 +193,8 @@ class TractiveShear:
             displacement = on_grid(by_pressure, level)
             free_slip = (displacement - ahead(displacement, step)) / abs(step) - creepage.on(level)
             total = None
-            if self.force is not None:
-                total = np.array([self.force * level.length / level.cell_area, np.nan])
+            if self.force_per_length is not None:
+                total = np.array([self.force_per_length * level.length / level.cell_area, np.nan])
             newton = CoulombNewton(slip, limit, total)
             steady = _steady(
                 newton,
@@ -220,9 +220,9 @@ class TractiveShear:
         """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
 
         Each grid has half the cells' width of the one before, and the error is of first order: the last difference
-        estimates it, and half of the one before guards against a last one that is small by chance. The stick-slip border
-        is uncertain by EDGE cells, with the effect on force or creepage of Carter's closed form for a contact of `chord`
-        cells along x.
+        estimates it, and half of the one before guards against a last one that is small by chance. The stick-slip
+        border is uncertain by STICK_EDGE_CELLS cells, with the effect on force or creepage of Carter's closed form for
+        a contact of `chord` cells along x.
         """
         if len(levels) == 1:
             return UNKNOWN
@@ -232,9 +232,9 @@ class TractiveShear:
         )
         *force, found_creepage, found_power = np.abs(levels[-1])
         size = float(np.hypot(*force))
-        part, edge = size / self.coefficient, 2 * EDGE / chord
+        part, edge = size / self.coefficient, 2 * STICK_EDGE_CELLS / chord
         sliding = 1 - sqrt(1 - min(part, 1.0))  # creepage over that at which all slides
-        if self.force is None:
+        if self.force_per_length is None:
             free = size
             edge_error = 4 * sliding * (1 - sliding + 2 * edge) * edge / part if part else 0.0
         else:

@@ -373,7 +373,7 @@ def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
             "ask for another quantity"
         )
     elif sharp_end:
-        reason = "the roller bears pressure up to its sharp end, where it is infinite: give a profile that drops more"
+        reason = "the roller carries pressure up to its sharp end, where it is infinite: give a profile that drops more"
     elif isolated:
         reason = "no two cells in contact are neighbours: give more cells"
     return f"No bound for the peak pressure: {reason}." if reason else ""

@@ -55,7 +55,7 @@ class LubricatedContact(Answer, FilmSolution):
     @property
     def judged_error(self) -> tuple[str, ErrorParts]:
         """The largest bound of the numbers that the scene asks for."""
-        errors = self.errors_asked_for(self.error)
+        errors = self.requested_errors(self.error)
         name = max(errors, key=lambda name: errors[name].total)
         return f"in the {MEASURES.get(name, 'film')}", errors[name]
 

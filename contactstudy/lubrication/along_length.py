@@ -115,7 +115,7 @@ class KrylovSolver:
             inverse = inverse or self.deflection.approximate_inverse()
             system = replace(system, extension=inverse.extension(touching.astype(float)))
         deflection = equation.deflection(total)
-        to_boundary = equation.boundary - film.film
+        to_boundary = equation.boundary_film - film.film
         remaining_load = load_residual - system.mean * total.sum()
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, deflection))
         balance = -(linear.residual + change)

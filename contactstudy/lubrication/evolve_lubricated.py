@@ -47,7 +47,7 @@ class StepTuning:
         Step over the first one where a failed step is kept, and the evolution ends.
     step_error
         Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps).
-    largest
+    error_over_difference
         Error by the steps over the largest difference to an evolution with steps twice as long.
     pseudo_time_step
         First pseudo-time step [a / u_m], so long that it is a Newton step.
@@ -61,7 +61,7 @@ class StepTuning:
     safety: float = 0.8
     min_step: float = 1e-4
     step_error: float = 2 / 11
-    largest: float = 1.5
+    error_over_difference: float = 1.5
     pseudo_time_step: float = 1e6
     min_film_fraction: float = 0.3
 
@@ -196,7 +196,7 @@ def errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mappi
                 )
                 errors[name][number] = abs(value - coarse) / (abs(value) or 1.0)
         # the largest, as a difference may vanish by chance where a wave passes
-        errors[name][:] = TUNING.largest * errors[name].max()
+        errors[name][:] = TUNING.error_over_difference * errors[name].max()
     return errors
 
 

@@ -204,8 +204,8 @@ class FilmEquation:
     cell, ``resistance`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum of P dX.
     ``speed`` is the mean speed over that in lambda, ``cavitation`` a value of the scene. ``log_viscosity`` and
     ``density`` return a ratio to the value at zero pressure and its derivative. The first two cells across and the
-    last have no pressure; the inlet is flooded, or holds no more than a layer ``supply``. ``boundary`` is the
-    thickness of the boundary film, zero without one.
+    last have no pressure; the inlet is flooded, or holds no more than a layer ``supplied_film``. The thickness of the
+    boundary film ``boundary_film`` is zero without one.
     """
 
     gap: Array
@@ -217,8 +217,8 @@ class FilmEquation:
     density: Callable[[Array], tuple[Array, Array]]
     speed: float = 1.0
     cavitation: Cavitation = ElrodAdams()  # noqa: RUF009 (a frozen value)
-    boundary: float = 0.0
-    supply: float = inf
+    boundary_film: float = 0.0
+    supplied_film: float = inf
 
     @property
     def conserves(self) -> bool:
@@ -251,7 +251,7 @@ class FilmEquation:
     def film_fraction(self, film: Film) -> Array:
         """Return the fraction of the film that holds lubricant."""
         film_fraction = 1 - film.void if self.conserves else np.ones_like(film.void)
-        film_fraction[:2] = np.minimum(film_fraction[:2], self.supply / film.film[:2])
+        film_fraction[:2] = np.minimum(film_fraction[:2], self.supplied_film / film.film[:2])
         return film_fraction
 
     def load_residual(self, film: Film) -> float:
@@ -270,7 +270,7 @@ class FilmEquation:
         content = film_fraction * density * film.film
         by_void = -density * film.film if self.conserves else np.zeros_like(content)
         by_film = film_fraction * density
-        by_film[:2] *= film.film[:2] <= self.supply
+        by_film[:2] *= film.film[:2] <= self.supplied_film
         slopes = (film_fraction * density_slope * film.film, by_film, by_void)
         dx, dy = self.cell
         across = _poiseuille_flow(
@@ -279,7 +279,7 @@ class FilmEquation:
         wedge, wedge_own, wedge_upstream = (
             self.speed * values for values in _couette_flow(content)
         )
-        least = self.speed * (film_fraction * density * self.boundary)[:-1]
+        least = self.speed * (film_fraction * density * self.boundary_film)[:-1]
         on_boundary = wedge < least
         wedge[on_boundary] = least[on_boundary]
         wedge_own[on_boundary] = wedge_upstream[on_boundary] = 0
@@ -316,7 +316,10 @@ class FilmEquation:
         if on_boundary.any():
             held_faces: Array = self.speed * on_boundary.astype(float)
             held_bands = {(0, 0): downstream(held_faces), (-1, 0): -upstream(held_faces)}
-            held_slopes = film_fraction * density_slope * self.boundary, -density * self.boundary
+            held_slopes = (
+                film_fraction * density_slope * self.boundary_film,
+                -density * self.boundary_film,
+            )
             for offset, coefficient in held_bands.items():
                 for bands, held_slope in zip((pressure, void), held_slopes, strict=True):
                     bands[offset] = bands[offset] + coefficient * neighbour(held_slope, offset)

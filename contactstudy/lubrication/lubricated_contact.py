@@ -207,7 +207,7 @@ class FilmSolution:
             "Give Lubricant.shear a limit, such as LimitingShear(0.07)."
         )
 
-    def errors_asked_for(self, estimate: ErrorEstimate) -> dict[str, ErrorParts]:
+    def requested_errors(self, estimate: ErrorEstimate) -> dict[str, ErrorParts]:
         """Return the errors, by name, of all numbers that the scene asks for: the film, and what its motion adds.
 
         That of a load fraction is a fraction of the load.

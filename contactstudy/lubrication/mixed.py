@@ -82,7 +82,7 @@ def solve_mixed(
         if not (iterations and iterations[-1].converged(controls.tolerance)):
             iterations.append(_iterated(posed, film, film_controls, cavitated))
     starts = [(_film_start, film_controls), (_dry_start, dry_controls)]
-    if posed.scales.expected_film < posed.equation.boundary:
+    if posed.scales.expected_film < posed.equation.boundary_film:
         starts.reverse()
     for start, start_controls in starts:
         if iterations and iterations[-1].converged(controls.tolerance):
@@ -106,7 +106,7 @@ def solve_mixed(
 def _film_start(posed: PosedFilm) -> Film:
     """Return the start of a film without asperities, raised to the boundary film."""
     start, equation = hertz_start(posed), posed.equation
-    rise = max(0.0, equation.boundary - float(start.film.min()))
+    rise = max(0.0, equation.boundary_film - float(start.film.min()))
     zeros = np.zeros_like(start.pressure)
     return equation.film_of(start.pressure, start.void, start.separation + rise, zeros)
 
@@ -120,7 +120,7 @@ def _dry_start(posed: PosedFilm) -> Film:
     asperity_pressure = np.asarray(dry / posed.scales.hertz.peak_pressure)
     zeros = np.zeros_like(asperity_pressure)
     below = (equation.gap + equation.deflection(asperity_pressure)).min()
-    return equation.film_of(zeros, zeros, equation.boundary - float(below), asperity_pressure)
+    return equation.film_of(zeros, zeros, equation.boundary_film - float(below), asperity_pressure)
 
 
 def _iterated(

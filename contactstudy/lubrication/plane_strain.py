@@ -25,9 +25,13 @@ class DirectSolver:
         """Return the solver for ``equation``, whose deflection depends on the offset between cells only."""
         first = np.zeros(equation.gap.shape)
         first[0] = 1
-        behind, ahead = (equation.deflection(end)[:, 0] for end in (first, first[::-1]))
-        index = np.arange(len(behind))
-        return cls(np.concatenate((ahead[:-1], behind))[len(behind) - 1 + index[:, None] - index])
+        downstream, upstream = (equation.deflection(end)[:, 0] for end in (first, first[::-1]))
+        index = np.arange(len(downstream))
+        return cls(
+            np.concatenate((upstream[:-1], downstream))[
+                len(downstream) - 1 + index[:, None] - index
+            ]
+        )
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
@@ -76,7 +80,7 @@ class DirectSolver:
             system[n:-1, -1] = 1
             system[-1, n:-1] = width
             distance = (
-                equation.boundary
+                equation.boundary_film
                 - film.film[:, 0]
                 - self.influence @ (pressure + asperity_pressure)
             )

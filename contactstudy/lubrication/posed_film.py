@@ -219,8 +219,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         log_viscosity=log_viscosity,
         density=density,
         cavitation=scales.lubrication.cavitation,
-        boundary=0.0 if boundary is None else boundary.film / scales.film,
-        supply=inf if supply is None else supply / scales.film,
+        boundary_film=0.0 if boundary is None else boundary.film / scales.film,
+        supplied_film=inf if supply is None else supply / scales.film,
     )
     x = grid.x[:rows] / hertz.half_width
     return PosedFilm(equation, deflection, upstream, x, scales, operator_on, problem, displacement)
@@ -267,7 +267,7 @@ def _prolongated_axis(values: Array, axis: int, ends: Literal["edge", "wrap"]) -
 def hertz_start(posed: PosedFilm) -> Film:
     """Return Hertz's pressure, that of the dry contact under a crown, and the separation of the film of Moes.
 
-    Hertz's pressure is as wide as a thick film bears load.
+    Hertz's pressure is as wide as a thick film carries load.
     """
     equation = posed.equation
     if posed.is_crowned:
@@ -306,7 +306,7 @@ def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
     void = np.where(pressure > 0, 0.0, void)
     lowest = float(contact.film.min()) / scales.film / 2
     asperities = None
-    if boundary := posed.equation.boundary:
+    if boundary := posed.equation.boundary_film:
         lowest, asperities = boundary, np.zeros_like(pressure)
         if touching is not None:
             asperities = interpolated(touching, contact.grid, x, y) / scales.hertz.peak_pressure

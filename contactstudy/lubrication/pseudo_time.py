@@ -257,7 +257,7 @@ def _residual(linear: Linearised, film: Film) -> float:
     residual = max(unbalanced, abs(linear.equation.load_residual(film)))
     if film.asperity_pressure is None:
         return residual
-    boundary = linear.equation.boundary
+    boundary = linear.equation.boundary_film
     rise = film.film / boundary - 1
     violation = float(np.minimum(np.abs(rise), film.asperity_pressure).max())
     return max(residual, violation, -float(rise.min()))
@@ -314,14 +314,14 @@ def _step_of_active_sets(
 
 
 def _height_off_boundary(equation: FilmEquation, film: Film) -> Array | float:
-    """Return how far the film (x, y) is off the boundary film where asperities bear, or where it is below that.
+    """Return how far the film (x, y) is off the boundary film where asperities carry load, or where it is below that.
 
     A step takes these cells onto the boundary film at once. As a motion within a short step in time it would squeeze
     lubricant out at any pressure.
     """
     if film.asperity_pressure is None:
         return 0.0
-    height = film.film - equation.boundary
+    height = film.film - equation.boundary_film
     return np.where((film.asperity_pressure > 0) | (height < 0), height, 0.0)
 
 
@@ -338,7 +338,7 @@ def _corrected_active_sets(
         return ActiveSets(cavitated)
     assert film.asperity_pressure is not None
     assert change.asperity_pressure is not None
-    low = film.film + _change_of_film(equation, change) < equation.boundary * (
+    low = film.film + _change_of_film(equation, change) < equation.boundary_film * (
         1 - TUNING.contact_tolerance
     )
     return ActiveSets(

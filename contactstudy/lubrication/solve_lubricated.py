@@ -63,7 +63,7 @@ def film_grid(
     error
         One half of it is the inlet's, one that of the cells, which resolve the inlet sweep.
     period
-        Length [m], which does not bear on the film in plane strain.
+        Length [m], which has no effect on the film in plane strain.
     finest
         Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each. One cell along the
         length where nothing varies along it.
@@ -154,12 +154,12 @@ def solve_lubricated(
         contact = start = _with_error(scene, fitting, padding, controls, start)
         assert contact.estimate is not None
         estimate = contact.estimate
-        asked = contact.errors_asked_for(estimate)
-        known = [asked["central_film"], asked["minimum_film"]]
+        errors = contact.requested_errors(estimate)
+        bounded = [errors["central_film"], errors["minimum_film"]]
         if finer < REFINED_FOR_MOTION:
-            known += [parts for parts in asked.values() if isfinite(parts.total)]
-        inlet = max(parts.by_cause["inlet"] for parts in known)
-        cells = max(parts.by_cause["discretisation"] for parts in known)
+            bounded += [parts for parts in errors.values() if isfinite(parts.total)]
+        inlet = max(parts.by_cause["inlet"] for parts in bounded)
+        cells = max(parts.by_cause["discretisation"] for parts in bounded)
         if inlet + cells <= error:
             return contact
         # a width that is given leaves the error of its inlet

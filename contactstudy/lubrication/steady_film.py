@@ -82,11 +82,11 @@ def solve_on(
     Where transverse heights are more than twice the film, a second film is sought.
     """
     posed = pose(scene, grid, padding)
-    if posed.equation.boundary:
+    if posed.equation.boundary_film:
         warm, before = None, (0, 0)
         if start is not None and start.status is not Status.FILM_NOT_CONVERGED:
             warm = start_from(posed, start)
-        elif posed.scales.expected_film > posed.equation.boundary:
+        elif posed.scales.expected_film > posed.equation.boundary_film:
             warm, before = _without_asperities(posed, controls)
         mixed = solve_mixed(posed, controls, warm)
         mixed = replace(
@@ -131,11 +131,11 @@ def _without_asperities(
     On the finest grid alone the film took ten times as long, or did not converge between ridges.
     """
     equation = posed.equation
-    without_boundary = replace(posed, equation=replace(equation, boundary=0.0))
+    without_boundary = replace(posed, equation=replace(equation, boundary_film=0.0))
     last = _nested(without_boundary, controls)
     film, zeros = last.film, np.zeros_like(last.film.pressure)
     film = with_minimum_film(
-        equation, film.pressure, film.void, film.separation, equation.boundary, zeros
+        equation, film.pressure, film.void, film.separation, equation.boundary_film, zeros
     )
     return (film, last.cavitated), (last.iterations, last.linear_iterations)
 
@@ -272,11 +272,11 @@ def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
     equation = posed.equation
     axis = int(np.argmin(np.abs(posed.x)))
     film = float(last.film.film[axis].mean())
-    steep = not equation.boundary and rise_beside_lowest(last.film.film) > UNRESOLVED_RISE
+    steep = not equation.boundary_film and rise_beside_lowest(last.film.film) > UNRESOLVED_RISE
     if film < SWEEP * equation.cell[0] ** 1.5 or steep:
         return Status.FILM_BELOW_CELL
     # a longer inlet has no effect where the supplied layer fills the gap inside the grid
-    fed = equation.supply < inf and bool((last.film.void[2] > 0).all())
+    fed = equation.supplied_film < inf and bool((last.film.void[2] > 0).all())
     if not fed and INLET_ERROR * film > STARVED * posed.x[0] ** 2:
         return Status.STARVED_INLET
     return Status.CONVERGED

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
-from contactstudy.io.document import KINDS, NO_KIND, Document
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 from sphinx.application import Sphinx
 from sphinx.util.typing import stringify_annotation
@@ -20,6 +19,7 @@ from sphinx.util.typing import stringify_annotation
 import contactstudy as cs
 from contactstudy.domain.units import Unit
 from contactstudy.io.materials import materials
+from contactstudy.io.scene_schema import KINDS, NO_KIND, SceneDocument
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
 
@@ -74,7 +74,7 @@ INNER = (
     "elasticity.viscoelastic.Creep",
     "evolution.evolution.Frame",
     "evolution.state_variables.CoupledStateVariable",
-    "io.document.PlanSettings",
+    "io.scene_schema.PlanSettings",
     "problem.problem.Derived",
     "problem.problem.Field",
     "problem.problem.FrictionLaw",
@@ -227,13 +227,13 @@ def keys() -> str:
         "",
         "## Top level",
         "",
-        *_table(Document),
+        *_table(SceneDocument),
         "",
         "A solid may name its `material`, whose constants stand beside the keys given there: see [materials](materials.md). "
         "A table `vary` holds the fields and values of a sweep, `[[vary]]` groups of fields that change together.",
     ]
     done: set[type] = set()
-    plain = [one for hint in get_type_hints(Document).values() for one in _plain(hint)]
+    plain = [one for hint in get_type_hints(SceneDocument).values() for one in _plain(hint)]
     for kind in plain + [kind for kinds in KINDS.values() for kind in kinds.values()]:
         if kind in done:
             continue

@@ -65,7 +65,7 @@ def _load() -> dict[str, HardCase]:
             "a contact a twentieth of a cell wide", SCENE, grid((25, 4), 1000.0), ENDED
         ),
         "one cell touches": case(
-            "a spike alone bears the load",
+            "a spike alone carries the load",
             with_heights(np.eye(1, 288, 150).reshape(CELLS) * 30),
             grid(),
             ENDED,

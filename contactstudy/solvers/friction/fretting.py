@@ -29,7 +29,7 @@ class FrettingShear:
     coefficient
         Coefficient of friction mu.
     forces_per_length
-        Tangential forces along x [N/m], each less than friction bears, starting from 0.
+        Tangential forces along x [N/m], each less than friction transmits, starting from 0.
     response
         Displacement under shear, A.
     """

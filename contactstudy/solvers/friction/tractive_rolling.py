@@ -86,7 +86,7 @@ class TractiveShear:
     creepage
         Creepage and spin; the longitudinal creepage is found if `force_per_length` is given.
     force_per_length
-        Tangential force along x [N/m], less than friction bears, or None.
+        Tangential force along x [N/m], less than friction transmits, or None.
     speed
         Speed of rolling [m/s], negative to smaller x.
     shear_response

@@ -180,7 +180,7 @@ class Problem:
 
     @property
     def reference_height(self) -> float:
-        """Height [m] that a bare problem counts from: the prescribed approach, or else the smallest undeformed gap.
+        """Height [m] subtracted in a bare problem, the prescribed approach or else the smallest undeformed gap.
 
         Large heights have large rounding errors, which should be far from where the bodies touch.
         """

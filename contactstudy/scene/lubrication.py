@@ -593,7 +593,7 @@ class Lubrication:
 
     @property
     def contact_speeds(self) -> tuple[float, float]:
-        """Speed [m/s] along x of the contact over each body, at the largest mean speed: against that of its surface."""
+        """Speed [m/s] along x of the contact over each body, opposite to its surface, at the largest mean speed."""
         mean, slide = self.largest_speed, self.slide_roll_ratio / 2
         return -mean * (1 + slide), -mean * (1 - slide)
 

@@ -16,6 +16,7 @@ from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
+from contactstudy.scene.bodies import yields
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
 
@@ -466,6 +467,19 @@ class _Request:
 
         requested, steps = self.requested, self.steps
         grid, padding = self.planned(requested)
+        if any(map(yields, self.scene.solids)):
+            from contactstudy.evolution.yielding_film import press_lubricated
+
+            pressed = press_lubricated(
+                self.scene,
+                grid,
+                padding,
+                times=steps.instants_of(self.scene.load),
+                options=self.options,
+                max_iterations=min(self.options.max_iterations, FILM_ITERATIONS),
+                progress=self._time_reporter,
+            )
+            return replace(films_answer(pressed, requested), pressed=pressed)
         films = evolve_lubricated(
             self.scene,
             grid,

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.evolution import Frame, Trajectory
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.yielding_film import PressedFilms
     from contactstudy.lubrication.evolve_lubricated import FilmTrajectory
 
 
@@ -68,6 +69,8 @@ class Evolution(Answer):
         Recorded instants of a film; None for others.
     passes
         Recorded passes of a repeatedly rolling contact; None for others.
+    pressed
+        Films over a body that yields, with its plastic strain; None for others.
     """
 
     frames: "tuple[Contact | LubricatedContact, ...]"
@@ -77,6 +80,7 @@ class Evolution(Answer):
     trajectory: "Trajectory | None" = None
     films: "FilmTrajectory | None" = None
     passes: "RepeatedRolling | None" = None
+    pressed: "PressedFilms | None" = None
 
     @property
     def status(self) -> Status:
@@ -130,11 +134,12 @@ class Evolution(Answer):
         if self.passes is not None:
             last = self.frames[-1].quantities["peak_pressure"]
             return {"peak_pressure": last} | passes_quantities(self.passes)
-        last_frame = None if self.trajectory is None else self.trajectory.frames[-1]
-        coupled = None if self.trajectory is None else self.trajectory.coupled
         plastic_fields: Mapping[str, Field] = {}
-        if coupled is not None and last_frame is not None:
-            plastic_fields = coupled.over_time([last_frame.coupled_state])
+        if self.trajectory is not None and self.trajectory.coupled is not None:
+            last_frame = self.trajectory.frames[-1]
+            plastic_fields = self.trajectory.coupled.over_time([last_frame.coupled_state])
+        elif self.pressed is not None:
+            plastic_fields = self.pressed.plastic.over_time(self.pressed.states[-1:])
         turned = getattr(self.posed.scene.wear, "circumference", None)
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
@@ -160,6 +165,8 @@ class Evolution(Answer):
         """Fields that the last instant keeps from those before, such as the worn depth."""
         if self.trajectory is not None:
             return self.trajectory.frames[-1].fields
+        if self.pressed is not None:
+            return self.pressed.plastic.fields(self.pressed.states[-1])
         worn = None if self.films is None else self.films.contacts[-1].worn_depth
         return {} if worn is None else {"worn_depth": Field(("x", "y"), worn, "m", "worn depth")}
 
@@ -213,6 +220,9 @@ class Evolution(Answer):
         dataset["step_error"] = labels.labelled(
             (), self.films.step_error, "1", "largest error of a step"
         )
+        if self.pressed is not None:
+            strain = labels.of_states(self.pressed.plastic, self.pressed.states)
+            dataset = dataset.assign(strain)
         return dataset
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":

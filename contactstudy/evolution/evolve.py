@@ -100,8 +100,7 @@ def coupled_state_variable(
             f"solve.padding is {across!r} across and {along!r} along: plastic strain is supported below a "
             "surface that is infinite across and periodic along, give ExactPeriodicity()."
         )
-    friction = getattr(scene.friction, "coefficient", 0.0)
-    return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision, friction)
+    return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision)
 
 
 def evolve(

@@ -184,14 +184,11 @@ class PlasticState:
         Contact under the largest load before anything has yielded.
     precision
         Precision of the contact's solver.
-    friction
-        Coefficient of full sliding: shear on the first body over the pressure.
     """
 
     bodies: tuple[YieldingBody, ...]
     elastic: Solution
     precision: Precision
-    friction: float = 0.0
     has_stages: ClassVar[bool] = False
 
     operators: list[EigenstrainOperator] = field(init=False)
@@ -206,8 +203,8 @@ class PlasticState:
             def yield_ratio(volume: Volume, body: YieldingBody = body) -> Array:
                 operator = operator_on(volume, body.moduli)
                 stress = operator.stress_of_pressure(pressure)
-                if self.friction:
-                    stress = stress + self._stress_of_shear(body, operator, self.elastic.pressure)
+                if self._slides:
+                    stress = stress + self._stress_of_shear(body, operator, self.elastic)
                 size = np.sqrt((stress**2).sum(axis=0))
                 return np.asarray(size / (SQRT_TWO_THIRDS * body.hardening.yield_stress))
 
@@ -251,7 +248,7 @@ class PlasticState:
             pulled = np.zeros_like(before)
             if attraction is not None:
                 pulled = bodies.stress_of_pressure(-attraction)
-            if self.friction:
+            if self._slides:
                 step = self._solve_with_friction(
                     bodies,
                     contact(bodies.residual_displacement(before)),
@@ -274,7 +271,7 @@ class PlasticState:
         for body, operator, strain, hardened in parts:
             after |= _body_state(body, strain, hardened, operator.volume)
         solution = step_solution(step, tolerance)
-        if self.friction * float(solution.pressure.max(initial=0.0)) > self._shear_limit:
+        if np.abs(_shear(solution)).max() > self._shear_limit:
             solution = replace(solution, status=Status.SHEAR_BEYOND_YIELD)
         yielded = zip(self.operators, equivalents, strict=True)
         if solution.status is Status.CONVERGED and any(
@@ -298,11 +295,11 @@ class PlasticState:
         [Pa] is the stress by an attraction.
         """
         contacts = [first]
-        shear, outer_iterations = self._stress_of_friction(bodies, first.pressure), 0
+        shear, outer_iterations = self._stress_of_friction(bodies, first), 0
         while True:
             step = solve_under(pulled + shear)
             contacts += step.contacts
-            last, shear = shear, self._stress_of_friction(bodies, step.solution.pressure)
+            last, shear = shear, self._stress_of_friction(bodies, step.solution)
             change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))
             outer_iterations += 1
             if (
@@ -314,22 +311,23 @@ class PlasticState:
         residual = max(step.residual, change)
         return replace(step, contacts=tuple(contacts), residual=residual)
 
-    def _stress_of_friction(self, bodies: YieldingBodies, pressure: Array) -> Array:
-        """Return the stress (C, cells) [Pa] by the friction of full sliding under a `pressure` (x, y) [Pa]."""
+    def _stress_of_friction(self, bodies: YieldingBodies, solution: Solution) -> Array:
+        """Return the stress (C, cells) [Pa] by the shear of a contact."""
         parts = zip(self.bodies, self.operators, strict=True)
         return bodies.concatenated(
-            [self._stress_of_shear(body, part, pressure) for body, part in parts]
+            [self._stress_of_shear(body, part, solution) for body, part in parts]
         )
 
     def _stress_of_shear(
-        self, body: YieldingBody, operator: EigenstrainOperator, pressure: Array
+        self, body: YieldingBody, operator: EigenstrainOperator, solution: Solution
     ) -> Array:
-        """Return the stress (C, layers, x, y) [Pa] in one body by the shear along x on it."""
-        return operator.stress_of_shear(self._friction_ratio(body) * pressure)
+        """Return the stress (C, layers, x, y) [Pa] in one body by the shear along x, which is reversed on the second."""
+        return operator.stress_of_shear((1 - 2 * body.place) * _shear(solution))
 
-    def _friction_ratio(self, body: YieldingBody) -> float:
-        """Return the shear on a body over the pressure: the first body is dragged along x, the second against it."""
-        return self.friction if body.place == 0 else -self.friction
+    @property
+    def _slides(self) -> bool:
+        """True if the bodies slide with friction."""
+        return bool(_shear(self.elastic).any())
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the residual displacement (x, y) [m] of both surfaces together, positive into the bodies."""
@@ -474,6 +472,12 @@ def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
     from contactstudy.elasticity.eigenstrain.periodic import PeriodicOperator
 
     return PeriodicOperator(volume, moduli)
+
+
+def _shear(solution: Solution) -> Array:
+    """Return the shear along x on the first body (x, y) [Pa]; zero without friction."""
+    traction = solution.traction
+    return np.zeros_like(solution.pressure) if traction is None else traction.shear[0]
 
 
 def _body_state(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:

@@ -37,6 +37,7 @@ from contactstudy.solvers.solution import (
 if TYPE_CHECKING:
     from contactstudy.evolution.evolution import Trajectory
     from contactstudy.evolution.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.state_variables import CoupledStateVariable
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
@@ -322,6 +323,16 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
     for fields in (_states, _tractions, _outputs):
         dataset = dataset.assign(fields(evolution))
     return with_quantities(dataset, quantities)
+
+
+def of_states(
+    coupled: "CoupledStateVariable", states: Sequence[Mapping[str, Array]]
+) -> dict[str, xr.Variable]:
+    """Return the dent below a film and the plastic strain that causes it, at every instant."""
+    fields = _over_time([coupled.fields(state) for state in states])
+    return fields | {
+        name: _field_variable(field) for name, field in coupled.over_time(states).items()
+    }
 
 
 def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:

@@ -37,7 +37,7 @@ def evolution_quantities(
     times
         The instants [s].
     fields
-        Fields of the last instant that hold wear and dent, by name.
+        Wear, slip and dent (x, y) at the last instant, by name.
     length
         Length of the roller [m]; None for an endless contact.
     around

@@ -163,8 +163,8 @@ def evolve_lubricated(
         raise InvalidInput(
             "Lubrication.thermal is supported for a steady film only, and this one changes in time: leave it out."
         )
-    instants = _instants(scene, times)
-    _check_loaded(scene, instants)
+    instants = instants_of(scene, times)
+    check_loaded(scene, instants)
     if step is not None and error is not None:
         raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
     if step is not None:
@@ -200,7 +200,7 @@ def errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mappi
     return errors
 
 
-def _check_loaded(scene: Scene, instants: list[float]) -> None:
+def check_loaded(scene: Scene, instants: list[float]) -> None:
     """Raise :class:`~contactstudy.InvalidInput` if the load is zero at a time of the evolution."""
     if not isinstance(load := scene.load, ChangingLoad):
         return
@@ -269,7 +269,7 @@ def _integrate(
     )
 
 
-def _instants(scene: Scene, times: ArrayLike | None) -> list[float]:
+def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
     """Return the instants to record, or the first and the last time of the histories of a scene."""
     if times is not None:
         entries = np.asarray(times).ravel().tolist()

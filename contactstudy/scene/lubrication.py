@@ -43,6 +43,11 @@ class FilmContext(BodyContext, Protocol):
         """Name of a field that changes in time, or None."""
         ...
 
+    @property
+    def shapes(self) -> tuple[object, ...]:
+        """Contributions to the undeformed gap."""
+        ...
+
 
 @runtime_checkable
 class ViscosityLaw(Protocol):
@@ -580,16 +585,31 @@ class Lubrication:
                 scene.time_dependent_field,
                 "a body creeps below a steady film only: leave one of them out",
             ),
-            (
-                any(map(yields, scene.solids)),
-                "Scene.solids",
-                "the linearised film has no plastic strain: leave one of them out",
-            ),
         ):
             if present:
                 raise InvalidInput(
                     f"{field} is not supported together with Scene.lubrication, since {reason}."
                 )
+        for number, solid in enumerate(scene.solids):
+            if yields(solid):
+                self._check_yielding(scene, number)
+
+    def _check_yielding(self, scene: "FilmContext", number: int) -> None:
+        """Raise InvalidInput unless the body that yields, of this `number`, stands still below a steady film."""
+        at_rest = -2.0 if number == 0 else 2.0
+        if self.slide_roll_ratio != at_rest:
+            raise InvalidInput(
+                f"Scene.solids[{number}] yields, and its surface moves at a Lubrication.slide_roll_ratio of "
+                f"{self.slide_roll_ratio:g}, which carries its strain out of the contact: give {at_rest:g}, at which it "
+                "stands still, or an elastic body."
+            )
+        moves = any(hasattr(shape, "gap_after") for shape in scene.shapes)
+        wears = getattr(scene, "wear", None) is not None
+        if isinstance(self.mean_speed, ChangingSpeed) or moves or wears or scene.outputs:
+            raise InvalidInput(
+                f"Scene.solids[{number}] yields below a film, which is steady at each instant: give one speed, shapes "
+                "that stand still, no wear and no outputs."
+            )
 
     @property
     def contact_speeds(self) -> tuple[float, float]:

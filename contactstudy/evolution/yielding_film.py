@@ -1,0 +1,198 @@
+"""Films over a body that yields and stands still: steady films under a load that changes, over the dent that they press.
+
+Film and plastic strain are solved together as a dry contact and plastic strain are: the film over a surface that is
+lowered by the residual displacement gives the pressure, whose stress is mapped back to the yield surface. In Newton's
+method for the strain, the pressure of the film changes as that of a dry contact of the loaded cells would. The shear of
+the film, some hundredths of its pressure, is left out: a tenth raises the largest von Mises stress by 1.4 %.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import ceil
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.evolution.plastic import PlasticState, YieldingBody
+from contactstudy.evolution.state_variables import State
+from contactstudy.evolution.time_stepper import with_added_gap
+from contactstudy.lubrication.evolve_lubricated import (
+    FilmTrajectory,
+    check_loaded,
+    errors_by_steps,
+    instants_of,
+)
+from contactstudy.lubrication.lubricated_contact import FilmSolution
+from contactstudy.lubrication.pseudo_time import FilmControls
+from contactstudy.lubrication.steady_film import solve_on
+from contactstudy.problem.problem import Problem
+from contactstudy.scene.bodies import instantaneous
+from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.scene import Scene
+from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions
+
+# Increments of the largest load, at least, in the run that estimates the error by the steps; the other has twice as
+# many. The error of the peak pressure was .9 of its estimate with 4, and 1.8 times the estimate with 2.
+INCREMENTS = 4
+# Fraction of the highest pressure above which a cell counts as loaded in the derivative of the pressure.
+LOADED = 0.02
+# Tolerance of the plastic strain over that of each film.
+STRAIN_TOLERANCE = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Dent:
+    """Shape of a residual displacement (x, y) [m] on one grid."""
+
+    displacement: Array
+    curvature: float = 0.0
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the displacement."""
+        return self.displacement
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PressedFilms(FilmTrajectory):
+    """Films over a body that yields, with its `plastic` strain and the `states` (time,) of it."""
+
+    plastic: PlasticState
+    states: tuple[State, ...]
+
+
+@dataclass(eq=False)
+class FilmContact:
+    """Steady film of a scene with a field added to its gap, from the last `film` on."""
+
+    scene: Scene
+    dry: Problem
+    padding: Padding | Paddings
+    controls: FilmControls
+    film: FilmSolution | None
+
+    def __call__(self, added_gap: Array) -> Solution:
+        """Return the film with `added_gap` (x, y) [m] added to its gap, as a contact."""
+        dented = replace(self.scene, shapes=(*self.scene.shapes, Dent(added_gap)))
+        film = self.film = solve_on(dented, self.dry.grid, self.padding, self.controls, self.film)
+        problem = with_added_gap(self.dry, added_gap)
+        return Solution(
+            problem=problem,
+            pressure=film.pressure,
+            displacement=film.film - film.separation - problem.undeformed_gap,
+            gap=film.film,
+            approach=-film.separation,
+            status=film.status,
+            iterations=film.iterations,
+            convolutions=0.0,
+            residual=film.residual,
+        )
+
+
+@dataclass(eq=False)
+class FilmedState(PlasticState):
+    """Plastic strain below a film."""
+
+    def _tangent(self, solution: Solution) -> ContactStiffness:
+        loaded = solution.pressure > LOADED * solution.pressure.max()
+        return super()._tangent(replace(solution, pressure=solution.pressure * loaded))
+
+
+def press_lubricated(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    *,
+    times: ArrayLike | None,
+    options: SolveOptions,
+    max_iterations: int,
+    progress: Callable[[float, float], None] | None = None,
+) -> PressedFilms:
+    """Follow the steady film of a scene whose body yields under a load that changes slowly, or is applied at first.
+
+    The load goes from one instant to the next in two or more equal increments, each an implicit step for the plastic
+    strain. A second run with half as many estimates the errors by the steps: one and a half times the difference.
+
+    Parameters
+    ----------
+    scene
+        A lubricated scene in which the body that yields stands still.
+    grid, padding
+        As for a steady film.
+    times
+        Instants [s] to record; None records the first and the last of the load history.
+    options
+        Its tolerance is that of each film.
+    max_iterations
+        Limit of the steps of each film.
+    progress
+        Called with time and end [s] after each instant.
+    """
+    instants = instants_of(scene, times)
+    check_loaded(scene, instants)
+    fine, coarse = (
+        _pressed(scene, grid, padding, instants, factor, options, max_iterations, report)
+        for factor, report in ((2, progress), (1, None))
+    )
+    return replace(fine, errors_by_steps=errors_by_steps(fine, coarse))
+
+
+def _pressed(
+    scene: Scene,
+    grid: Grid,
+    padding: Padding | Paddings,
+    instants: list[float],
+    factor: int,
+    options: SolveOptions,
+    max_iterations: int,
+    progress: Callable[[float, float], None] | None,
+) -> PressedFilms:
+    """Return the film at all instants, after a `factor` times the least load increments to each."""
+    load = scene.load
+    loads = [load.at(t) if isinstance(load, ChangingLoad) else load.largest for t in instants]
+    controls = FilmControls(tolerance=options.tolerance, max_iterations=max_iterations)
+    dry = replace(scene, lubrication=None, solids=instantaneous(scene.solids), outputs=())
+    problem = replace(dry, load=LineLoad(max(loads))).problem(grid, padding)
+
+    def contact_under(value: float, start: FilmSolution | None) -> FilmContact:
+        loaded = replace(scene, load=LineLoad(value))
+        return FilmContact(loaded, problem, padding, controls, start)
+
+    plastic = FilmedState(
+        YieldingBody.in_scene(scene),
+        contact_under(max(loads), None)(np.zeros(grid.cells)),
+        options.precision,
+    )
+    state = plastic.start(grid.cells)
+    contacts: list[FilmSolution] = []
+    states: list[State] = []
+    film, steps, iterations, last = None, 0, 0, 0.0
+    for time, value in zip(instants, loads, strict=True):
+        increments = factor * max(ceil(INCREMENTS * abs(value - last) / max(loads)), 1)
+        steps += increments
+        for part in range(1, increments + 1):
+            contact = contact_under(last + (value - last) * part / increments, film)
+            solution, state, _ = plastic.solve_step(
+                state, contact, STRAIN_TOLERANCE * options.tolerance
+            )
+            film, iterations = contact.film, iterations + solution.iterations
+        last = value
+        assert film is not None
+        status = solution.status if solution.status is Status.NOT_CONVERGED else film.status
+        contacts.append(replace(film, scene=scene, status=status))
+        states.append(state)
+        if progress is not None:
+            progress(time, instants[-1])
+    return PressedFilms(
+        tuple(instants),
+        tuple(contacts),
+        steps,
+        iterations,
+        0,
+        0.0,
+        plastic=plastic,
+        states=tuple(states),
+    )

@@ -14,9 +14,7 @@ from contactstudy.scene.shapes.shape import LengthScales
 if TYPE_CHECKING:
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
-NO_BOUND_OF_FLOW = (
-    "No bound: the loss by the flow that pressure drives in the inlet is not estimated."
-)
+NO_BOUND_OF_FLOW = "No bound: the error of the rolling resistance is not estimated."
 
 
 def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[str, Quantity]:

@@ -174,6 +174,32 @@ def test_power_is_lost_in_pure_rolling_too() -> None:
     assert sliding.power_loss == pytest.approx(still.power_loss + slid, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("load", "viscosity"), [(4.5, 25.0), (7.1, 14.1), (44.7, 7.9), (70.7, 14.1)]
+)
+def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosity: float) -> None:
+    """Theirs of a surface, Part 1 (2010), eqs. 40 to 42: between rigid and elastic cylinders."""
+    scene = by_moes(load, viscosity, viscosity_law=cs.Roelands())
+    motion = replace(scene.lubrication, slide_roll_ratio=0.0)
+    contact = solve_lubricated(replace(scene, lubrication=motion), error=5e-2)
+    modulus = 210e9 / (1 - 0.3**2)
+    per_length = 1e5 / (modulus * 0.01)
+    speed = (per_length / load) ** 2
+    rigid = 1.42 * np.sqrt(speed * per_length)
+    force = rigid / (1 + (1.4 / 1.45 * np.sqrt(load)) ** 10) ** 0.1 * modulus * 0.01
+    assert contact.power_loss / contact.mean_speed == pytest.approx(2 * force, rel=0.1)
+
+
+def test_rolling_resistance_needs_few_cells_beside_a_spike() -> None:
+    scene = by_moes(11, 12)
+    motion = replace(scene.lubrication, slide_roll_ratio=0.0)
+    few, many = (
+        solve_lubricated(replace(scene, lubrication=motion), grid(cells, 4.5)).power_loss
+        for cells in (160, 640)
+    )
+    assert few == pytest.approx(many, rel=0.02)
+
+
 def test_thin_film_shares_grow_to_the_whole_load() -> None:
     contact = solve_lubricated(by_moes(20, 5), grid(200, 4.5))
     assert contact.thinner_than(0.99 * float(contact.film.min())) == (0, 0)

@@ -323,9 +323,10 @@ def follow_film_wear(
         int(second),
         max(instant.largest_change for instant in instants),
     )
-    wide = [instant.by_double_steps for instant in instants]
-    others = replace(films, contacts=tuple(other.contact for other in wide if other is not None))
-    return replace(films, errors_by_steps=errors_by_steps(films, others))
+    doubled = [instant.by_double_steps for instant in instants]
+    contacts = tuple(instant.contact for instant in doubled if instant is not None)
+    by_double_steps = replace(films, contacts=contacts)
+    return replace(films, errors_by_steps=errors_by_steps(films, by_double_steps))
 
 
 def _depth(wear: Wear, pressed: Array, grid: Grid) -> Array:

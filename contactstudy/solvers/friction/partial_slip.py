@@ -94,9 +94,11 @@ def slip_step(
     if rigid is not None:
         free_slip -= rigid[:, None, None]
     first = newton.gathered(reference if start is None else start)
-    shear, slip, found, residual = newton.solve(free_slip, first, tolerance, max_applications - 1)
+    shear, slip, displacement, residual = newton.solve(
+        free_slip, first, tolerance, max_applications - 1
+    )
     if rigid is None:
-        rigid, slip = found, slip - found[:, None]
+        rigid, slip = displacement, slip - displacement[:, None]
     shear = newton.project(shear)
     return SlipStep(
         newton.field(shear),

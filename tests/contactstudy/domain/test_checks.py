@@ -83,7 +83,7 @@ def test_a_name_that_is_none_brings_the_nearest_or_all() -> None:
     ("make", "sentence"),
     [
         (lambda: cs.Cylinder(radious=1), "Cylinder.radious is not known: did you mean 'radius'"),  # type: ignore[call-arg]
-        (lambda: cs.Grid(cell=(1, 2)), "Grid.cell_size is not known: did you mean 'cells'"),  # type: ignore[call-arg]
+        (lambda: cs.Grid(cell=(1, 2)), "Grid.cell is not known: did you mean 'cells'"),  # type: ignore[call-arg]
         (lambda: cs.LineLoad(force=1.0), "LineLoad.force is not known: choose from per_length"),  # type: ignore[call-arg]
     ],
 )

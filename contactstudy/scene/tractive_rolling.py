@@ -17,6 +17,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
 from contactstudy.elasticity.tangential import ShearableBody, ShearResponse, shear_response
+from contactstudy.scene.bodies import yields
 from contactstudy.scene.friction import (
     SAMPLES,
     FrictionContext,
@@ -105,6 +106,11 @@ class TractiveRolling:
 
     def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
+        if any(map(yields, scene.solids)):
+            raise InvalidInput(
+                f"Scene.friction is {self!r}, which is steady, together with a body that yields, whose strain grows "
+                "from pass to pass: give Rolling its passes, without shear, or elastic bodies."
+            )
         check_tangential_response(scene, "TractiveRolling", creep="follows")
         if scene.rolling is not None:
             raise InvalidInput(

@@ -353,7 +353,10 @@ def test_values_that_cannot_be_say_so(given: dict[str, object], said: str) -> No
             "tangential",
         ),
         ({"rolling": cs.Rolling(1.0)}, "Scene.rolling"),
-        ({"solids": (cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9), STEEL)}, "flow along its surface"),
+        (
+            {"solids": (cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9), STEEL)},
+            "grows from pass to pass",
+        ),
         ({"shapes": (*CYLINDER, cs.MovingShape(ROUGH[1]))}, "travel through the contact"),
         ({"friction": cs.TractiveRolling(MU, tangential=MU * 1e5)}, "tangential"),
     ],

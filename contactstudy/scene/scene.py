@@ -523,7 +523,7 @@ class Scene:
 
     @property
     def wears_steadily(self) -> bool:
-        """True for a contact that wears and is steady at each instant: rolling, driven, or with a film."""
+        """True for a contact that wears and is steady at each instant, rolling, driven, or with a film."""
         steady = self.rolling_speed is not None or getattr(self.friction, "is_steady", False)
         return self.wear is not None and (steady or self.lubrication is not None)
 

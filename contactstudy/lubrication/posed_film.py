@@ -6,6 +6,7 @@ from math import ceil, inf, sqrt
 from typing import Literal
 
 import numpy as np
+from scipy.linalg import solve_banded
 
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.device import Precision
@@ -39,6 +40,8 @@ MIN_WIDTH = 1.2
 # A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than EDGE that
 # of a sharp end.
 CROWNED, EDGE = 0.5, 300.0
+# The inlet, for its balance of flow, ends where the film has fallen to this part of that at the first cell.
+INLET_FALL = 8.0
 # Cells of the coarsest grid: across in plane strain, else across and along. Numbers of rows are multiples of the last.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 
@@ -234,24 +237,58 @@ def linear_solver(posed: PosedFilm) -> LinearSolver:
 
 
 def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
-    """Return a film on a finer grid, raised so that it is nowhere below half the coarse one, and its cavitated cells."""
+    """Return a film on a finer grid, raised so that it is nowhere below half the coarse one, and its cavitated cells.
+
+    Cavitated cells keep the content of the coarser ones, and what flows through the inlet is the same in each row.
+    """
     shape = equation.gap.shape
-    pressure = coarse.film.pressure
-    modes: tuple[Literal["edge", "wrap"], ...] = ("edge", "wrap")
-    for axis, ends in enumerate(modes):
-        ratio = shape[axis] // pressure.shape[axis]
-        if ratio == 2:
-            pressure = _prolongated_axis(pressure, axis, ends)
-        elif ratio > 2:
-            pressure = pressure.repeat(ratio, axis=axis)
     blocks = [fine // wide for fine, wide in zip(shape, coarse.film.pressure.shape, strict=True)]
     cavitated = coarse.cavitated.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
     void = coarse.film.void.repeat(blocks[0], axis=0).repeat(blocks[1], axis=1)
     cavitated &= ~equation.fixed
-    pressure = np.where(cavitated | equation.fixed, 0, pressure)
-    void = np.where(cavitated, void, 0)
+    pressure = np.where(
+        cavitated | equation.fixed, 0, _prolongated_field(coarse.film.pressure, shape)
+    )
     lowest = float(coarse.film.film.min()) / 2
-    return with_minimum_film(equation, pressure, void, coarse.film.separation, lowest), cavitated
+    film = with_minimum_film(equation, pressure, void, coarse.film.separation, lowest)
+    if equation.conserves:
+        content = _prolongated_field((1 - coarse.film.void) * coarse.film.film, shape)
+        void = np.maximum(1 - content / film.film, 0)
+    film = replace(film, void=np.where(cavitated, void, 0))
+    return _with_inlet_flow(equation, film), cavitated
+
+
+def _with_inlet_flow(equation: FilmEquation, film: Film) -> Film:
+    """Return the film with pressures of the inlet that let the mean over the length flow through each of its rows.
+
+    The first cells without pressure are narrower than those of the coarser grid. The flow that is out of balance there
+    exceeds all other, as the film is thick, and would hide what the iteration has to solve.
+    """
+    height = film.film.mean(axis=1)
+    end = int(np.argmax(height < height[0] / INLET_FALL))
+    rows = slice(2, end)
+    if end < 4 or film.void[rows].any():
+        return film
+    linear = equation.linearise(film)
+    banded = np.zeros((3, end - 2))
+    for (across, _), coefficient in linear.pressure.items():
+        if across > -2:  # further upstream there is only the change of density
+            banded[1 - across] += np.roll(coefficient.mean(axis=1)[rows], across)
+    change = solve_banded((1, 1), banded, -linear.residual.mean(axis=1)[rows])
+    pressure = film.pressure.copy()
+    pressure[rows] = np.maximum(pressure[rows] + change[:, None], 0)
+    return equation.film_of(pressure, film.void, film.separation)
+
+
+def _prolongated_field(values: Array, shape: tuple[int, ...]) -> Array:
+    """Return values (x, y) on cells that are half as long along an axis, or the same on shorter ones."""
+    modes: tuple[Literal["edge", "wrap"], ...] = ("edge", "wrap")
+    for axis, ends in enumerate(modes):
+        ratio = shape[axis] // values.shape[axis]
+        values = (
+            _prolongated_axis(values, axis, ends) if ratio == 2 else values.repeat(ratio, axis=axis)
+        )
+    return values
 
 
 def _prolongated_axis(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:

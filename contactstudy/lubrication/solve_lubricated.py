@@ -23,7 +23,7 @@ from contactstudy.solvers.solution import Status
 # Cells of half an inlet sweep give the smallest film within this error.
 HALF_SWEEP_ERROR = 0.02
 # An inlet is no shorter than this [a]. No more than this fraction of the contact counts as an inlet sweep.
-INLET, INLET_SWEEP_FRACTION = 1.5, 0.1
+INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
 # Rounds of refinement towards an error, and the most cells across of plane strain.
 REFINEMENTS, MAX_CELLS = 6, 3200
 # Factor on the cells that the film needs, at which nothing else is refined for: temperatures cost the most.

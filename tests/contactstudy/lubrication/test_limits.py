@@ -35,6 +35,17 @@ def test_the_lightest_loads_have_the_film_of_martin(load: float) -> None:
     assert film == pytest.approx(2.447484, rel=bound)
 
 
+@pytest.mark.whole
+def test_the_heaviest_isoviscous_film_of_the_range_meets_an_error_of_1_percent() -> None:
+    contact = solve_lubricated(by_moes(1000, 0), error=1e-2)
+    assert contact.status is cs.Status.CONVERGED
+    for parts in (contact.estimate.central_film, contact.estimate.minimum_film):
+        assert total(parts) <= 1e-2
+    # of an endless inlet, after the reference on graded cells
+    film = in_moes_units(contact, contact.central_film)
+    assert film == pytest.approx(0.6264, rel=total(contact.estimate.central_film))
+
+
 def test_a_grid_narrower_than_the_contact_is_refused_with_the_width_to_give() -> None:
     heavy = at(2e6, 0.01)
     with pytest.raises(cs.InvalidInput, match=r"Grid\.extent\[0\] is .* too narrow"):

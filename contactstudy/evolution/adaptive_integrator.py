@@ -293,6 +293,15 @@ class AdaptiveIntegrator:
             default=0.0,
         )
 
+    def _common_error(self) -> float:
+        """Return the error by the steps that both integrations have in common; infinite where only one is made."""
+        variables = self.stepper.all_state_variables
+        if variables and not self.step_doubling:
+            return inf
+        states = zip(variables, self.fine.states, strict=True)
+        common = (v.common_error(state) for v, state in states if isinstance(v, HasDifference))
+        return max(common, default=0.0)
+
     def _relative(self, difference: Array, *instants: Instant) -> float:
         """Return the L1 norm of a pressure difference, relative to the largest pressure of `instants`.
 
@@ -369,7 +378,7 @@ class AdaptiveIntegrator:
                 coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
                 status=worst(self.statuses),
                 residual=solution.residual,
-                step_error=0.0 if not self.stepper.all_state_variables else inf,
+                step_error=self._common_error(),
                 grid_error=parts.total,
                 grid_error_parts=parts,
                 warnings=warnings,
@@ -389,7 +398,8 @@ class AdaptiveIntegrator:
         """Set a step error, by default the present one, in the waiting frames, and write them to the checkpoint."""
         error = self.step_error if step_error is None else step_error
         for frame in self.waiting:
-            finished = replace(frame, step_error=error) if self.step_doubling else frame
+            steps = error + frame.step_error
+            finished = replace(frame, step_error=steps) if self.step_doubling else frame
             if self.checkpoint is not None:
                 self.checkpoint.write_frame(len(self.frames), finished)
             self.frames.append(finished)

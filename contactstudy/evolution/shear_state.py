@@ -22,6 +22,8 @@ ERROR_OVER_DIFFERENCE = 4.0
 ERROR_OVER_DEPARTURE = 3.0
 # Shear limit that is never reached, over the increment of a step.
 UNLIMITED = 1e3
+# Fields of the shear.
+SHEARS = "shear_x", "shear_y"
 # Absolute sums below this are zero.
 TINY = 1e-300
 
@@ -247,13 +249,22 @@ class ShearState:
         return fields
 
     def difference(self, state: State, other: State) -> float:
-        """Return the L1 error of the shear of `state`, relative to it, by the `other` of steps twice as long.
-
-        Errors common to both are added: of the shear locked in by a rising pressure, and of the shear along y in cells
-        that begin to slip in a step, whose direction follows the slip of the whole step.
-        """
-        shear, other_shear = (np.stack([of["shear_x"], of["shear_y"]]) for of in (state, other))
-        size, changed = (float(np.abs(field).sum()) for field in (shear, shear - other_shear))
+        """Return the L1 difference of the shear of two states, relative to the first, scaled up to the error."""
+        size = self._size(state)
+        changed = sum(float(np.abs(state[name] - other[name]).sum()) for name in SHEARS)
         factor = ERROR_OVER_DIFFERENCE if self.wear else 1.0
-        error = factor * changed + float(state["misplaced"].sum())
-        return error / size if size > TINY else 0.0
+        return factor * changed / size if size > TINY else 0.0
+
+    def common_error(self, state: State) -> float:
+        """Return the L1 error of the shear, relative to it, that longer steps have in common with shorter ones.
+
+        It is that of the shear locked in by a rising pressure, and of the shear along y in cells that begin to slip in a
+        step, whose direction follows the slip of the whole step.
+        """
+        size = self._size(state)
+        return float(state["misplaced"].sum()) / size if size > TINY else 0.0
+
+    @staticmethod
+    def _size(state: State) -> float:
+        """Return the L1 norm of the shear of a state."""
+        return sum(float(np.abs(state[name]).sum()) for name in SHEARS)

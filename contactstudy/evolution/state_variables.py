@@ -99,6 +99,10 @@ class HasDifference(Protocol):
         """Return the relative difference of two states."""
         ...
 
+    def common_error(self, state: State) -> float:
+        """Return the relative error that two integrations have in common, so that their difference does not show it."""
+        ...
+
 
 @runtime_checkable
 class IteratedStateVariable(Protocol):

@@ -11,11 +11,7 @@ from contactstudy.domain.checks import suggestion
 
 @click.command()
 @click.argument("kind", required=False)
-@click.option(
-    "--out",
-    type=click.Path(path_type=Path),
-    help="File to write.  [default: KIND.toml]",
-)
+@click.option("--out", type=click.Path(path_type=Path), help="File to write.  [default: KIND.toml]")
 @click.option("--list", "listed", is_flag=True, help="List the kinds of scenes, one a line.")
 def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT001 (click's own way)
     """Write a commented scene of a KIND, such as roller.

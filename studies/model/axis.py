@@ -100,8 +100,7 @@ class Axis:
         kinds = {type(value) for value in values}
         if not (kinds == {str} or (kinds and kinds <= {int, float})):
             raise InvalidInput(
-                f"Axis {self.name!r} has values {one_line(repr(values), 60)}: give names, or numbers, and not "
-                "both."
+                f"Axis {self.name!r} has values {one_line(repr(values), 60)}: give names, or numbers, and not both."
             )
         if float in kinds:
             values = tuple(self._finite(value) for value in values)

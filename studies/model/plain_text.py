@@ -77,8 +77,7 @@ def place_of(error: BaseException, *libraries: str) -> str:
         return ""
     innermost = study[-1]
     return one_line(
-        f" in {innermost.name} ({Path(innermost.filename).name}, line {innermost.lineno})",
-        300,
+        f" in {innermost.name} ({Path(innermost.filename).name}, line {innermost.lineno})", 300
     )
 
 

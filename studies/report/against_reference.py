@@ -122,6 +122,5 @@ def _front(
     return captioned(
         "front",
         fig,
-        f"Relative error of the {name} against {reference}, over the time of a case; the line joins the "
-        "Pareto front.",
+        f"Relative error of the {name} against {reference}, over the time of a case; the line joins the Pareto front.",
     )

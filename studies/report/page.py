@@ -91,12 +91,7 @@ def section(
 
 
 def run_and_write(
-    chapter: Chapter,
-    out: Path,
-    *,
-    options: RunOptions,
-    log: Log,
-    formats: Sequence[str] = FORMATS,
+    chapter: Chapter, out: Path, *, options: RunOptions, log: Log, formats: Sequence[str] = FORMATS
 ) -> Path:
     """Run the studies of a chapter, write its page, and return its path."""
     for number, part in enumerate(chapter.parts, 1):

@@ -95,7 +95,7 @@ def captioned(name: str, figure: Figure, caption: str) -> CaptionedFigure:
     return CaptionedFigure(name, figure, caption)
 
 
-def select_evenly(values: Iterable[float], count: int = 3) -> list[float]:
+def select_evenly(values: Iterable[Any], count: int = 3) -> list[Any]:
     """Return at most `count` of the values, evenly spaced, including the first and the last."""
     chosen = list(values)
     if len(chosen) <= count:

@@ -33,8 +33,7 @@ def open_folder(path: Path) -> Path:
     except (OSError, ValueError) as error:
         why = "it is a file" if os.path.isfile(path) else reason(error)  # noqa: PTH113 (no error for any name)
         raise InvalidInput(
-            f"Output folder {_shortened(path)} cannot be written to ({why}): "
-            "give another with --out."
+            f"Output folder {_shortened(path)} cannot be written to ({why}): give another with --out."
         ) from None
     return path
 

@@ -82,11 +82,7 @@ def waves() -> Iterator[AccuracyCase]:
         for fraction in (0.05, 0.3, 0.6, 0.9, 0.97):
             closing = pi * MODULUS * height / length
             wave = cs.analytic.Westergaard(fraction * closing, height, length, MODULUS)
-            truth = ClosedForm(
-                _wave(wave),
-                wave.peak_pressure,
-                2 * wave.half_width / length,
-            )
+            truth = ClosedForm(_wave(wave), wave.peak_pressure, 2 * wave.half_width / length)
             wavy = cs.Scene(
                 cs.LineLoad(wave.mean_pressure * length),
                 STEEL,
@@ -178,12 +174,7 @@ def yielding() -> Iterator[AccuracyCase]:
         half = SCENE.load.largest / (2 * fraction * P_H)
         for cells in (40, 101, 256):
             grid = cs.Grid((cells, 1), (2.6 * half, A))
-            truth = ClosedForm(
-                _strip(half, fraction * P_H),
-                fraction * P_H,
-                1 / 1.3,
-                512,
-            )
+            truth = ClosedForm(_strip(half, fraction * P_H), fraction * P_H, 1 / 1.3, 512)
             yield AccuracyCase("all yielding", scene(hardness=fraction * P_H), grid, EXACT, truth)
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,8 @@ from studies.report.wording import (
 ZERO_CHANGE = 5e-7
 # Difference of two labels over the height of the axes, below which they would touch.
 LABEL_DISTANCE = 0.04
+# Marks of settings without a bound.
+HOLLOW = {"ls": "none", "markerfacecolor": "white"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,19 +103,16 @@ def _front(comparison: Comparison, verdict: Verdict) -> CaptionedFigure:
         is_own = label == comparison.boundary_label
         style = _style(label) | ({"lw": 3.0, "ms": 7, "zorder": 4} if is_own else {"lw": 1.0})
         front = comparison.front(label) or line
-        times, errors = [setting.time for setting in front], [setting.error for setting in front]
-        ax.loglog(times, errors, **style, markevery=[setting.is_bounded for setting in front])
         dominated = [setting for setting in line if setting.is_bounded and setting not in front]
-        ax.loglog(
-            [setting.time for setting in dominated], [setting.error for setting in dominated],
-            **style | {"ls": "none", "ms": 3, "alpha": 0.5},
-        )  # fmt: skip
         unbounded = [setting for setting in line if not setting.is_bounded]
-        ax.loglog(
-            [setting.time for setting in unbounded], [setting.error for setting in unbounded],
-            **style | {"ls": "none", "markerfacecolor": "white"},
-        )  # fmt: skip
-        ends.append((times[-1], errors[-1], label))
+        for settings, marks in (
+            (front, {"markevery": [setting.is_bounded for setting in front]}),
+            (dominated, {"ls": "none", "ms": 3, "alpha": 0.5}),
+            (unbounded, HOLLOW),
+        ):
+            times, errors = [item.time for item in settings], [item.error for item in settings]
+            ax.loglog(times, errors, **style | marks)
+        ends.append((front[-1].time, front[-1].error, label))
         if is_own:
             _label_cells(ax, front, style["color"])
     errors = [setting.error for setting in comparison.settings]
@@ -202,29 +202,22 @@ def _causes(comparison: Comparison, verdict: Verdict) -> CaptionedFigure:
         else:
             style = padding_style(name) | {"marker": "none", "ls": "-."}
             padding_panel.loglog([1, max_images + 0.5], 2 * [errors[0]], label=name, **style)
-    scene_settings = [
-        item for item in comparison.settings_of(comparison.boundary_label) if item.is_bounded
-    ]
-    labelled = inf
-    for grid in scene_settings:
-        if grid.error > labelled / 2:
-            continue
-        labelled = grid.error
-        _level(padding_panel, grid.error, "{} x {}".format(*grid.setting.cells))
+    line, labelled = comparison.settings_of(comparison.boundary_label), inf
+    for grid in line:
+        if grid.is_bounded and grid.error <= labelled / 2:
+            labelled = grid.error
+            _level(padding_panel, grid.error, "{} x {}".format(*grid.setting.cells))
     padding_panel.set(
         xlabel="n, at n + ½",
         ylabel="L1 error by the padding alone",
         title="Which n: where its line crosses a grid's error",
     )
-    line = comparison.settings_of(comparison.boundary_label)
     style = _style(comparison.boundary_label)
     cells = [item.setting.cells[0] for item in line]
     cells_panel.loglog(cells, [item.error for item in line], label="cells", **style)
     unbounded = [k for k, item in enumerate(line) if not item.is_bounded]
-    cells_panel.loglog(
-        [cells[k] for k in unbounded], [line[k].error for k in unbounded],
-        **style | {"ls": "none", "markerfacecolor": "white"},
-    )  # fmt: skip
+    errors = [line[k].error for k in unbounded]
+    cells_panel.loglog([cells[k] for k in unbounded], errors, **style | HOLLOW)
     for tolerance, error in comparison.tolerances.items():
         if error > 0.02 * min(item.error for item in line):
             _level(cells_panel, error, f"tol. {tolerance_text(tolerance)}")
@@ -263,11 +256,8 @@ def _which_n(comparison: Comparison, verdict: Verdict) -> Finding:
     """State the least n at which a moving window costs no accuracy, and which paddings always cost some."""
     allowed = max(verdict.best.error, verdict.error / 10) / 3
     enough = [item for item in comparison.paddings if item.l1 <= allowed]
-    counted = sorted(
-        name_and_images(item.padding)[1]
-        for item in enough
-        if name_and_images(item.padding)[0] == "circular"
-    )
+    named = [name_and_images(item.padding) for item in enough]
+    counted = sorted(images for name, images in named if name == "circular")
     worst = [label_of(item.padding) for item in comparison.paddings if item.l1 > verdict.error]
     is_free = comparison.boundary_label == "free"
     if is_free:
@@ -276,10 +266,8 @@ def _which_n(comparison: Comparison, verdict: Verdict) -> Finding:
     elif counted:
         claim = f"If images must be counted, n = {counted[0]} in a moving window suffices."
     else:
-        max_images = max(
-            (name_and_images(item.padding)[1] for item in comparison.paddings), default=0
-        )
-        claim = f"No n that was tried suffices, up to {max_images}."
+        images = [name_and_images(item.padding)[1] for item in comparison.paddings]
+        claim = f"No n that was tried suffices, up to {max(images, default=0)}."
     beyond = "" if is_free or not worst else (
         f" Above the request of {percent(verdict.error)} on any grid: {', '.join(worst)}."
     )  # fmt: skip
@@ -306,15 +294,11 @@ def _reference(comparison: Comparison) -> Finding:
         )
         cells = cells_text(comparison.reference)
         claim = f"Errors are against {cells} under the scene's own boundary conditions; {bound}."
-        unknown = [
-            REPORTED[name]
-            for name, bound in comparison.bounds.items()
-            if bound == inf and name in REPORTED
-        ]
+        infinite = [name for name, bound in comparison.bounds.items() if bound == inf]
         text = (
             "The measure is the L1 norm of the difference to the reference's means over each cell."
         )
-        if unknown:
+        if unknown := [REPORTED[name] for name in infinite if name in REPORTED]:
             text += f" Without a bound even there: {', '.join(unknown)}."
     return Finding(claim, " ".join([text, *comparison.notes]), "Against what?")
 
@@ -322,26 +306,18 @@ def _reference(comparison: Comparison) -> Finding:
 def _costs(comparison: Comparison) -> Table:
     """Return the quickest setting for each decade, with the next best padding."""
     rows = []
-    reached = min(
-        (setting.error for setting in comparison.settings if setting.is_bounded), default=inf
-    )
+    bounded = [setting.error for setting in comparison.settings if setting.is_bounded]
     for target in DECADES:
         verdict = comparison.verdict(target)
         if verdict is None or not verdict.meets:
             continue
         best = verdict.best
-        other_labels = [
-            label
-            for label in comparison.labels
-            if label != best.label and comparison.settings_of(label)
+        next_best = min(verdict.alternatives, key=attrgetter("ratio"), default=None)
+        lines = [
+            comparison.settings_of(label) for label in comparison.labels if label != best.label
         ]
-        next_best = min(
-            verdict.alternatives, key=lambda alternative: alternative.ratio, default=None
-        )
-        finest = {
-            label: comparison.settings_of(label)[-1].setting.cells[0] for label in other_labels
-        }
-        is_judged = finest and min(finest.values()) >= best.setting.cells[0]
+        finest = [line[-1].setting.cells[0] for line in lines if line]
+        is_judged = finest and min(finest) >= best.setting.cells[0]
         beside = "none meets it" if is_judged else "not timed on such grids"
         if next_best is not None:
             took = "as fast" if next_best.is_as_fast else f"{next_best.ratio:.2g} times"
@@ -362,8 +338,8 @@ def _costs(comparison: Comparison) -> Table:
     rows = [row for k, row in enumerate(rows) if k + 1 == len(rows) or row[1:4] != rows[k + 1][1:4]]
     left_out = (
         f" Smaller errors are not listed: no setting is shown to reach them; the least error measured is "
-        f"{error_text(reached, comparison.reference_bound)}."
-        if reached < inf
+        f"{error_text(min(bounded), comparison.reference_bound)}."
+        if bounded
         else ""
     )
     return Table(
@@ -378,26 +354,23 @@ def _costs(comparison: Comparison) -> Table:
 def _changes(comparison: Comparison) -> Table:
     """Return what each padding alone does to the main numbers."""
     quantities = reported_quantities(comparison)
+    changes = [padding.changes for padding in comparison.paddings]
     names = [
         (name, long_name)
         for name, long_name in quantities
-        if any(
-            abs(padding.changes.get(name, inf)) >= ZERO_CHANGE for padding in comparison.paddings
-        )
+        if any(abs(change.get(name, inf)) >= ZERO_CHANGE for change in changes)
     ]
 
-    def signed(value: float) -> str:
-        sign = "+" if value > 0 else "−"
-        return "0" if abs(value) < ZERO_CHANGE else f"{sign}{percent(value)}"
+    def signed(value: float | None) -> str:
+        if value is None:
+            return "not known"
+        return "0" if abs(value) < ZERO_CHANGE else f"{'+' if value > 0 else '−'}{percent(value)}"
 
     rows = tuple(
         (
             label_of(item.padding),
             percent(item.l1),
-            *(
-                signed(item.changes[name]) if name in item.changes else "not known"
-                for name, _ in names
-            ),
+            *(signed(item.changes.get(name)) for name, _ in names),
         )
         for item in comparison.paddings
     )

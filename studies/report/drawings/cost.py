@@ -70,9 +70,8 @@ def _solvers_caption(dataset: xr.Dataset) -> str:
             rates = np.polyfit(np.log(dataset["grid"].values), logarithms, 1)[0]
             growth = f", growing like {power('N', rates.min(), 1)} to {power('N', rates.max(), 1)}"
         facts.append(
-            f"{TITLES[solver]}: {int(part['iterations'].min())} to "
-            f"{int(part['iterations'].max())} iterations, {float(part['solve_time'].min()):.2g} to "
-            f"{float(part['solve_time'].max()):.2g} s{growth}, at most "
+            f"{TITLES[solver]}: {int(part['iterations'].min())} to {int(part['iterations'].max())} iterations, "
+            f"{float(part['solve_time'].min()):.2g} to {float(part['solve_time'].max()):.2g} s{growth}, at most "
             f"{float(part['memory'].max()):.0f} fields of memory"
         )
     return (
@@ -148,20 +147,16 @@ def _surfaces(dataset: xr.Dataset) -> dict[str, dict[str, object]]:
     """Return the selection of each surface, by its name, which tells the values of axes that have several."""
     selections: dict[str, dict[str, object]] = {}
     for surface in dataset["surface"].values.tolist():
-        if surface == SELF_AFFINE:
-            for values in product(*(dataset[axis].values.tolist() for axis in FAMILY)):
-                chosen = dict(zip(FAMILY, values, strict=True))
-                words = {
-                    "hurst": f", H = {chosen['hurst']:g}",
-                    "cut_off": f", down to {chosen['cut_off']:g} cells",
-                    "fraction": f", {percent(chosen['fraction'])} in contact",
-                }
-                varied = [words[axis] for axis in FAMILY if dataset.sizes[axis] > 1]
-                name = f"{SELF_AFFINE}{''.join(varied)}"
-                selections[name] = {"surface": surface, **chosen}
-        else:
-            first = {axis: dataset[axis].values.tolist()[0] for axis in FAMILY}
-            selections[surface] = {"surface": surface, **first}
+        count = None if surface == SELF_AFFINE else 1
+        for values in product(*(dataset[axis].values.tolist()[:count] for axis in FAMILY)):
+            chosen = dict(zip(FAMILY, values, strict=True))
+            words = {
+                "hurst": f", H = {chosen['hurst']:g}",
+                "cut_off": f", down to {chosen['cut_off']:g} cells",
+                "fraction": f", {percent(chosen['fraction'])} in contact",
+            }
+            varied = [words[axis] for axis in FAMILY if count is None and dataset.sizes[axis] > 1]
+            selections[f"{surface}{''.join(varied)}"] = {"surface": surface, **chosen}
     return selections
 
 

@@ -271,9 +271,8 @@ def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
         Finding(
             f"With {int(coarse['steps'])} steps of wear the error is {implicit} (implicit) and {explicit} (explicit).",
             f"An explicit evolution needs {_stable_from(finest):.3g} steps to be stable on this grid, and twice as "
-            f"many on "
-            "one twice as fine. An implicit step costs the same solve, with a constant in its spectrum, and the worn "
-            "volume is exact either way.",
+            "many on one twice as fine. An implicit step costs the same solve, with a constant in its spectrum, and "
+            "the worn volume is exact either way.",
             "How to step wear?",
         ),
     )

@@ -1,6 +1,6 @@
 """Drawing of the study `lubrication`: films over load and viscosity, and what they cost."""
 
-from itertools import cycle
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -8,7 +8,15 @@ import xarray as xr
 
 from contactstudy.analytic import moes_film
 from studies.model.drawing import CaptionedFigure, Finding
-from studies.report.style import COLORS, LAW_STYLE, add_legend, panels, percent, select_evenly
+from studies.report.style import (
+    COLORS,
+    LAW_STYLE,
+    by_color,
+    captioned,
+    panels,
+    percent,
+    select_evenly,
+)
 
 KNOWN_AXES = ("load", "viscosity", "rms", "cavitation", "grid")
 
@@ -28,27 +36,16 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 
 def _films(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (films, ratio) = panels(2, width=3.8, height=3.0)
-    loads = dataset["load"].values
-    for viscosity, color in zip(
-        select_evenly(dataset["viscosity"].values, 5), cycle(COLORS), strict=False
-    ):
-        part = dataset.sel(viscosity=viscosity)
-        films.plot(
-            loads,
-            part["flat_film"],
-            color=color,
-            marker="o",
-            linestyle="none",
-            label=f"L = {viscosity:g}",
-        )
-        formula = [moes_film(float(load), float(viscosity)) for load in loads]
-        films.plot(loads, formula, **{**LAW_STYLE, "color": color})
-        ratio.plot(loads, part["film_over_moes"], color=color, marker="o")
+    shown = dataset.sel(viscosity=select_evenly(dataset["viscosity"].values, 5))
+    for part, style in by_color(shown, "viscosity", "L = {:g}"):
+        films.plot(part["load"], part["flat_film"], linestyle="none", **style)
+        formula = [moes_film(load, float(part["viscosity"])) for load in part["load"].values]
+        films.plot(part["load"], formula, **LAW_STYLE | {"color": style["color"]})
+        ratio.plot(part["load"], part["film_over_moes"], color=style["color"], marker="o")
     films.set(xscale="log", yscale="log", xlabel="load M", ylabel="film, Moes' unit")
     ratio.axhline(1, **LAW_STYLE)
     ratio.set(xscale="log", xlabel="load M", ylabel="film / Moes")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "films",
         fig,
         "Film where the pressure is flat, over load and viscosity, on the finest grid: points are solutions, lines "
@@ -57,25 +54,15 @@ def _films(dataset: xr.Dataset) -> CaptionedFigure:
     )
 
 
-def film_errors(dataset: xr.Dataset) -> xr.DataArray:
-    """Return the relative error of the central film on each grid but the finest, against the finest."""
-    fine = dataset["central_film"].isel(grid=-1)
-    return abs(dataset["central_film"].isel(grid=slice(None, -1)) / fine - 1)
-
-
 def _cost(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=4.4, height=3.2)
-    errors = film_errors(dataset)
-    seconds = dataset["wall_time"].isel(grid=slice(None, -1))
-    for cells, color in zip(errors["grid"].values, cycle(COLORS), strict=False):
-        time, error = seconds.sel(grid=cells), errors.sel(grid=cells)
-        ax.plot(
-            time.values.ravel(), error.values.ravel(), color=color, marker="o", linestyle="none",
-            alpha=0.6, label=f"{cells} cells",
-        )  # fmt: skip
+    coarser = dataset.isel(grid=slice(None, -1))
+    error = abs(coarser["central_film"] / dataset["central_film"].isel(grid=-1) - 1)
+    for part, style in by_color(coarser.assign(error=error), "grid", "{} cells"):
+        time = part["wall_time"].values.ravel()
+        ax.plot(time, part["error"].values.ravel(), linestyle="none", alpha=0.6, **style)
     ax.set(xscale="log", yscale="log", xlabel="wall time [s]", ylabel="error of the central film")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "film_cost",
         fig,
         "Error of the central film against the wall time of a cold start, a point for each load and viscosity; the "
@@ -85,24 +72,17 @@ def _cost(dataset: xr.Dataset) -> CaptionedFigure:
 
 def _roughness(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (film, thin) = panels(2, width=3.8, height=3.0)
-    cases = [
-        (load, viscosity)
-        for load in dataset["load"].values
-        for viscosity in dataset["viscosity"].values
-    ]
-    for (load, viscosity), color in zip(select_pairs(cases), cycle(COLORS), strict=False):
+    cases = select_evenly(product(dataset["load"].values, dataset["viscosity"].values), len(COLORS))
+    for (load, viscosity), color in zip(cases, COLORS, strict=False):
         part = dataset.sel(load=load, viscosity=viscosity)
-        style: dict[str, Any] = {
-            "color": color,
-            "marker": "o",
-            "label": f"M = {load:g}, L = {viscosity:g}",
-        }
-        film.plot(part["rms"], part["minimum_film"] / part["central_film"].isel(rms=0), **style)
-        thin.plot(part["rms"], part["thin_load"], color=color, marker="o")
+        style: dict[str, Any] = {"color": color, "marker": "o"}
+        label = f"M = {load:g}, L = {viscosity:g}"
+        smallest = part["minimum_film"] / part["central_film"].isel(rms=0)
+        film.plot(part["rms"], smallest, label=label, **style)
+        thin.plot(part["rms"], part["thin_load"], **style)
     film.set(xlabel="rms height / film", ylabel="smallest film / smooth central film")
     thin.set(xlabel="rms height / film", ylabel="load on less than half the film")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "rough_films",
         fig,
         "Effect of a stationary random roughness on the smallest film and on the fraction of the load that is carried "
@@ -113,28 +93,19 @@ def _roughness(dataset: xr.Dataset) -> CaptionedFigure:
 def _cavitation(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (spread, film) = panels(2, width=3.8, height=3.0)
     smooth = dataset["central_film"].isel(rms=0, cavitation=0)
-    for law, color, marker in zip(dataset["cavitation"].values, COLORS, "os", strict=False):
-        part = dataset.sel(cavitation=law)
-        style: dict[str, Any] = {"color": color, "marker": marker}
-        worst = part["flux_spread"].max(["load", "viscosity"])
-        spread.semilogy(part["rms"], worst, label=str(law), **style)
+    for (part, style), marker in zip(by_color(dataset, "cavitation", "{}"), "os", strict=False):
+        style["marker"] = marker
+        spread.semilogy(part["rms"], part["flux_spread"].max(["load", "viscosity"]), **style)
         film.plot(part["rms"], (part["central_film"] / smooth).mean(["load", "viscosity"]), **style)
     spread.set(xlabel="rms height / film", ylabel="spread of the flow over x")
     film.set(xlabel="rms height / film", ylabel="central film / smooth film")
-    add_legend(fig)
-    return CaptionedFigure(
+    return captioned(
         "cavitation",
         fig,
         "Lubricant that cavitation makes: the range of the flow through all sections up to the end of the pressure, "
         "over its mean, largest over load and viscosity; and the central film, mean over them. A film that only "
         "forbids negative pressure (reynolds) makes lubricant wherever it forms again behind a cavity.",
     )
-
-
-def select_pairs(cases: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return at most as many cases as there are colours, evenly."""
-    indices = select_evenly(np.arange(len(cases)), len(COLORS))
-    return [cases[int(index)] for index in indices]
 
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:

@@ -93,12 +93,6 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
     )
 
 
-def law_of(dataset: xr.Dataset) -> float:
-    """Return a²/(8D²) of one padding at one n and period."""
-    padding = padding_at(str(dataset["padding"].values), int(dataset["images"]))
-    return float(image_error(1, padding.reach(float(dataset["period"]))))
-
-
 def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
     """Draw the median and the span of all surfaces at each rms, at equal distances, since one rms may be zero."""
     surfaces = [name for name in values.dims if name != "rms"]
@@ -110,17 +104,11 @@ def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
     ax.set_xlabel("rms height / (a²/2R)")
 
 
-def _compares_rough_and_smooth(dataset: xr.Dataset) -> bool:
-    is_covered = has_cases(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
-    return is_covered and dataset.sizes["rms"] > 1 and bool((dataset["converged"] == 1).all())
-
-
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return the effect of roughness on the error of a padding."""
-    return (_rough_surfaces(dataset),) if _compares_rough_and_smooth(dataset) else ()
-
-
-def _rough_surfaces(dataset: xr.Dataset) -> Finding:
+    is_covered = has_cases(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
+    if not is_covered or dataset.sizes["rms"] < 2 or not (dataset["converged"] == 1).all():
+        return ()
     sweep = dataset.sel(images=6).isel(period=-1, grid=-1)
     surfaces = ("hurst", "peklenik", "seed")
     middle, largest_rms = sweep.median(surfaces), float(sweep["rms"].max())
@@ -140,23 +128,22 @@ def _rough_surfaces(dataset: xr.Dataset) -> Finding:
             f"{percent(before['peak_pressure_error'])} to {percent(after['peak_pressure_error'])}"
         )
         remaining.append(percent(after["curved_difference"] / after["pressure_error_l1"]))
-        part = sweep.sel(padding=name)
-        ratios.append(part["half_width_error"].values / -law_of(part))
+        reach = padding_at(name, 6).reach(float(sweep["period"]))
+        half_width_error = sweep["half_width_error"].sel(padding=name).values
+        ratios.append(half_width_error / -float(image_error(1, reach)))
     low, high = np.min(ratios), np.max(ratios)
     shift = middle["smooth_difference"].sel(padding="exact").isel(rms=1)
     systematic = "; unlike that, the error of a window has one sign on every surface and does not average out"
-    return Finding(
+    finding = Finding(
         "Hardly: on a rough surface a padding has the same L1 error as on a smooth one, but it lies elsewhere.",
         f"At L = {float(sweep['period']):g} a the L1 error is {' and '.join(l1_errors)}, at an rms height of "
         f"{largest_rms:g} a²/(2R). The effective half-width is too small by {low:.2f} to {high:.2f} times a²/(8D²) on "
-        "every surface, since "
-        "a window that reaches D makes the cylinder more curved by a²/(4D²), whatever its roughness: compared with "
-        f"exact periodicity on a cylinder of that curvature, {' and '.join(remaining)} of those L1 errors remain. The "
-        f"largest "
-        f"error of any cell grows from {' and from '.join(cells)}, since asperities in light contact appear and "
-        f"disappear; "
-        f"the error of the peak, now under an asperity, falls from {' and from '.join(highest)}. Roughness itself "
-        f"changes "
-        f"the pressure by {percent(shift)} (L1) at an rms of {float(shift['rms']):g}{systematic if low > 0 else ''}.",
+        "every surface, since a window that reaches D makes the cylinder more curved by a²/(4D²), whatever its "
+        f"roughness: compared with exact periodicity on a cylinder of that curvature, {' and '.join(remaining)} of "
+        f"those L1 errors remain. The largest error of any cell grows from {' and from '.join(cells)}, since "
+        "asperities in light contact appear and disappear; the error of the peak, now under an asperity, falls from "
+        f"{' and from '.join(highest)}. Roughness itself changes the pressure by {percent(shift)} (L1) at an rms of "
+        f"{float(shift['rms']):g}{systematic if low > 0 else ''}.",
         "Does roughness change the error of a padding?",
     )
+    return (finding,)

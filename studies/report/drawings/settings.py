@@ -4,9 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 
-from contactstudy.domain.fields import Array
 from studies.advice.front import pareto_front
 from studies.model.drawing import CaptionedFigure, Drawing, Finding, Table
 from studies.model.outcome import CaseStatus
@@ -21,6 +19,7 @@ from studies.report.style import (
     panels,
     percent,
     power,
+    tick_cells,
     write_powers,
 )
 from studies.report.wording import DECADES, seconds_text
@@ -126,7 +125,10 @@ def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
             )
     beyond = np.geomspace(max(1.0, min(spans)), max(spans)) if spans else np.array([])
     if beyond.size:
-        ax.loglog(beyond, _law(beyond), label="law a²/(2πD²)", **LAW_STYLE)
+        law = 1 / (
+            2 * np.pi * beyond**2
+        )  # L1 error of a window with a reach of so many half-widths
+        ax.loglog(beyond, law, label="law a²/(2πD²)", **LAW_STYLE)
     ax.set(xlabel="reach D of the window over the half-width a", ylabel=LABEL)
     write_powers(ax.yaxis, in_percent)
     write_powers(ax.xaxis, "{:g}".format)
@@ -138,11 +140,6 @@ def _over_reach(dataset: xr.Dataset) -> CaptionedFigure:
         f"L, on {int(finest['grid'])} cells across. All windows that move with the point follow one law; one that is "
         f"fixed to the domain also makes the load vary along the length. Dashed: no image is left out.",
     )
-
-
-def _law(reach: Array) -> Array:
-    """Return the L1 error ``a^2 / (2 pi D^2)`` of a window with a reach of so many half-widths."""
-    return np.asarray(1 / (2 * np.pi * reach**2))
 
 
 def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
@@ -159,8 +156,7 @@ def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
     ax.set(xlabel=OVER[over], ylabel=LABEL)
     write_powers(ax.yaxis, in_percent)
     if over == "grid":
-        ax.set_xticks(dataset["grid"].values, [str(n) for n in dataset["grid"].values])
-        ax.minorticks_off()
+        tick_cells(ax, dataset["grid"].values)
     place = shown_at(dataset, over)
     return captioned(
         f"over_{over}",
@@ -206,7 +202,11 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
     for ax, period in zip(axes, periods, strict=True):
         part = dataset.sel(period=period)
         for padding in paddings(dataset):
-            _front_of(ax, part.sel(padding=padding), padding)
+            flat, style = _flat(part.sel(padding=padding)), padding_style(padding)
+            cost, error = flat["time"].values, flat[ERROR].values
+            best = pareto_front(cost, error)
+            ax.loglog(cost[best], error[best], label=padding, **style)
+            ax.loglog(cost, error, **style | {"ls": "none", "ms": 3, "alpha": 0.5})
         period_text = f"period L = {period:g} a" if is_of_hertz(dataset) else ""
         ax.set(xlabel="wall time to set up and solve, on one thread", title=period_text)
         write_powers(ax.xaxis, seconds_text)
@@ -217,15 +217,6 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
         fig,
         "The price of accuracy: the Pareto front of each padding; small marks: its other settings.",
     )
-
-
-def _front_of(ax: Axes, part: xr.Dataset, padding: str) -> None:
-    flat = _flat(part)
-    cost, error = flat["time"].values, flat[ERROR].values
-    best = pareto_front(np.asarray(cost), np.asarray(error))
-    style = padding_style(padding)
-    ax.loglog(cost[best], error[best], label=padding, **style)
-    ax.loglog(cost, error, **style | {"ls": "none", "ms": 3, "alpha": 0.5})
 
 
 def _tables(dataset: xr.Dataset) -> Sequence[Table]:
@@ -267,18 +258,13 @@ def _cells(dataset: xr.Dataset) -> Table:
 
 def _needed(dataset: xr.Dataset) -> Table:
     """Return the least n of a moving window from which on its own error stays below some errors, for each period."""
-    finest = dataset.isel(grid=-1)
-    rows = []
+    finest, rows = dataset.isel(grid=-1), []
+    single = [name for name in ("duplicated", "exact") if name in paddings(dataset)]
     for period in dataset["period"].values:
         part = finest.sel(period=period)
         period_text = f"{period:g} a" if is_of_hertz(dataset) else f"{period:g}"
-        single = [
-            percent(part[ERROR].sel(padding=name).isel(images=0))
-            for name in ("duplicated", "exact")
-            if name in paddings(dataset)
-        ]
-        rows.append((period_text, *single, *(_least(part, target) for target in TARGETS)))
-    single = [name for name in ("duplicated", "exact") if name in paddings(dataset)]
+        errors = [percent(part[ERROR].sel(padding=name).isel(images=0)) for name in single]
+        rows.append((period_text, *errors, *(_least(part, target) for target in TARGETS)))
     return Table(
         f"Error of the paddings without an n, and the least n of a circular window whose error does not exceed that "
         f"of exact periodicity by more than a target, on {int(finest['grid'])} cells across. The n are those stored: "
@@ -308,9 +294,8 @@ def _quickest(dataset: xr.Dataset) -> Table:
         beside = "none meets it"
         if other_paddings.sizes["point"]:
             alternative = other_paddings.isel(point=int(np.argmin(other_paddings["time"].values)))
-            beside = (
-                f"{alternative['padding'].values!s}: {seconds_text(float(alternative['time']))}"
-            )
+            time = seconds_text(float(alternative["time"]))
+            beside = f"{alternative['padding'].values!s}: {time}"
         time = seconds_text(float(best["time"]))
         cells = str(int(best["grid"]))
         rows.append((percent(target), name, cells, percent(best[ERROR]), time, beside))

@@ -64,9 +64,8 @@ def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             "stability",
             fig,
             "Errors of hard cases by family. The reference answer comes from a dense matrix, built pair by pair "
-            "without "
-            "transforms, or from an equivalent form of the same contact. The bar is the largest error that the program "
-            "states for a case of the family. Errors of exactly zero are drawn at the left end.",
+            "without transforms, or from an equivalent form of the same contact. The bar is the largest error that the "
+            "program states for a case of the family. Errors of exactly zero are drawn at the left end.",
         ),
     )
 
@@ -121,9 +120,8 @@ def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     return (
         Table(
             "Hard cases by family, over all paddings and both solvers: solves with an error within the stated one, "
-            "with a "
-            "status that explains why there is no answer, and with neither; largest and largest stated error of the "
-            "pressure over its maximum.",
+            "with a status that explains why there is no answer, and with neither; largest and largest stated error of "
+            "the pressure over its maximum.",
             (
                 "family", "what is hard", "cases", "within stated", "explained", "neither",
                 "largest error", "largest stated",

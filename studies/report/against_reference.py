@@ -1,6 +1,7 @@
 """Errors of a sweep against one value of a varied field, and their front over the times where these were taken."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,10 +24,7 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     The attribute ``reference`` of the dataset names an axis and the place on it, such as ``padding=2``; without it
     nothing is drawn. Of the other axes the largest error counts.
     """
-    text = str(dataset.attrs.get("reference", ""))
-    if not text:
-        return ()
-    axis, _, place = text.partition("=")
+    axis, _, place = str(dataset.attrs.get("reference", "")).partition("=")
     if axis not in dataset["case_status"].dims or dataset.sizes[axis] < 2:
         return ()
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
@@ -51,10 +49,8 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     bounds_text = _known(true, list(errors)) + NOT_NESTED * (not has_l1)
     drawn = [_over_axis(errors, labels, reference, bounds_text)]
     if "solve_time" in dataset and bool(dataset["solve_time"].notnull().any()):
-        name, largest = next(iter(errors.items()))
-        drawn.append(
-            _front(name, largest, total_time(compared).median(other_axes), labels, reference)
-        )
+        times = total_time(compared).median(other_axes)
+        drawn.append(_front(*next(iter(errors.items())), times, labels, reference))
     return drawn
 
 
@@ -84,14 +80,10 @@ def _over_axis(
 ) -> CaptionedFigure:
     fig, (ax,) = panels(1, width=WIDTH, height=1.6 + 0.3 * len(labels))
     for number, (name, error) in enumerate(errors.items()):
-        ax.plot(
-            error.where(error > 0),
-            np.arange(len(labels)),
-            ls="none",
-            marker=MARKERS[number % len(MARKERS)],
-            color=COLORS[number % len(COLORS)],
-            label=name.replace("_", " "),
-        )
+        color, marker = COLORS[number % len(COLORS)], MARKERS[number % len(MARKERS)]
+        style: Any = {"ls": "none", "marker": marker, "color": color}
+        positions = np.arange(len(labels))
+        ax.plot(error.where(error > 0), positions, label=name.replace("_", " "), **style)
     ax.set(xscale="log", xlabel="relative error", yticks=range(len(labels)), yticklabels=labels)
     write_powers(ax.xaxis, in_percent)
     ax.invert_yaxis()
@@ -113,10 +105,8 @@ def _front(
     for x, y, label in zip(seconds.values, error.values, labels, strict=True):
         ax.annotate(label, (x, y), (5, 3), textcoords="offset points", fontsize="small")
     name = name.replace("_", " ")
-    ax.set(
-        xlabel="wall time to set up and solve, on one thread",
-        ylabel=f"relative error of the {name}",
-    )
+    ax.set_xlabel("wall time to set up and solve, on one thread")
+    ax.set_ylabel(f"relative error of the {name}")
     write_powers(ax.xaxis, seconds_text)
     write_powers(ax.yaxis, in_percent)
     return captioned(

@@ -76,7 +76,8 @@ def maps(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFig
 
 def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[CaptionedFigure]:
     """Return a figure of the measures for each point on the axes after the first two."""
-    axes, names = _by_length(dataset), _chosen(dataset, plot) or _measures(dataset)
+    axes = _by_length(dataset)
+    names = [one_of("plot", name, _numbers(dataset)) for name in plot] or _measures(dataset)
     if not names:
         raise InvalidInput(
             "The study has no measure to draw: let measures give a number that is not nan."
@@ -94,17 +95,15 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
         )
         figure, panes = panels(len(names), columns=min(3, len(names)))
         is_hollow = False
+        selected = good.sel(at)
         for name, ax in zip(names, panes, strict=True):
-            selected = good.sel(at)
             doubtful = _doubtful(selected, name)
             is_hollow |= bool(doubtful.notnull().any())
-            draw = _map if is_map else _curve
-            draw(ax, selected[name], shown, selected.get(f"{name}_bound"), doubtful)
+            (_map if is_map else _curve)(ax, selected, name, shown, doubtful)
             formula, author, dashes = FORMULAS.get(name, ("", "", ""))
             if formula in good and len(shown) == 1 and _varies(dataset[shown[0]]):
                 x, _ = _scaled(dataset[shown[0]])
-                size, _ = _scale(good.sel(at)[name])
-                law = good.sel(at)[formula] / size
+                law = selected[formula] / _scale(selected[name])[0]
                 ax.plot(x, law, color="black", linestyle=dashes, label=author)
         parts = [
             str(dataset.attrs.get("title", "Study")),
@@ -155,11 +154,6 @@ def _numbers(dataset: xr.Dataset) -> list[str]:
     ]
 
 
-def _chosen(dataset: xr.Dataset, plot: Sequence[str]) -> list[str]:
-    """Return the requested names; raise InvalidInput for one that the study lacks."""
-    return [one_of("plot", name, _numbers(dataset)) for name in plot]
-
-
 def _measures(dataset: xr.Dataset) -> list[str]:
     """Return the names of the variables to draw: numbers at every point, times only where there is nothing else.
 
@@ -195,16 +189,13 @@ def _doubtful(dataset: xr.Dataset, name: str) -> xr.DataArray:
 
 
 def _curve(
-    ax: Axes,
-    values: xr.DataArray,
-    shown: Sequence[str],
-    bound: xr.DataArray | None,
-    doubtful: xr.DataArray,
+    ax: Axes, dataset: xr.Dataset, name: str, shown: Sequence[str], doubtful: xr.DataArray
 ) -> None:
     """Draw a measure over the first axis, with a line for each value of the second, and its bounds as bars.
 
     Names and samples are points side by side, which no line joins. Values that are `doubtful` are hollow.
     """
+    values, bound = dataset[name], dataset.get(f"{name}_bound")
     y, label = _scaled(values)
     bars = None if bound is None else bound.where(np.isfinite(bound)) / _scale(values)[0]
     if not shown:
@@ -214,10 +205,9 @@ def _curve(
         ax.set(ylabel=label, xticks=[])
         return
     first, *families = shown
-    numbers, joins = values[first], _is_numeric(values[first]) and not _is_sample(first)
-    x, x_label = (
-        _scaled(numbers) if _is_numeric(numbers) else (np.arange(numbers.size), _label(numbers))
-    )
+    numbers, is_numeric = values[first], _is_numeric(values[first])
+    joins = is_numeric and not _is_sample(first)
+    x, x_label = _scaled(numbers) if is_numeric else (np.arange(numbers.size), _label(numbers))
     line_style = "-" if joins else "none"
     if families:
         _family(ax, x, y.transpose(families[0], first), families[0], line_style)
@@ -244,7 +234,7 @@ def _curve(
         ax.set_yscale("log")
         write_powers(ax.yaxis, "{:g}".format)
     ax.set(xlabel=x_label, ylabel=label)
-    if not _is_numeric(numbers):
+    if not is_numeric:
         texts = [str(value)[:24] for value in numbers.values]
         ax.set_xticks(x, texts, rotation=30 if max(map(len, texts)) > 5 else 0)
 
@@ -253,55 +243,38 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, line_style: str) -
     """Draw a line for each value of an axis: samples as their mean and std, many numbers with a colour bar."""
     values, name = lines[axis], _name(lines[axis])
     size, unit = _scale(values) if _is_numeric(values) else (1.0, "")
+    marked: Any = {"marker": "o", "ls": line_style}
     if _is_sample(axis) and values.size > 1:
         mean, std = lines.mean(axis), lines.std(axis, ddof=1)
         ax.fill_between(x, mean - std, mean + std, color=COLORS[0], alpha=0.2, lw=0)
-        ax.plot(
-            x,
-            mean,
-            marker="o",
-            ls=line_style,
-            color=COLORS[0],
-            label=f"mean of {values.size}, ± standard deviation",
-        )
+        text = f"mean of {values.size}, ± standard deviation"
+        ax.plot(x, mean, color=COLORS[0], label=text, **marked)
         return
     if values.size > MAX_LINES and _is_numeric(values):
-        is_log = _is_geometric(values)
-        scale = (LogNorm if is_log else Normalize)(
-            float(values.min()) / size, float(values.max()) / size
-        )
-        colors = ScalarMappable(scale, "viridis")
+        scale = LogNorm if _is_geometric(values) else Normalize
+        ends = float(values.min()) / size, float(values.max()) / size
+        colors = ScalarMappable(scale(*ends), "viridis")
+        marked["marker"] = "." if line_style == "none" else "none"
         for value, line in zip(values.values, lines.values, strict=True):
-            ax.plot(
-                x,
-                line,
-                ls=line_style,
-                marker="." if line_style == "none" else "none",
-                color=colors.to_rgba(value / size),
-            )
+            ax.plot(x, line, color=colors.to_rgba(value / size), **marked)
         ax.figure.colorbar(colors, ax=ax, label=f"{name} {f'[{unit}]' * bool(unit)}".rstrip())
         return
     if values.size > MAX_LINES:
         ax.plot(x, lines.values.T, color="0.6", linewidth=0.7, ls=line_style)
         ax.plot([], [], color="0.6", linewidth=0.7, label=f"each {name}")
-        ax.plot(x, lines.mean(axis), color=COLORS[0], marker="o", ls=line_style, label="mean")
+        ax.plot(x, lines.mean(axis), color=COLORS[0], label="mean", **marked)
         return
     line_colors = colormaps["viridis"](np.linspace(0, 0.85, values.size))
     for value, line, color in zip(values.values, lines.values, line_colors, strict=True):
         text = _short(value / size) if _is_numeric(values) else str(value)[:30]
-        ax.plot(
-            x, line, marker="o", ls=line_style, color=color, label=f"{name} {text} {unit}".rstrip()
-        )
+        ax.plot(x, line, color=color, label=f"{name} {text} {unit}".rstrip(), **marked)
 
 
 def _map(
-    ax: Axes,
-    values: xr.DataArray,
-    shown: Sequence[str],
-    bound: xr.DataArray | None,
-    doubtful: xr.DataArray,
+    ax: Axes, dataset: xr.Dataset, name: str, shown: Sequence[str], doubtful: xr.DataArray
 ) -> None:
     """Draw a measure as a map over two axes with its largest bound, and hollow points on values that are `doubtful`."""
+    values, bound = dataset[name], dataset.get(f"{name}_bound")
     (x, x_label), (y, y_label) = (_scaled(values[axis]) for axis in shown)
     plane, title = _scaled(values.transpose(*reversed(shown)))
     mesh = ax.pcolormesh(x, y, plane, cmap="viridis", shading="nearest")

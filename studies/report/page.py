@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
+import numpy as np
 import xarray as xr
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
@@ -75,17 +76,14 @@ def section(
     study, drawing = part.study(), load_drawing(part.name)
     if not (dataset["case_status"] == CaseStatus.OK).any():
         drawing = NOTHING_TO_DRAW
-    figures = [
-        figure
-        for figure in drawing.figure(dataset)
-        if part.figures is None or figure.name in part.figures
-    ]
+    figures = drawing.figure(dataset)
+    shown = [item for item in figures if part.figures is None or item.name in part.figures]
     return Section(
         name=part.name,
         title=part.title or study.title.rstrip("."),
         axes_text=axes_text(study, dataset),
         findings=drawing.findings(dataset),
-        figures=[embedded(figure, part.name, out, formats) for figure in figures],
+        figures=[embedded(figure, part.name, out, formats) for figure in shown],
         tables=drawing.tables(dataset),
     )
 
@@ -191,7 +189,7 @@ def axes_text(study: Study, dataset: xr.Dataset) -> str:
             if axis.kind is not str:
                 text += f" from {values[0]} to {values[-1]}"
             elif "kind" in dataset:
-                text = f"{len(values)} cases of {len(set(dataset['kind'].values.tolist()))} kinds"
+                text = f"{len(values)} cases of {np.unique(dataset['kind']).size} kinds"
         texts.append(f"{axis.long_name}: {text}")
     return "; ".join(texts)
 
@@ -225,9 +223,6 @@ def _with_claims_beside_the_paper(sections: Sequence[Section]) -> Sequence[Secti
 def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:
     """Return all other chapters and the studies in no chapter, each with whether its page is there."""
     shown = {part.name for entry in CHAPTERS.values() for part in entry.parts}
-    built_in = [entry for entry in CHAPTERS.values() if entry != chapter]
-    return [(entry, (out / entry.page).is_file()) for entry in built_in] + [
-        (chapter_of_study(name), (out / f"{name}.html").is_file())
-        for name in BUILT_IN
-        if name not in shown
-    ]
+    others = [entry for entry in CHAPTERS.values() if entry != chapter]
+    others += [chapter_of_study(name) for name in BUILT_IN if name not in shown]
+    return [(entry, (out / entry.page).is_file()) for entry in others]

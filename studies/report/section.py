@@ -33,11 +33,7 @@ class Section:
     @property
     def answers(self) -> Sequence[Finding]:
         """Findings that answer a question of the reader."""
-        return [
-            finding
-            for finding in self.findings
-            if finding.question.endswith("?") or is_claim(finding)
-        ]
+        return [item for item in self.findings if item.question.endswith("?") or is_claim(item)]
 
 
 def saved(drawn: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes:

@@ -54,18 +54,12 @@ def error_text(error: float, floor: float) -> str:
     return f"{percent(error)} ± {percent(floor)}" if isfinite(floor) else f"{percent(error)} ± ?"
 
 
-def alternative_name(alternative: Alternative) -> str:
-    """Return the padding of a alternative."""
-    return padding_name(alternative.measured.label)
-
-
 def ratio_text(alternative: Alternative) -> str:
     """Return how long a alternative takes beside the chosen setting, as a ratio and as a difference."""
     extra_time = alternative.measured.time * (1 - 1 / alternative.ratio)
     difference = f"{seconds_text(abs(extra_time))} {'more' if extra_time > 0 else 'less'}"
-    return (
-        f"{padding_name(alternative.measured.label)} ({alternative.ratio:.2g} times, {difference})"
-    )
+    padding = padding_name(alternative.measured.label)
+    return f"{padding} ({alternative.ratio:.2g} times, {difference})"
 
 
 def verdict_text(comparison: Comparison, verdict: Verdict) -> str:
@@ -88,41 +82,27 @@ def verdict_text(comparison: Comparison, verdict: Verdict) -> str:
 
 def alternatives_text(comparison: Comparison, verdict: Verdict) -> str:
     """Return sentences on the other paddings and on the next coarser grid."""
-    rounds, sentences = _rounds(comparison), []
+    rounds = max((len(setting.rounds) for setting in comparison.settings), default=0)
+    sentences = []
     timed = [alternative for alternative in verdict.alternatives if alternative.measured.rounds]
     shown = [alternative for alternative in timed if alternative.is_significant]
-    for words, alternatives, text in (
-        ("As fast within 10 %", [r for r in timed if r.is_as_fast], alternative_name),
-        (f"Slower in {rounds} rounds", [r for r in shown if r.ratio > 1], ratio_text),
-        (f"Quicker in {rounds} rounds", [r for r in shown if r.ratio < 1], ratio_text),
-        (
-            f"Not decided by {rounds} rounds of timing",
-            [r for r in timed if not r.is_as_fast and not r.is_significant],
-            ratio_text,
-        ),
-        (
-            "Meets the request too, but is not among the quickest",
-            [r for r in verdict.alternatives if not r.measured.rounds],
-            ratio_text,
-        ),
+    undecided = [r for r in timed if not r.is_as_fast and not r.is_significant]
+    untimed = [r for r in verdict.alternatives if not r.measured.rounds]
+    if ties := [padding_name(r.measured.label) for r in timed if r.is_as_fast]:
+        sentences.append(f"As fast within 10 %: {', '.join(ties)}.")
+    for words, alternatives in (
+        (f"Slower in {rounds} rounds", [r for r in shown if r.ratio > 1]),
+        (f"Quicker in {rounds} rounds", [r for r in shown if r.ratio < 1]),
+        (f"Not decided by {rounds} rounds of timing", undecided),
+        ("Meets the request too, but is not among the quickest", untimed),
     ):
         if alternatives:
-            sentences.append(f"{words}: {', '.join(map(text, alternatives))}.")
-    meeting = {
-        verdict.best.label,
-        *(alternative.measured.label for alternative in verdict.alternatives),
-    }
-    misses = [
-        label
-        for label in comparison.labels
-        if label not in meeting and comparison.settings_of(label)
-    ]
+            sentences.append(f"{words}: {', '.join(map(ratio_text, alternatives))}.")
+    meeting = {verdict.best.label, *(r.measured.label for r in verdict.alternatives)}
+    lines = [comparison.settings_of(label) for label in comparison.labels if label not in meeting]
+    misses = sorted((line[-1] for line in lines if line), key=lambda measured: measured.error)
     if misses and verdict.meets:
-        misses.sort(key=lambda label: comparison.settings_of(label)[-1].error)
-        finest = [
-            f"{padding_name(label)} ({percent(comparison.settings_of(label)[-1].error)})"
-            for label in misses
-        ]
+        finest = [f"{padding_name(item.label)} ({percent(item.error)})" for item in misses]
         if len(misses) > 3:
             finest = [f"{len(misses)} paddings, from {finest[0]} to {finest[-1]}"]
         sentences.append(f"No grid is accurate enough with: {', '.join(finest)}.")
@@ -147,10 +127,6 @@ def _why(comparison: Comparison, verdict: Verdict, coarser: Measured) -> str:
     if coarser.error > verdict.error:
         return " and misses the request"
     return ", which saves no time"
-
-
-def _rounds(comparison: Comparison) -> int:
-    return max((len(setting.rounds) for setting in comparison.settings), default=0)
 
 
 def title_text(comparison: Comparison, verdict: Verdict) -> str:

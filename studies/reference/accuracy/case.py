@@ -1,7 +1,7 @@
 """What an accuracy case is: a contact on a grid, and the truth that its cells should have."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf, nan
 
 import numpy as np
@@ -123,19 +123,6 @@ def errors(solution: cs.Solution, truth: Truth) -> Errors:
         abs(area / truth.area - 1),
         abs(solution.mean_gap / truth.gap - 1),
     )
-
-
-@dataclass(frozen=True)
-class Shifted:
-    """A cylinder whose axis lies ``aside`` [m]: a user-defined shape without length scales."""
-
-    aside: float
-    radius: float = HERTZ.radius
-    curvature: float = field(default=1 / HERTZ.radius)
-
-    def gap(self, grid: cs.Grid) -> Array:
-        """Return the parabola about the shifted axis [m]."""
-        return ((grid.x - self.aside) ** 2 / (2 * self.radius))[:, None]
 
 
 def scene(*shapes: cs.Shape, hardness: float = inf) -> cs.Scene:

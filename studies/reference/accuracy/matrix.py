@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import inf, pi
 
@@ -129,24 +129,23 @@ def rollers() -> Iterator[AccuracyCase]:
             yield AccuracyCase("rollers", scene(*shapes), grid, (FREE, FREE), truth)
 
 
+def rough(rms: float, hurst: float, roll_off: float, cut_off: float, seed: int) -> cs.Roughness:
+    """Return a random roughness; its rms and wavelengths in m."""
+    return cs.Roughness(rms, hurst=hurst, roll_off=roll_off, cut_off=cut_off, seed=seed)
+
+
 def roughness() -> Iterator[AccuracyCase]:
     """Yield roughness cut off at one cell to sixteen, from a light roughness to one that leaves a tenth in contact."""
     for number, cut_off in enumerate((0.3, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0)):
         for rms in (0.05, 0.3, 1.0):
             for hurst, cells in ((0.8, 90), (0.4, 128)):
                 grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
-                shape = cs.Roughness(
-                    rms * GAP_SCALE,
-                    hurst=hurst,
-                    roll_off=max(0.9 * A, cut_off * grid.cell_size[0]),
-                    cut_off=cut_off * grid.cell_size[0],
-                    seed=number,
-                )
+                shortest = cut_off * grid.cell_size[0]
+                longest = max(0.9 * A, shortest)
+                shape = rough(rms * GAP_SCALE, hurst, longest, shortest, number)
                 yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
     for number, lay in enumerate((0.2, 0.5, 2.0, 5.0)):
-        shape = cs.Roughness(
-            0.3 * GAP_SCALE, hurst=0.7, roll_off=0.6 * A, cut_off=0.1 * A, seed=number, peklenik=lay
-        )
+        shape = replace(rough(0.3 * GAP_SCALE, 0.7, 0.6 * A, 0.1 * A, number), peklenik=lay)
         grid = cs.Grid((120, 64), (3.6 * A, 1.8 * A))
         yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
 
@@ -160,9 +159,7 @@ def hard() -> Iterator[AccuracyCase]:
             yield AccuracyCase("hardness", soft, grid, EXACT, Finer((32, 1), EXACT, 1e-7))
     for number, fraction in enumerate((0.8, 1.2, 2.0, 5.0)):
         for rms in (0.2, 0.8):
-            shape = cs.Roughness(
-                rms * GAP_SCALE, hurst=0.8, roll_off=0.9 * A, cut_off=0.15 * A, seed=number
-            )
+            shape = rough(rms * GAP_SCALE, 0.8, 0.9 * A, 0.15 * A, number)
             grid = cs.Grid((100, 50), (3.6 * A, 1.8 * A))
             soft = scene(shape, hardness=fraction * P_H)
             yield AccuracyCase("hardness", soft, grid, EXACT, FINER)
@@ -218,18 +215,13 @@ class Bumps:
 
 def bumps() -> Iterator[AccuracyCase]:
     """Yield bumps from a tenth of a cell to some cells wide, on the lines of the grid and between them."""
-    for number, (width, height) in enumerate(
-        itertools.product((0.12, 0.4, 1.2, 3.0), (0.002, 0.02, 0.3))
-    ):
+    sizes = itertools.product((0.12, 0.4, 1.2, 3.0), (0.002, 0.02, 0.3))
+    for number, (width, height) in enumerate(sizes):
         cells = 48 + 5 * number, 40 + 3 * number
         grid = cs.Grid(cells, (3.2 * A, 3.2 * A * cells[1] / cells[0]))
         dx, dy = grid.cell_size
-        shape = Bumps(
-            height * GAP_SCALE,
-            width * dx,
-            (5 * dx, grid.length / (cells[1] // 5)),
-            (number / 12 * dx, dy / 2),
-        )
+        pitch, place = (5 * dx, grid.length / (cells[1] // 5)), (number / 12 * dx, dy / 2)
+        shape = Bumps(height * GAP_SCALE, width * dx, pitch, place)
         yield AccuracyCase("bumps", scene(shape), grid, EXACT, Finer((6, 6), EXACT))
 
 
@@ -267,9 +259,7 @@ def gaps() -> Iterator[AccuracyCase]:
         grid = cs.Grid((cells, 1), (width * A, A))
         yield AccuracyCase("mean gaps", smooth_scene, grid, EXACT, Finer((16, 1), EXACT))
     for cells, width in ((62, 3.2), (137, 4.4)):
-        slid = cs.Scene(
-            SCENE.load, (SCENE.solids[0], aluminium), SCENE.shapes, friction=cs.Sliding(0.4)
-        )
+        slid = replace(SCENE, solids=(SCENE.solids[0], aluminium), friction=cs.Sliding(0.4))
         grid = cs.Grid((cells, 1), (width * A, A))
         yield AccuracyCase("mean gaps", slid, grid, EXACT, Finer((16, 1), EXACT))
 
@@ -281,41 +271,16 @@ def point_loads() -> Iterator[AccuracyCase]:
     grown = point.peak_pressure * point.contact_radius / MODULUS
     for number, cut_off in enumerate((3.0, 8.0)):
         grid = cs.Grid((72, 72), (size, size))
-        shape = cs.Roughness(
-            0.05 * grown,
-            hurst=0.8,
-            roll_off=size / 4,
-            cut_off=cut_off * grid.cell_size[0],
-            seed=number,
-        )
+        shape = rough(0.05 * grown, 0.8, size / 4, cut_off * grid.cell_size[0], number)
         ball = cs.Scene(cs.LineLoad(30.0 / size), SCENE.solids, (cs.Sphere(0.01), shape))
         yield AccuracyCase("sphere", ball, grid, (FREE, FREE), Finer((4, 4), (FREE, FREE)))
 
 
 BUILDERS = (
-    smooth.cylinders,
-    smooth.few_cells,
-    smooth.spheres,
-    smooth.waves,
-    smooth.sharp,
-    smooth.yielding,
-    textured_waves,
-    grooves,
-    grooves_across,
-    dimples,
-    windows,
-    rollers,
-    roughness,
-    hard,
-    measured,
-    point_loads,
-    smooth.powers,
-    smooth.full,
-    ended,
-    bumps,
-    logarithmic,
-    gaps,
-)
+    smooth.cylinders, smooth.few_cells, smooth.spheres, smooth.waves, smooth.sharp, smooth.yielding, textured_waves,
+    grooves, grooves_across, dimples, windows, rollers, roughness, hard, measured, point_loads, smooth.powers,
+    smooth.full, ended, bumps, logarithmic, gaps,
+)  # fmt: skip
 
 
 @cache

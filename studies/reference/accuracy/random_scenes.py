@@ -19,7 +19,7 @@ from studies.reference.accuracy.case import (
     Finer,
     scene,
 )
-from studies.reference.accuracy.matrix import POINT, PROFILES, Bumps, ground
+from studies.reference.accuracy.matrix import POINT, PROFILES, Bumps, ground, rough
 from studies.reference.line_contact import SCENE
 
 # Cases of each kind.
@@ -75,9 +75,8 @@ def slits(rng: np.random.Generator) -> Made:
     """Return slits of a tenth of a cell to three cells."""
     grid = cs.Grid((int(rng.integers(40, 250)), 1), (rng.uniform(2.6, 3.4) * A, A))
     places = tuple(rng.uniform(-1, 1, int(rng.integers(1, 4))) * A)
-    shape = Slits(
-        places, rng.uniform(0.1, 3) * grid.cell_size[0], _ratio(rng, 0.01, 10) * GAP_SCALE
-    )
+    width, depth = rng.uniform(0.1, 3) * grid.cell_size[0], _ratio(rng, 0.01, 10) * GAP_SCALE
+    shape = Slits(places, width, depth)
     return scene(shape), grid, EXACT, Finer((64, 1), EXACT)
 
 
@@ -115,13 +114,9 @@ def roughness(rng: np.random.Generator) -> Made:
     cells = int(rng.integers(60, 110))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
     cut_off = _ratio(rng, 1, 16) * grid.cell_size[0]
-    shape = cs.Roughness(
-        _ratio(rng, 0.02, 1) * GAP_SCALE,
-        hurst=rng.uniform(0.3, 0.9),
-        roll_off=max(rng.uniform(0.3, 0.9) * A, cut_off),
-        cut_off=cut_off,
-        seed=int(rng.integers(1_000_000)),
-    )
+    rms, hurst = _ratio(rng, 0.02, 1) * GAP_SCALE, rng.uniform(0.3, 0.9)
+    roll_off = max(rng.uniform(0.3, 0.9) * A, cut_off)
+    shape = rough(rms, hurst, roll_off, cut_off, int(rng.integers(1_000_000)))
     return scene(shape), grid, EXACT, Finer((4, 4), EXACT)
 
 
@@ -129,19 +124,16 @@ def measured(rng: np.random.Generator) -> Made:
     """Return a ground surface at one to three cells a point."""
     heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * GAP_SCALE
     surface = cs.MeasuredSurface(heights, (80 * POINT, 40 * POINT), seam=cs.Tapered())
-    cells_per_point = rng.uniform(1, 3)
-    grid = cs.Grid(
-        (round(72 * cells_per_point), round(40 * cells_per_point)), (72 * POINT, 40 * POINT)
-    )
+    per_point = rng.uniform(1, 3)
+    cells = round(72 * per_point), round(40 * per_point)
+    grid = cs.Grid(cells, (72 * POINT, 40 * POINT))
     return scene(surface), grid, EXACT, Finer((3, 3), EXACT)
 
 
 def coatings(rng: np.random.Generator) -> Made:
     """Return coatings 2 to 200 times stiffer than the substrate, of a tenth of a cell to thirty."""
     stiffer, cells = _ratio(rng, 2, 200), int(rng.integers(30, 150))
-    coating, substrate = (
-        cs.HalfSpace(modulus, 0.3) for modulus in (2e11 * stiffer**0.5, 2e11 / stiffer**0.5)
-    )
+    coating, substrate = (cs.HalfSpace(2e11 * stiffer**power, 0.3) for power in (0.5, -0.5))
     thickness = _ratio(rng, 0.1, 30) * 3 * A / cells
     body = cs.CoatedHalfSpace(coating, thickness, substrate)
     coated = cs.Scene(SCENE.load, (body, SCENE.solids[1]), SCENE.shapes)
@@ -165,11 +157,8 @@ def rollers(rng: np.random.Generator) -> Made:
     """Return rollers of a tenth of a cell to all of the length, straight or crowned."""
     period = rng.uniform(3, 16) * A
     grid = cs.Grid((int(rng.integers(28, 60)), int(rng.integers(16, 80))), (4 * A, period))
-    length = (
-        rng.uniform(0.1, 3) * grid.cell_size[1]
-        if rng.random() < 0.3
-        else rng.uniform(0.6, 1) * period
-    )
+    is_short = rng.random() < 0.3
+    length = rng.uniform(0.1, 3) * grid.cell_size[1] if is_short else rng.uniform(0.6, 1) * period
     shapes: list[cs.Shape] = [cs.FiniteLength(length)]
     if rng.random() < 0.4:
         shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * GAP_SCALE, length))
@@ -182,13 +171,8 @@ def hard(rng: np.random.Generator) -> Made:
     """Return roughness on a body with a hardness."""
     cells = int(rng.integers(40, 100))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
-    shape = cs.Roughness(
-        _ratio(rng, 0.05, 0.8) * GAP_SCALE,
-        hurst=0.8,
-        roll_off=0.9 * A,
-        cut_off=rng.uniform(0.1, 0.4) * A,
-        seed=int(rng.integers(1_000_000)),
-    )
+    rms, cut_off = _ratio(rng, 0.05, 0.8) * GAP_SCALE, rng.uniform(0.1, 0.4) * A
+    shape = rough(rms, 0.8, 0.9 * A, cut_off, int(rng.integers(1_000_000)))
     soft = scene(shape, hardness=rng.uniform(0.7, 4) * P_H)
     return soft, grid, EXACT, Finer((4, 4), EXACT)
 

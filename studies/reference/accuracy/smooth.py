@@ -20,7 +20,6 @@ from studies.reference.accuracy.case import (
     ClosedForm,
     Finer,
     Pressure,
-    Shifted,
     scene,
 )
 from studies.reference.line_contact import HERTZ, SCENE
@@ -29,15 +28,17 @@ STEEL = SCENE.solids
 
 
 @dataclass(frozen=True)
-class Wedge:
-    """A blunt wedge ``slope |x|``: a kink, as a user-defined shape."""
+class Power:
+    """A height ``h |x / a|^n`` about a shifted axis, as a user-defined shape without length scales."""
 
-    slope: float
+    height: float
+    power: float
+    aside: float = 0.0
     curvature: float = 1 / HERTZ.radius  # for the scales alone
 
     def gap(self, grid: cs.Grid) -> Array:
-        """Return the heights of both flanks [m]."""
-        return (self.slope * np.abs(grid.x))[:, None]
+        """Return the heights [m]."""
+        return np.asarray(self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
 
 
 def cylinders() -> Iterator[AccuracyCase]:
@@ -56,7 +57,7 @@ def few_cells() -> Iterator[AccuracyCase]:
             grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
             aside = fraction * grid.cell_size[0]
             truth = ClosedForm(_cylinder(aside), P_H, touching / 32, 512)
-            shifted = cs.Scene(SCENE.load, STEEL, (Shifted(aside),))
+            shifted = cs.Scene(SCENE.load, STEEL, (Power(GAP_SCALE, 2.0, aside),))
             yield AccuracyCase("1-10 cells in contact", shifted, grid, EXACT, truth)
 
 
@@ -83,11 +84,8 @@ def waves() -> Iterator[AccuracyCase]:
             closing = pi * MODULUS * height / length
             wave = cs.analytic.Westergaard(fraction * closing, height, length, MODULUS)
             truth = ClosedForm(_wave(wave), wave.peak_pressure, 2 * wave.half_width / length)
-            wavy = cs.Scene(
-                cs.LineLoad(wave.mean_pressure * length),
-                STEEL,
-                (cs.Waviness(height, across=length),),
-            )
+            load = cs.LineLoad(wave.mean_pressure * length)
+            wavy = cs.Scene(load, STEEL, (cs.Waviness(height, across=length),))
             grid = cs.Grid((cells, 1), (length, length))
             yield AccuracyCase("near full contact", wavy, grid, (EXACT, EXACT), truth)
 
@@ -102,39 +100,17 @@ def sharp() -> Iterator[AccuracyCase]:
         edge = (np.abs(grid.x) < A).sum() * grid.cell_size[0] / 2
 
         def under(x: Array, _: Array, edge: float = edge) -> Array:
-            return np.where(
-                np.abs(x) < edge,
-                load / pi / np.sqrt(np.maximum(edge**2 - x**2, 1e-9 * edge**2)),
-                0.0,
-            )
+            inside = np.maximum(edge**2 - x**2, 1e-9 * edge**2)
+            return np.where(np.abs(x) < edge, load / pi / np.sqrt(inside), 0.0)
 
         truth = ClosedForm(under, inf, edge / (2 * A), 512)
         yield AccuracyCase("steps and kinks", punch, grid, EXACT, truth)
     for cells in (64, 128, 250, 512):
         for width in (2.5, 2.9):
             grid = cs.Grid((cells, 1), (width * A, A))
-            wedge = cs.Scene(SCENE.load, STEEL, (Wedge(load / MODULUS / A),))
-            truth = ClosedForm(
-                lambda x, y: load / pi / A * np.arccosh(1 / np.minimum(np.abs(x / A), 1)),
-                inf,
-                2 / width,
-                512,
-            )
+            wedge = cs.Scene(SCENE.load, STEEL, (Power(load / MODULUS, 1.0),))
+            truth = ClosedForm(_under_wedge, inf, 2 / width, 512)
             yield AccuracyCase("steps and kinks", wedge, grid, EXACT, truth)
-
-
-@dataclass(frozen=True)
-class Power:
-    """A height ``h |x / a|^n``, as a user-defined shape."""
-
-    height: float
-    power: float
-    aside: float
-    curvature: float = 1 / HERTZ.radius  # for the scales alone
-
-    def gap(self, grid: cs.Grid) -> Array:
-        """Return the heights [m]."""
-        return np.asarray(self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
 
 
 def powers() -> Iterator[AccuracyCase]:
@@ -154,15 +130,14 @@ def full() -> Iterator[AccuracyCase]:
         ((36, 36), 0.25, 1, 1), ((50, 80), 0.4, 2, 1), ((96, 64), 0.3, 1, 2), ((48, 1), 0.35, 2, 0),
     ):  # fmt: skip
         wave = 2 * pi / length * np.hypot(across, along)
-        shape = cs.Waviness(
+        height, lengths = (
             2 * fraction * mean / (MODULUS * wave),
-            across=length / across,
-            along=length / along if along else inf,
+            (length / across, length / along if along else inf),
         )
+        shape = cs.Waviness(height, across=lengths[0], along=lengths[1])
         phase = 2 * pi / length
-        truth = ClosedForm(
-            _flat(mean, fraction, phase * across, phase * along), mean * (1 + fraction), 1.0
-        )
+        pressure = _flat(mean, fraction, phase * across, phase * along)
+        truth = ClosedForm(pressure, mean * (1 + fraction), 1.0)
         pressed = cs.Scene(cs.LineLoad(mean * length), STEEL, (shape,))
         grid = cs.Grid(cells, (length, length))
         yield AccuracyCase("full contact", pressed, grid, (EXACT, EXACT), truth)
@@ -180,6 +155,11 @@ def yielding() -> Iterator[AccuracyCase]:
 
 def _cylinder(aside: float) -> Pressure:
     return lambda x, y: HERTZ.pressure(x - aside)
+
+
+def _under_wedge(x: Array, _: Array) -> Array:
+    pressure = SCENE.load.largest / pi / A * np.arccosh(1 / np.minimum(np.abs(x / A), 1))
+    return np.asarray(pressure)
 
 
 def _wave(wave: Westergaard) -> Pressure:

@@ -8,8 +8,9 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from studies.reference.accuracy.case import Errors, Shifted, errors
+from studies.reference.accuracy.case import GAP_SCALE, A, Errors, errors
 from studies.reference.accuracy.matrix import matrix
+from studies.reference.accuracy.smooth import Power
 from studies.reference.line_contact import HERTZ
 
 EVERY = 11  # a prime, so that no kind's own order is followed
@@ -28,9 +29,10 @@ def found() -> list[tuple[cs.ErrorEstimate, Errors]]:
 
 
 def test_a_cylinder_aside_is_a_parabola_about_its_axis() -> None:
-    shifted = Shifted(aside=0.25, radius=0.5)
-    grid = cs.Grid((4, 1), (2.0, 1.0))
-    np.testing.assert_allclose(shifted.gap(grid)[:, 0], [1.0, 0.25, 0.0, 0.25], rtol=1e-14)
+    shifted = Power(GAP_SCALE, 2.0, aside=0.25 * A)
+    grid = cs.Grid((4, 1), (2.0 * A, A))
+    heights = np.array([1.0, 0.25, 0.0, 0.25]) * A**2 / (2 * HERTZ.radius)
+    np.testing.assert_allclose(shifted.gap(grid)[:, 0], heights, rtol=1e-12)
     assert shifted.curvature == 1 / HERTZ.radius
 
 

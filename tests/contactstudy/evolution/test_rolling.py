@@ -151,11 +151,10 @@ def test_a_wavy_rolling_contact_is_as_periodic_as_its_waves() -> None:
 @pytest.mark.parametrize(
     ("changes", "match"),
     [
-        ({"wear": cs.Wear(1.0, 1.0)}, r"^Scene\.wear changes in time"),
         ({"load": cs.SineLoad(1.0, 0.1, 1.0)}, r"^Scene\.load changes in time"),
         ({"solids": (cs.ViscoelasticHalfSpace(0.0, 0.3, ((1.0, 1.0),)), RIGID)}, "is a fluid"),
     ],
-    ids=["wear", "load", "fluid"],
+    ids=["load", "fluid"],
 )
 def test_what_does_not_roll_steadily_is_refused(changes: dict[str, object], match: str) -> None:
     scene = replace(rolling(SOLID, A), **changes)  # type: ignore[arg-type]

@@ -284,6 +284,13 @@ def test_every_chapter_is_drawn_from_what_is_stored(
         assert f'<h2 id="{part.name}">' in text
 
 
+def test_many_cases_are_told_by_the_number_of_their_kinds() -> None:
+    cases = list(matrix())[:12]
+    kinds = ("case", "seed"), [[float(number // 4)] for number in range(12)]
+    dataset = xr.Dataset({"kind": kinds}, {"case": cases, "seed": [1]})
+    assert "12 cases of 3 kinds" in report.axes_text(load("accuracy"), dataset)
+
+
 @pytest.mark.parametrize(
     ("text", "html", "unmarked"),
     [
@@ -292,13 +299,6 @@ def test_every_chapter_is_drawn_from_what_is_stored(
         ("solver_tolerance, p_H, N^2", "solver_tolerance, p_H, N^2", "solver_tolerance, p_H, N^2"),
     ],
 )
-def test_many_cases_are_told_by_the_number_of_their_kinds() -> None:
-    cases = list(matrix())[:12]
-    kinds = ("case", "seed"), [[float(number // 4)] for number in range(12)]
-    dataset = xr.Dataset({"kind": kinds}, {"case": cases, "seed": [1]})
-    assert "12 cases of 3 kinds" in report.axes_text(load("accuracy"), dataset)
-
-
 def test_marks_are_set_as_indices_and_powers_and_nothing_else_is(
     text: str, html: str, unmarked: str
 ) -> None:

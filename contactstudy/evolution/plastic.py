@@ -63,10 +63,7 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
 
 
 def first_volume(
-    grid: Grid,
-    length: float,
-    pressure: Array,
-    yield_ratio: Callable[[Volume], Array],
+    grid: Grid, length: float, pressure: Array, yield_ratio: Callable[[Volume], Array]
 ) -> Volume:
     """Return the cells below an elastic contact that may yield, down to where von Mises' stress is small.
 

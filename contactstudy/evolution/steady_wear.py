@@ -296,12 +296,7 @@ def follow_film_wear(
     def solved(depth: Array, before: FilmSolution | None) -> FilmSolution:
         worn = replace(unworn, shapes=(*unworn.shapes, WornSurface(depth, grid)))
         film = solve_lubricated(
-            worn,
-            grid,
-            padding,
-            tolerance=tolerance,
-            max_iterations=max_iterations,
-            start=before,
+            worn, grid, padding, tolerance=tolerance, max_iterations=max_iterations, start=before
         )
         return replace(film, scene=scene, worn_depth=depth)
 

@@ -47,13 +47,7 @@ from contactstudy.scene.motion import Rolling, Wear
 from contactstudy.scene.resulting_load import Approach, PullOff
 from contactstudy.scene.scene import Output
 from contactstudy.scene.shapes.moving_shape import MovingShape
-from contactstudy.scene.shapes.roller import (
-    Crown,
-    Cylinder,
-    FiniteLength,
-    LundbergProfile,
-    Sphere,
-)
+from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.shapes.texture import (

@@ -20,12 +20,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.viscoelastic import Creep, creep_from_relaxation, retarded
-from contactstudy.scene.bodies import (
-    Body,
-    BodyContext,
-    HalfSpace,
-    poisson_ratio,
-)
+from contactstudy.scene.bodies import Body, BodyContext, HalfSpace, poisson_ratio
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance

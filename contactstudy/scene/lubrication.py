@@ -114,10 +114,7 @@ class Roelands:
         """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
         z, p0 = self.exponent, self.reference_pressure
         stretched = 1 + pressure / p0
-        return (
-            coefficient * p0 / z * (stretched**z - 1),
-            coefficient * stretched ** (z - 1),
-        )
+        return (coefficient * p0 / z * (stretched**z - 1), coefficient * stretched ** (z - 1))
 
     def temperature_factor(self, pressure: Array) -> Array:
         """Return ``(1 + p / p0)^z``: Roelands' pressure coefficient falls as the temperature rises."""

@@ -77,10 +77,7 @@ class Rolling:
             set_fields(self, speed=speed)
         if self.passes is not None:
             whole_number(
-                "Rolling.passes",
-                self.passes,
-                1,
-                "give a whole number of passes of at least 1",
+                "Rolling.passes", self.passes, 1, "give a whole number of passes of at least 1"
             )
         if self.distance is not None:
             positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")

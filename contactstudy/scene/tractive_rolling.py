@@ -7,12 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.checks import (
-    InvalidInput,
-    in_range_or_zero,
-    set_fields,
-    suggest_fields,
-)
+from contactstudy.domain.checks import InvalidInput, in_range_or_zero, set_fields, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable

@@ -48,9 +48,7 @@ def measurement(heights: Any) -> Measurement:
 
 
 def read(
-    path: str | PathLike[str],
-    extent: tuple[float, float] | None = None,
-    unit: str | None = None,
+    path: str | PathLike[str], extent: tuple[float, float] | None = None, unit: str | None = None
 ) -> Measurement:
     """Return points and sizes [m] of a file.
 

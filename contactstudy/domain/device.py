@@ -126,20 +126,16 @@ class Device(Protocol):
     @property
     def arrays(self) -> Namespace:
         """Functions of the library."""
-        ...
 
     @property
     def available_bytes(self) -> float:
         """Memory left on the device [bytes]."""
-        ...
 
     def to_device(self, field: Numbers) -> Numbers:
         """Return a numpy array as an array of the library."""
-        ...
 
     def to_numpy(self, field: Numbers) -> Numbers:
         """Return an array of the library as a numpy array."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -108,7 +108,6 @@ class Padding(Protocol):
     @property
     def wraps(self) -> bool:
         """True if the convolution along this axis is circular."""
-        ...
 
     @property
     def window(self) -> range | None:
@@ -116,11 +115,9 @@ class Padding(Protocol):
 
         The image in period m is at the offset ``d + m L``, with d >= 0 the offset in period 0.
         """
-        ...
 
     def reach(self, period: float) -> float:
         """Return the distance to each side whose pressure acts on a point in the middle, in the unit of `period`."""
-        ...
 
 
 @suggest_fields

@@ -26,25 +26,20 @@ class Coefficients(Protocol):
     @property
     def parity(self) -> tuple[int, int]:
         """Parity along each axis, 1 for coefficients that are even along it, -1 for odd ones."""
-        ...
 
     def swap_axes(self) -> "Coefficients":
         """Return the coefficients with the two axes exchanged."""
-        ...
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the response to one cell; x and y broadcast."""
-        ...
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        ...
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
-        ...
 
 
 @dataclass(frozen=True)

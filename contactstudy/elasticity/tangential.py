@@ -149,7 +149,6 @@ class ShearableBody(Protocol):
 
     def shear_compliance(self, datum: float) -> ShearCompliance:
         """Return the compliance under shear, with the `datum` [m] of the response to pressure."""
-        ...
 
 
 def half_space_shear_compliance(

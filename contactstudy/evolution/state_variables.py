@@ -80,15 +80,12 @@ class AnyStateVariable(Protocol):
     @property
     def has_stages(self) -> bool:
         """True if the stages of a :class:`~contactstudy.evolution.steps.Scheme` make a step more accurate."""
-        ...
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return the state before the first load, on a grid of `shape` cells (x, y)."""
-        ...
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return the fields of a state that a user is shown, by name."""
-        ...
 
 
 @runtime_checkable
@@ -97,11 +94,9 @@ class HasDifference(Protocol):
 
     def difference(self, state: State, other: State) -> float:
         """Return the relative difference of two states."""
-        ...
 
     def common_error(self, state: State) -> float:
         """Return the relative error that two integrations have in common, so that their difference does not show it."""
-        ...
 
 
 @runtime_checkable
@@ -113,7 +108,6 @@ class IteratedStateVariable(Protocol):
 
         It is the same `state` where the iteration has converged to the `tolerance`.
         """
-        ...
 
 
 class StateVariable(AnyStateVariable, Protocol):
@@ -131,7 +125,6 @@ class StateVariable(AnyStateVariable, Protocol):
         step
             The step.
         """
-        ...
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the state at the end of a step.
@@ -145,7 +138,6 @@ class StateVariable(AnyStateVariable, Protocol):
         step
             The step.
         """
-        ...
 
 
 class CoupledStateVariable(AnyStateVariable, Protocol):
@@ -177,19 +169,15 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
         guess
             State at the end of the step to begin with; None begins with that at its start.
         """
-        ...
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step between two states added far more than all steps before it."""
-        ...
 
     def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
         """Return fields over (time, ...), by name, from the states of several instants."""
-        ...
 
     def residual_stress(self, state: State, place: int, deepest: float) -> ResidualStress | None:
         """Return the residual stress of ``Scene.solids[place]`` down to a depth [m]; None if it does not yield."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -34,11 +34,9 @@ class ContactWithAddedGap(Protocol):
 
     def __call__(self, added_gap: Array) -> Solution:
         """Return the contact with `added_gap` (x, y) [m] added to its gap."""
-        ...
 
     def tangent(self, solution: Solution) -> Tangent | None:
         """Return the linearised contact at `solution`; None if its pressure never changes."""
-        ...
 
 
 class SolvedContact(WarmStartedContact):

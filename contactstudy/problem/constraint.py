@@ -67,45 +67,36 @@ class Constraint(Protocol):
 
     def scaled(self, pressure: float) -> Self:
         """Return the set of pressures of this one times `pressure`: the same set in another unit."""
-        ...
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return a `pressure` that is in this set in another unit, times `unit`, as a pressure of this set.
 
         Cells at a limit there are at the limit here, to the last bit. The given pressure may be overwritten.
         """
-        ...
 
     def capacity(self, cells: int) -> float:
         """Return the largest sum of pressure that a number of `cells` can have."""
-        ...
 
     def free(self, pressure: Array) -> Array:
         """Return 1 for cells (x, y) at no limit, where the gap should be zero, and 0 for the others.
 
         These are numbers: on a rough contact, selecting by a mask costs ten times a product.
         """
-        ...
 
     def approach_without_free_cells(self, pressure: Array, height: Array) -> float:
         """Return the approach from the `height` of the gap (x, y) where no cell of `pressure` is free."""
-        ...
 
     def exceeded_by(self, trial: Array) -> bool:
         """Return whether a `trial` pressure is beyond a limit in any cell."""
-        ...
 
     def clip(self, trial: Array) -> Array:
         """Cut a `trial` pressure off at the limits, in place."""
-        ...
 
     def scale_to_load(self, trial: Array, total: float) -> Array:
         """Cut a `trial` pressure off at the limits and scale it to the sum `total`, in place."""
-        ...
 
     def project(self, trial: Array, total: float) -> Array:
         """Project a `trial` pressure in L2 onto the pressures of this set that have the sum `total`, in place."""
-        ...
 
     def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
         """Shift the `cells` (1, others 0) of a `trial` pressure, cut off at its limits, to the sum `total`, in place.
@@ -113,18 +104,15 @@ class Constraint(Protocol):
         Other cells end at a limit of their pressure: without an upper one they become zero, else they keep
         their pressure, cut off at the limits. Where the cells cannot carry the rest, all cells are scaled to the load.
         """
-        ...
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
-        ...
 
     def violation(self, pressure: Array, height: Array, load: float) -> float:
         """Return the larger of complementarity and penetration, in units of the gap scale.
 
         `height` is that of the gap (x, y), `load` the sum of `pressure`. See :func:`~contactstudy.solve`.
         """
-        ...
 
 
 def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:

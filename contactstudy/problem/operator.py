@@ -14,15 +14,12 @@ class Extension(Protocol):
     @property
     def contact(self) -> Array:
         """The given cells (x, y): 1, others 0."""
-        ...
 
     def __call__(self, displacement: Array) -> Array:
         """Return the `displacement` extended to all cells."""
-        ...
 
     def pressure(self, extended: Array) -> Array:
         """Return the pressure (x, y) on the given cells that makes an `extended` displacement, which may change."""
-        ...
 
 
 class ApproximateInverse(Protocol):
@@ -34,16 +31,13 @@ class ApproximateInverse(Protocol):
     @property
     def real(self) -> DTypeLike:
         """Type of the numbers in all fields that the map takes and returns."""
-        ...
 
     @property
     def cost(self) -> float:
         """Number of cells transformed so far."""
-        ...
 
     def extension(self, contact: Array) -> Extension:
         """Return the extension from the cells of a `contact` (x, y), which is 1 there and 0 elsewhere."""
-        ...
 
 
 class Operator(Protocol):
@@ -52,7 +46,6 @@ class Operator(Protocol):
     @property
     def cost(self) -> float:
         """Number of cells transformed in one application."""
-        ...
 
     @property
     def self_compliance(self) -> float:
@@ -60,25 +53,19 @@ class Operator(Protocol):
 
         It does not depend on a rigid shift, which a balanced load cannot tell, and is above zero.
         """
-        ...
 
     @property
     def blocks(self) -> tuple[int, int]:
         """Number of cells (across, along) of which :meth:`coarsened` makes one; (1, 1) if it cannot."""
-        ...
 
     def __call__(self, pressure: Array) -> Array:
         """Return the displacement under `pressure`."""
-        ...
 
     def scaled(self, factor: float, precision: Precision) -> Self:
         """Return this operator times `factor`, in `precision`."""
-        ...
 
     def coarsened(self) -> Self:
         """Return the operator on a grid of larger cells, each a block of these."""
-        ...
 
     def approximate_inverse(self, precision: Precision | None = None) -> ApproximateInverse:
         """Return a preconditioner, in this `precision` if it can, else in the operator's own."""
-        ...

@@ -33,7 +33,6 @@ class Derived(Protocol):
 
     def fields(self, pressure: Array) -> Mapping[str, Field]:
         """Return the fields by name, under `pressure` (x, y) [Pa]."""
-        ...
 
 
 @runtime_checkable
@@ -42,7 +41,6 @@ class DependsOnShear(Protocol):
 
     def with_shear(self, shear: Array) -> Derived:
         """Return the quantities under `shear` (component, x, y) [Pa] on the first body."""
-        ...
 
 
 # From the depths (z,) [m] to the residual stress (6, z, x, y) [Pa] of one body there.
@@ -60,7 +58,6 @@ class DependsOnStrain(Protocol):
 
         There is none in a body that does not yield.
         """
-        ...
 
 
 @dataclass(frozen=True)
@@ -81,25 +78,20 @@ class Source(Protocol):
     @property
     def finest(self) -> tuple[float, float]:
         """Shortest wavelengths (across, along) of the heights [m]; infinite if unknown."""
-        ...
 
     @property
     def has_length_scales(self) -> bool:
         """True if `finest` is known for every shape."""
-        ...
 
     @property
     def ends_along(self) -> bool:
         """True if a body ends along the length, so that contact may reach the ends of the grid."""
-        ...
 
     def gap(self, grid: Grid) -> Array:
         """Return the undeformed gap [m], sampled on `grid`; it broadcasts to the cells."""
-        ...
 
     def problem(self, grid: Grid) -> "Problem":
         """Return the problem of this contact on `grid`, with the same paddings."""
-        ...
 
 
 class FrictionLaw(Protocol):
@@ -107,7 +99,6 @@ class FrictionLaw(Protocol):
 
     def solve(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
         """Return the Solution of a frictionless `problem` with its shear, by SolveOptions, from a pressure [Pa]."""
-        ...
 
 
 class AdhesionLaw(Protocol):
@@ -115,11 +106,9 @@ class AdhesionLaw(Protocol):
 
     def solve(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
         """Return the Solution of a `problem` with its attraction, by SolveOptions, from a pressure [Pa]."""
-        ...
 
     def continued(self, traction: Array) -> "AdhesionLaw":
         """Return the law for a contact that comes from a state with this `traction` (x, y) [Pa]."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

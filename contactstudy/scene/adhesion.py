@@ -47,32 +47,26 @@ class AdhesionContext(BodyContext, Protocol):
     @property
     def friction(self) -> object:
         """Friction of the scene, or None."""
-        ...
 
     @property
     def load(self) -> object:
         """Load of the scene."""
-        ...
 
     @property
     def rolls(self) -> bool:
         """True if the contact rolls, in a way that takes more than one problem."""
-        ...
 
     @property
     def contact_modulus(self) -> float:
         """Contact modulus E* [Pa]."""
-        ...
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
         """Contributions to the undeformed gap."""
-        ...
 
     @property
     def radius(self) -> float | None:
         """Radius [m] of the shapes' mean curvature; None without curvature."""
-        ...
 
 
 @suggest_fields

@@ -28,7 +28,6 @@ class Body(Protocol):
     @property
     def compliance(self) -> float:
         """Contribution of the body to 1/E* [1/Pa], zero if it is rigid; it sets the scales of a problem."""
-        ...
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return the surface displacement under unit pressure: coefficients [m] with their weights [1/Pa].
@@ -36,7 +35,6 @@ class Body(Protocol):
         Equal coefficients of both bodies are computed once. Displacement is relative to a point at the lateral
         distance `datum` [m] where an infinite row of images leaves a constant undefined.
         """
-        ...
 
 
 @runtime_checkable
@@ -46,12 +44,10 @@ class Homogeneous(Body, Protocol):
     @property
     def youngs_modulus(self) -> float:
         """Young's modulus [Pa], the instantaneous one if it changes in time."""
-        ...
 
     @property
     def poisson_ratio(self) -> float:
         """Poisson's ratio, constant in time."""
-        ...
 
 
 @suggest_fields
@@ -134,21 +130,17 @@ class Layered(Protocol):
     @property
     def thickness(self) -> float:
         """Thickness of the coating [m]."""
-        ...
 
     @property
     def substrate(self) -> HalfSpace:
         """Half-space below the coating."""
-        ...
 
     @property
     def compliance(self) -> float:
         """Compliance of the coating alone [1/Pa]."""
-        ...
 
     def compliance_at(self, half_width: float) -> float:
         """Return the contribution to 1/E* [1/Pa] in a contact of `half_width` [m]."""
-        ...
 
 
 def is_layered(solid: object) -> TypeGuard[Layered]:
@@ -173,7 +165,6 @@ class Inelastic(Protocol):
     @property
     def instantaneous(self) -> HalfSpace:
         """Elastic half-space with the same instantaneous response to the first load."""
-        ...
 
 
 @runtime_checkable
@@ -182,7 +173,6 @@ class RestrictedBody(Protocol):
 
     def check(self, scene: "BodyContext") -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the body is not defined in this scene."""
-        ...
 
 
 class BodyContext(Protocol):
@@ -191,22 +181,18 @@ class BodyContext(Protocol):
     @property
     def solids(self) -> tuple[Body, Body]:
         """Both bodies."""
-        ...
 
     @property
     def hardness(self) -> float:
         """Hardness [Pa], infinite for none."""
-        ...
 
     @property
     def rolling(self) -> "Rolling | None":
         """Rolling, or None."""
-        ...
 
     @property
     def outputs(self) -> "tuple[object, ...]":
         """Further results."""
-        ...
 
 
 def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:

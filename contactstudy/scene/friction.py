@@ -48,7 +48,6 @@ class Load(Protocol):
     @property
     def largest(self) -> float:
         """Largest load [N/m]."""
-        ...
 
 
 class FrictionContext(BodyContext, Protocol):
@@ -57,37 +56,30 @@ class FrictionContext(BodyContext, Protocol):
     @property
     def load(self) -> Load:
         """Load of the scene."""
-        ...
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
         """Shapes of the scene."""
-        ...
 
     @property
     def contact_modulus(self) -> float:
         """Contact modulus E* [Pa]."""
-        ...
 
     @property
     def time_dependent_field(self) -> str | None:
         """Name of a field that changes in time, or None."""
-        ...
 
     @property
     def hertz(self) -> "HertzLine | None":
         """Smooth line contact of the scene, or None."""
-        ...
 
     @property
     def wear(self) -> "Wear | None":
         """Wear of the scene."""
-        ...
 
     @property
     def adhesion(self) -> "Adhesion | None":
         """Adhesion of the scene."""
-        ...
 
 
 @runtime_checkable
@@ -96,17 +88,14 @@ class Friction(Protocol):
 
     def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
-        ...
 
     def law(
         self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrictionLaw:
         """Return the law for this scene on a grid."""
-        ...
 
     def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
-        ...
 
 
 @suggest_fields

@@ -123,21 +123,17 @@ class History(Protocol):
     @property
     def largest(self) -> float:
         """Largest value, above zero."""
-        ...
 
     @property
     def start(self) -> float:
         """First time [s] that the history describes."""
-        ...
 
     @property
     def end(self) -> float:
         """Last time [s] that the history describes."""
-        ...
 
     def at(self, time: float) -> float:
         """Return the value from `time` [s] on, after any jump there."""
-        ...
 
 
 @runtime_checkable
@@ -149,15 +145,12 @@ class ChangingLoad(History, Protocol):
 
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load or its rate jumps."""
-        ...
 
     def before(self, time: float) -> float:
         """Return the load [N/m] just before `time` [s], before any jump there."""
-        ...
 
     def mean(self, start: float, end: float) -> float:
         """Return the mean load [N/m] between two times [s] without a break between them."""
-        ...
 
 
 class PiecewiseLinear:

@@ -36,17 +36,14 @@ class FilmContext(BodyContext, Protocol):
     @property
     def friction(self) -> object | None:
         """Dry friction, or None."""
-        ...
 
     @property
     def time_dependent_field(self) -> str | None:
         """Name of a field that changes in time, or None."""
-        ...
 
     @property
     def shapes(self) -> tuple[object, ...]:
         """Contributions to the undeformed gap."""
-        ...
 
 
 @runtime_checkable
@@ -58,11 +55,9 @@ class ViscosityLaw(Protocol):
 
         ``coefficient`` [1/Pa] is the derivative at zero pressure.
         """
-        ...
 
     def temperature_factor(self, pressure: Array) -> Array:
         """Return the relative fall of viscosity with temperature at ``pressure`` [Pa], over that at zero pressure."""
-        ...
 
 
 @suggest_fields
@@ -127,7 +122,6 @@ class DensityLaw(Protocol):
 
     def ratio(self, pressure: Array) -> tuple[Array, Array]:
         """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa."""
-        ...
 
 
 @suggest_fields
@@ -184,7 +178,6 @@ class ShearLaw(Protocol):
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa] where that of a Newtonian lubricant is ``newtonian`` [Pa]."""
-        ...
 
 
 @suggest_fields

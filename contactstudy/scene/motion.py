@@ -111,22 +111,18 @@ class WearContact(Protocol):
     @property
     def load(self) -> object:
         """Load of the scene."""
-        ...
 
     @property
     def rolling(self) -> Rolling | None:
         """Rolling, or None."""
-        ...
 
     @property
     def friction(self) -> object | None:
         """Friction, or None."""
-        ...
 
     @property
     def lubrication(self) -> "Lubrication | None":
         """Film, or None."""
-        ...
 
 
 @suggest_fields

@@ -59,11 +59,9 @@ class Output(Protocol):
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the output is not defined for these bodies."""
-        ...
 
     def of(self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings) -> Derived:
         """Return the output for these bodies on `grid`; fields are computed on first access."""
-        ...
 
 
 @dataclass(frozen=True)

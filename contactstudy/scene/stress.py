@@ -113,7 +113,6 @@ class StressModel(Protocol):
     @property
     def faces(self) -> tuple[float, ...]:
         """Depths [m] on either side of an interface."""
-        ...
 
     def coefficients(
         self, traction: str, component: str, depth: float
@@ -122,7 +121,6 @@ class StressModel(Protocol):
 
         The `traction` is "pressure", or shear "across" or "along".
         """
-        ...
 
 
 @runtime_checkable
@@ -132,7 +130,6 @@ class HasStressModel(Protocol):
     @property
     def stress_model(self) -> StressModel:
         """The stress in the body."""
-        ...
 
 
 @dataclass(frozen=True)

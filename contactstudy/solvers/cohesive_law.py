@@ -14,20 +14,16 @@ class CohesiveLaw(Protocol):
     @property
     def range(self) -> float:
         """Work of adhesion over the largest traction [m]."""
-        ...
 
     @property
     def strength(self) -> float:
         """Largest traction [Pa], that of surfaces in contact."""
-        ...
 
     def traction(self, gap: Array) -> Array:
         """Return the traction [Pa] at a `gap` [m]."""
-        ...
 
     def remaining_work(self, gap: Array) -> Array:
         """Return the work [J/m^2] to separate surfaces from a `gap` [m]: the integral of the traction beyond it."""
-        ...
 
 
 @dataclass(frozen=True)

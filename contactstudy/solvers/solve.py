@@ -39,7 +39,6 @@ class Solver(Protocol):
         start: Array | None = None,
     ) -> Iterate:
         """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
-        ...
 
 
 @suggest_fields

@@ -78,12 +78,10 @@ class EigenstrainOperator(Protocol):
     @property
     def volume(self) -> Volume:
         """Box of cells that carry plastic strain."""
-        ...
 
     @property
     def moduli(self) -> Moduli:
         """Elastic constants of the body."""
-        ...
 
     @property
     def basis(self) -> Array:
@@ -91,35 +89,28 @@ class EigenstrainOperator(Protocol):
 
         The squares of a tensor's entries, shear counted twice, add up to 1.
         """
-        ...
 
     @property
     def self_blocks(self) -> Array:
         """Stress of a cell that its own unit strain relaxes, the diagonal blocks of B, by layer (layers, C, C) [Pa]."""
-        ...
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress S p (C, layers, x, y) [Pa] under `pressure` p (x, y) [Pa] on the whole grid."""
-        ...
 
     def stress_of_shear(self, shear: Array) -> Array:
         """Return the deviatoric stress (C, layers, x, y) [Pa] under `shear` along x (x, y) [Pa] on the whole grid."""
-        ...
 
     def relaxed_stress(self, strain: Array) -> Array:
         """Return the deviatoric stress B e (C, layers, x, y) [Pa] that plastic `strain` relaxes; 0 < B < 2G."""
-        ...
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain` e, into the body, on the whole grid.
 
         ``sum(u * p) * cell area = sum(cell volume * e : S p)`` for any pressure p, with the displacement u returned.
         """
-        ...
 
     def residual_stress_tensor(self, strain: Array) -> Array:
         """Return the residual stress xx, yy, zz, yz, xz, xy of plastic `strain` e, (6, layers, x, y) [Pa].
 
         It is the stress without pressure; its deviator is -B e.
         """
-        ...

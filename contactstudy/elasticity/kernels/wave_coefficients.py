@@ -29,36 +29,29 @@ class WaveResponse(Protocol):
     @property
     def decay_rate(self) -> float:
         """Rate, per wave number times thickness, at which amplitudes decay: exp(-k `decay_rate`)."""
-        ...
 
     @property
     def max_aliases(self) -> float:
         """Largest number of aliases of a wave number that are summed on either side."""
-        ...
 
     @property
     def materials(self) -> LayerResponse:
         """Ratio of the moduli and Poisson's ratios, which determine the singularities in k."""
-        ...
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a field in x and y."""
-        ...
 
     def swap_axes(self, name: str) -> "tuple[WaveResponse, str]":
         """Return the response and the field that take the place of these when the axes are exchanged."""
-        ...
 
     def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
         """Return the fields over the load, by name, under waves (across, along).
 
         The products of a field's parities are even for a real amplitude.
         """
-        ...
 
     def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
         """Return the field over the load under waves across, whose wave numbers are real or imaginary."""
-        ...
 
 
 @dataclass(frozen=True)

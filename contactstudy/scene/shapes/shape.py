@@ -18,14 +18,12 @@ class Shape(Protocol):
     @property
     def curvature(self) -> float:
         """Curvature of the mean cross-section at the axis [1/m], zero if the shape has none."""
-        ...
 
     def gap(self, grid: Grid) -> Array:
         """Return the undeformed gap [m] at the cell centres; it broadcasts to (x, y).
 
         The shape (nx, 1) means that nothing varies along the length.
         """
-        ...
 
 
 @suggest_fields

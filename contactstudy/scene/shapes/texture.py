@@ -29,7 +29,6 @@ class Profile(Protocol):
 
     def __call__(self, t: Array) -> Array:
         """Return the fraction of the depth at the fraction `t` in [0, 1] of the way from the middle to the rim."""
-        ...
 
 
 @suggest_fields

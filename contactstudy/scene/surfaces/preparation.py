@@ -72,11 +72,9 @@ class Missing(Protocol):
 
     def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the rule refuses that many missing points."""
-        ...
 
     def fill(self, heights: Array) -> Array:
         """Return heights with a number at every point, from heights with nan where one is missing."""
-        ...
 
 
 @suggest_fields
@@ -205,11 +203,9 @@ class Seam(Protocol):
     @property
     def lengths(self) -> int:
         """Period, in lengths of the surface."""
-        ...
 
     def periodic(self, heights: Array) -> Array:
         """Return one period (width, points along) [m] of the surface `heights` (x, y)."""
-        ...
 
 
 @suggest_fields

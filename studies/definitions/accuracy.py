@@ -73,32 +73,25 @@ class AccuracyRun:
 def case_at(point: Point) -> AccuracyRun:
     """Return a case by its name and seed."""
     name = one_of("case", point["case"], (*matrix(), *NAMES))
-    return AccuracyRun(
-        name, whole_number("seed", point["seed"], 0, "must be a whole number, at least 0")
-    )
+    seed = whole_number("seed", point["seed"], 0, "must be a whole number, at least 0")
+    return AccuracyRun(name, seed)
 
 
 def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return ``<metric>_error``, -1 where it is not known, and ``<metric>_bound``, infinite where there is none."""
     judged = case.case
     estimate, true = solution.error, errors(solution, judged.truth())
-    kind = np.asarray(KINDS.index(judged.kind))
+    kind, use = np.asarray(KINDS.index(judged.kind)), np.asarray(USES.index(use_of(case.name)))
     variables = {
         "kind": flags((), kind, [name.replace(" ", "_") for name in KINDS], "kind of surface"),
-        "use": flags(
-            (), np.asarray(USES.index(use_of(case.name))), list(USES), "use of the contact"
-        ),
+        "use": flags((), use, list(USES), "use of the contact"),
     }
     for metric in METRICS:
         error, bound = getattr(true, metric), getattr(estimate, metric).total
-        label = metric.replace("_", " ")
-        stored_error = UNKNOWN if isnan(error) else error
-        variables[f"{metric}_error"] = dimensionless(stored_error, f"relative error of the {label}")
-        variables[f"{metric}_bound"] = dimensionless(
-            bound, f"bound of the relative error of the {label}"
-        )
-    missing = inf in {getattr(estimate, metric).total for metric in METRICS}
-    variables["missing_without_reason"] = dimensionless(
-        int(missing and not estimate.warnings), "1 where a bound is missing without a reason"
-    )
-    return variables
+        label = f"relative error of the {metric.replace('_', ' ')}"
+        variables[f"{metric}_error"] = dimensionless(UNKNOWN if isnan(error) else error, label)
+        variables[f"{metric}_bound"] = dimensionless(bound, f"bound of the {label}")
+    is_missing = inf in {getattr(estimate, metric).total for metric in METRICS}
+    without_reason = int(is_missing and not estimate.warnings)
+    what = "1 where a bound is missing without a reason"
+    return variables | {"missing_without_reason": dimensionless(without_reason, what)}

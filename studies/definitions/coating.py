@@ -180,10 +180,8 @@ def interface(body: CoatedHalfSpace, pressure: Array, step: float) -> tuple[floa
     # the mean is the limit of long waves, since the surface continues beyond the load
     along[0] = 2 * along[1] - along[2]
     # s_xz is odd where the pressure is even
-    return (
-        float(np.abs(np.fft.irfft(1j * shear * waves, count)).max()),
-        float(np.fft.irfft(along * waves, count).max()),
-    )
+    largest_shear = np.abs(np.fft.irfft(1j * shear * waves, count)).max()
+    return float(largest_shear), float(np.fft.irfft(along * waves, count).max())
 
 
 def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
@@ -207,12 +205,8 @@ def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
 
     def rows(d: list[Array], weight: float, nu: float) -> list[Array]:
         """Return the normal and shear stress and both displacements of an Airy function with three derivatives."""
-        return [
-            d[0],
-            d[1],
-            weight * ((1 - nu) * d[2] + nu * d[0]),
-            weight * ((1 - nu) * d[3] - (2 - nu) * d[1]),
-        ]
+        across = weight * ((1 - nu) * d[2] + nu * d[0])
+        return [d[0], d[1], across, weight * ((1 - nu) * d[3] - (2 - nu) * d[1])]
 
     system = np.zeros((k.size, 6, 6))
     nus = body.coating.poisson_ratio, body.substrate.poisson_ratio

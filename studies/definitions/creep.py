@@ -1,6 +1,6 @@
 """A viscoelastic contact under a constant load: cost of accuracy in time."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import inf, pi
 
 import numpy as np
@@ -49,9 +49,9 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     time = np.linspace(0, END, INSTANTS + 1)
     padded = (0, INSTANTS + 1 - len(frames))
 
-    def series(values: list[float], long_name: str) -> xr.Variable:
+    def series(values: Sequence[float], long_name: str) -> xr.Variable:
         filled = np.pad(np.array(values, dtype=float), padded, constant_values=np.nan)
-        return xr.Variable("time", filled, {"units": "1", "long_name": long_name})
+        return dimensionless(filled, long_name, "time")
 
     def largest(error: str) -> float:
         return max(float(getattr(frame, error)) for frame in frames[1:])
@@ -62,16 +62,12 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
         exact = LEE_RADOK.pressure(x, frame.time)
         errors.append(float(np.abs(frame.pressure[:, 0] - exact).sum() / exact.sum()))
     cell = case.grid.cell_size[0]
+    widths = [np.count_nonzero(frame.pressure) * cell / 2 / HALF_WIDTH for frame in frames]
+    peaks = [frame.peak_pressure / (HALF_WIDTH / 2) for frame in frames]
     return {
-        "time": xr.Variable("time", time, {"units": "1", "long_name": "time over that of creep"}),
-        "half_width": series(
-            [np.count_nonzero(frame.pressure) * cell / 2 / HALF_WIDTH for frame in frames],
-            "half-width over that of a sudden load",
-        ),
-        "peak_pressure": series(
-            [frame.peak_pressure / (HALF_WIDTH / 2) for frame in frames],
-            "peak pressure over that of a sudden load",
-        ),
+        "time": dimensionless(time, "time over that of creep", "time"),
+        "half_width": series(widths, "half-width over that of a sudden load"),
+        "peak_pressure": series(peaks, "peak pressure over that of a sudden load"),
         "pressure_error_l1": dimensionless(
             max(errors), "largest relative L1 error of the pressure"
         ),

@@ -63,33 +63,35 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
         stick.append(float(stick_width) / hertz.half_width)
         stick_sphere.append(_sphere(case, fraction))
     error, across = _superposition(case)
-    return {
-        "coefficient": _along("coefficient", COEFFICIENTS, "coefficient of friction"),
-        "von_mises": _along(
-            "coefficient", highest, "highest von Mises stress over Hertz's pressure"
-        ),
-        "depth": _along("coefficient", depth, "its depth over the half-width"),
-        "fraction": _along(
-            "fraction", FRACTIONS, "tangential force over the largest that friction can carry"
-        ),
-        "stick": _along("fraction", stick, "half-width of the stick zone over that of the contact"),
-        "stick_sphere": _along(
-            "fraction",
+    over_coefficient = {
+        "coefficient": (COEFFICIENTS, "coefficient of friction"),
+        "von_mises": (highest, "highest von Mises stress over Hertz's pressure"),
+        "depth": (depth, "its depth over the half-width"),
+    }
+    over_force = {
+        "fraction": (FRACTIONS, "tangential force over the largest that friction can carry"),
+        "stick": (stick, "half-width of the stick zone over that of the contact"),
+        "stick_sphere": (
             stick_sphere,
             "radius of the stick zone under a sphere over that of the contact",
         ),
-        "superposition_error": dimensionless(
-            error, "relative L1 error of Ciavarella-Jaeger's shear on a rough contact"
-        ),
-        "shear_aside": dimensionless(
-            across, "largest shear perpendicular to the force over the largest shear"
-        ),
     }
-
-
-def _along(dimension: str, values: object, long_name: str) -> xr.Variable:
-    """Return dimensionless values along a dimension."""
-    return xr.Variable((dimension,), np.asarray(values), {"units": "1", "long_name": long_name})
+    errors = {
+        "superposition_error": (
+            error,
+            "relative L1 error of Ciavarella-Jaeger's shear on a rough contact",
+        ),
+        "shear_aside": (across, "largest shear perpendicular to the force over the largest shear"),
+    }
+    return {
+        name: dimensionless(np.asarray(values), long_name, *dims)
+        for measured, dims in (
+            (over_coefficient, ["coefficient"]),
+            (over_force, ["fraction"]),
+            (errors, []),
+        )
+        for name, (values, long_name) in measured.items()
+    }
 
 
 def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
@@ -99,12 +101,9 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
     """
     solid = case.scene.solids[0]
     assert isinstance(solid, cs.HalfSpace)
-    below = SubsurfaceStressOperator(
-        case.grid,
-        (cs.ZeroPadding(), cs.ExactPeriodicity()),
-        HalfSpaceStress(solid.poisson_ratio),
-        tuple(z * A for z in DEPTHS),
-    )
+    paddings, depths = (cs.ZeroPadding(), cs.ExactPeriodicity()), tuple(z * A for z in DEPTHS)
+    stress = HalfSpaceStress(solid.poisson_ratio)
+    below = SubsurfaceStressOperator(case.grid, paddings, stress, depths)
     pressed = below(pressure)
     sheared = below.with_shear(np.stack([pressure, np.zeros_like(pressure)]))(pressure) - pressed
     highest, depth = [], []
@@ -117,15 +116,11 @@ def _stress(case: Rough, pressure: Array) -> tuple[list[float], list[float]]:
 
 def _sphere(case: Rough, fraction: float) -> float:
     """Return the radius of the stick zone under a sphere over that of the contact, from their areas."""
-    width = 2.5 * A
-    n = case.cells_rough
-    modulus = case.scene.contact_modulus
-    radius = HERTZ.radius
-    force = 4 / 3 * modulus * A**3 / radius
+    width, n = 2.5 * A, case.cells_rough
+    force = 4 / 3 * case.scene.contact_modulus * A**3 / HERTZ.radius
     slip = PartialSlip(MU, fraction * MU * force / width)
-    scene = cs.Scene(
-        cs.LineLoad(force / width), case.scene.solids, (cs.Sphere(radius),), friction=slip
-    )
+    load, ball = cs.LineLoad(force / width), cs.Sphere(HERTZ.radius)
+    scene = cs.Scene(load, case.scene.solids, (ball,), friction=slip)
     free = cs.ZeroPadding(), cs.ZeroPadding()
     solution = cs.solve(scene.problem(cs.Grid((n, n), (width, width)), free), tolerance=1e-6)
     return float(np.sqrt(solution.stick.sum() / (solution.pressure > 0).sum()))
@@ -133,9 +128,8 @@ def _sphere(case: Rough, fraction: float) -> float:
 
 def _superposition(case: Rough) -> tuple[float, float]:
     """Return error and transverse shear of the superposition of two normal contacts under half the largest force."""
-    rough = cs.Roughness(
-        0.3 * A**2 / (2 * HERTZ.radius), hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1
-    )
+    rms = 0.3 * A**2 / (2 * HERTZ.radius)
+    rough = cs.Roughness(rms, hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1)
     slip = PartialSlip(MU, 0.5 * MU * case.scene.load.largest)
     scene = replace(case.scene, shapes=(*case.scene.shapes, rough), friction=slip)
     n = case.cells_rough

@@ -10,7 +10,7 @@ import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.domain.checks import non_negative, positive, whole_number
 from studies.model.axis import Axis
-from studies.model.case import SceneCase, TimedAnswer, dimensionless
+from studies.model.case import SceneCase, TimedAnswer, dimensionless_variables
 from studies.model.study import Point
 
 # Steel; the dimensionless film does not depend on the material.
@@ -54,13 +54,9 @@ def case_at(point: Point) -> SceneCase:
     a = HERTZ.half_width
     film = moes_film(load, viscosity) * pi / (8 * load)
     speed = 3 * pi**2 / (8 * load**2) * a**3 * HERTZ.peak_pressure / (12 * VISCOSITY * RADIUS**2)
-    oil = cs.Lubricant(
-        VISCOSITY,
-        viscosity * sqrt(load / (2 * pi)) / HERTZ.peak_pressure,
-        cs.Barus(),
-        cs.ConstantDensity(),
-        cs.Eyring(EYRING),
-    )
+    coefficient = viscosity * sqrt(load / (2 * pi)) / HERTZ.peak_pressure
+    laws = cs.Barus(), cs.ConstantDensity(), cs.Eyring(EYRING)
+    oil = cs.Lubricant(VISCOSITY, coefficient, *laws)
     height = rms * film * a**2 / RADIUS
     width = 2 * max(INLET, FILMS * sqrt(2 * film)) * a
     surface = cs.Roughness(
@@ -91,37 +87,25 @@ def measures(case: SceneCase, solved: TimedAnswer) -> Mapping[str, xr.Variable]:
     thin_area, thin_load = contact.thinner_than(moes / units / 2)
     converged = contact.status is not cs.Status.FILM_NOT_CONVERGED
     resolved = contact.status is cs.Status.CONVERGED
-    return {
-        "central_film": dimensionless(
-            contact.central_film * units, "central film, (h/R) (eta0 u_s/(E' R))^-1/2"
+    largest = contact.peak_pressure / HERTZ.peak_pressure
+    film_range = float(np.ptp(contact.film[contact.grid.cells[0] // 2])) * units
+    measured = {
+        "central_film": (
+            contact.central_film * units,
+            "central film, (h/R) (eta0 u_s/(E' R))^-1/2",
         ),
-        "minimum_film": dimensionless(
-            contact.minimum_film * units, "smallest film in the same unit"
-        ),
-        "flat_film": dimensionless(
-            flat * units, "film where the pressure is flat, in the same unit"
-        ),
-        "film_over_moes": dimensionless(
-            flat * units / moes, "film where the pressure is flat over Moes'"
-        ),
-        "friction": dimensionless(contact.friction, "friction force over load at 10 % sliding"),
-        "flux_spread": dimensionless(contact.flux_spread, "range of the flow over x over its mean"),
-        "thin_area": dimensionless(
-            thin_area, "fraction of Hertz's area with less than half of Moes' film"
-        ),
-        "thin_load": dimensionless(
-            thin_load, "fraction of the load on less than half of Moes' film"
-        ),
-        "peak_pressure": dimensionless(
-            contact.peak_pressure / HERTZ.peak_pressure, "peak pressure over Hertz's"
-        ),
-        "converged": dimensionless(float(converged), "1 where the iteration converged"),
-        "resolved": dimensionless(float(resolved), "1 where the cells resolve the film too"),
-        "wall_time": xr.Variable(
-            (), solved.seconds, {"units": "s", "long_name": "wall time of the solve"}
-        ),
-        "film_range": dimensionless(
-            float(np.ptp(contact.film[contact.grid.cells[0] // 2])) * units,
-            "range of the film along the axis",
-        ),
+        "minimum_film": (contact.minimum_film * units, "smallest film in the same unit"),
+        "flat_film": (flat * units, "film where the pressure is flat, in the same unit"),
+        "film_over_moes": (flat * units / moes, "film where the pressure is flat over Moes'"),
+        "friction": (contact.friction, "friction force over load at 10 % sliding"),
+        "flux_spread": (contact.flux_spread, "range of the flow over x over its mean"),
+        "thin_area": (thin_area, "fraction of Hertz's area with less than half of Moes' film"),
+        "thin_load": (thin_load, "fraction of the load on less than half of Moes' film"),
+        "peak_pressure": (largest, "peak pressure over Hertz's"),
+        "converged": (converged, "1 where the iteration converged"),
+        "resolved": (resolved, "1 where the cells resolve the film too"),
+        "film_range": (film_range, "range of the film along the axis"),
     }
+    label = {"units": "s", "long_name": "wall time of the solve"}
+    wall_time = xr.Variable((), solved.seconds, label)
+    return dimensionless_variables(measured) | {"wall_time": wall_time}

@@ -71,19 +71,16 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     loaded, last = result.frames[-2:]
     equivalent_strain = last.coupled_state["equivalent0"]
     yielded = np.flatnonzero((equivalent_strain > 0).any(axis=(1, 2)))
+    deepest = float(last.coupled_state["edges0"][yielded[-1] + 1]) if yielded.size else 0.0
+    largest_strain = float(equivalent_strain.max()) / STRAIN
     surface = last.fields["residual_displacement"].values[:, 0]
+    middle, far = np.interp((0.0, DATUM), x, surface)
     answers = {
         "peak_pressure": (loaded.peak_pressure / peak, "peak pressure over Hertz's"),
         "half_width": (_half_width(loaded.pressure, x), "half-width over Hertz's"),
-        "dent": (_dent(surface, x) / STRAIN, f"dent below the surface at {DATUM:g} a over a Y / E"),
-        "plastic_depth": (
-            float(last.coupled_state["edges0"][yielded[-1] + 1]) if yielded.size else 0.0,
-            "depth of the plastic zone over Hertz's half-width",
-        ),
-        "plastic_strain": (
-            float(equivalent_strain.max()) / STRAIN,
-            "largest equivalent plastic strain over Y / E",
-        ),
+        "dent": ((middle - far) / STRAIN, f"dent below the surface at {DATUM:g} a over a Y / E"),
+        "plastic_depth": (deepest, "depth of the plastic zone over Hertz's half-width"),
+        "plastic_strain": (largest_strain, "largest equivalent plastic strain over Y / E"),
     }
     body = case.scene.solids[0]
     hardening = getattr(body, "hardening_modulus", 0.0) / MODULUS
@@ -95,28 +92,19 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     }
     limited = _hardness_limited(case)
     difference = np.abs(limited.pressure - loaded.pressure).sum() / loaded.pressure.sum()
+    dent = max(-float(limited.gap.min()), 0.0) / STRAIN
+    capped = {
+        "pressure": (limited.pressure.max() / peak, "peak pressure over Hertz's"),
+        "half_width": (_half_width(limited.pressure, x), "half-width over Hertz's"),
+        "dent": (dent, "largest negative gap over a Y / E"),
+        "difference": (difference, "relative L1 difference from the elastoplastic pressure"),
+    }
     cap = {
-        "hardness_limited_pressure": (
-            limited.pressure.max() / peak,
-            "hardness-limited elastic contact: peak pressure over Hertz's",
-        ),
-        "hardness_limited_half_width": (
-            _half_width(limited.pressure, x),
-            "hardness-limited elastic contact: half-width over Hertz's",
-        ),
-        "hardness_limited_dent": (
-            max(-float(limited.gap.min()), 0.0) / STRAIN,
-            "hardness-limited elastic contact: largest negative gap over a Y / E",
-        ),
-        "hardness_limited_difference": (
-            difference,
-            "relative L1 difference of the hardness-limited and the elastoplastic pressure",
-        ),
+        f"hardness_limited_{name}": (value, f"hardness-limited elastic contact: {what}")
+        for name, (value, what) in capped.items()
     }
-    layers = {
-        "layers": (len(last.coupled_state["edges0"]) - 1, "layers of the volume that may yield")
-    }
-    return dimensionless_variables(answers | errors | cap | layers)
+    layers = len(last.coupled_state["edges0"]) - 1, "layers of the volume that may yield"
+    return dimensionless_variables(answers | errors | cap | {"layers": layers})
 
 
 def _hardness_limited(case: EvolutionCase) -> cs.Solution:
@@ -133,9 +121,3 @@ def _hardness_limited(case: EvolutionCase) -> cs.Solution:
 def _half_width(pressure: Array, x: Array) -> float:
     """Return the half-width of the contact."""
     return float(half_widths(pressure, x)[0])
-
-
-def _dent(surface: Array, x: Array) -> float:
-    """Return the depth of the surface on the axis below that at the distance DATUM."""
-    middle, far = np.interp((0.0, DATUM), x, surface)
-    return float(middle - far)

@@ -11,7 +11,7 @@ from contactstudy.analytic import image_error
 from contactstudy.domain.checks import non_negative, positive, whole_number, whole_quotient
 from contactstudy.domain.fields import Array
 from studies.model.axis import Axis
-from studies.model.case import Case
+from studies.model.case import Case, dimensionless
 from studies.model.study import Point
 from studies.reference.line_contact import (
     HERTZ,
@@ -93,35 +93,25 @@ def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.
     for name in PADDINGS:
         padding = padding_at(name, case.images)
         padded = replace(case, padding=padding)
-        answer = solution if name == "exact" else padded.run(padded.prepare())
-        curved = (
-            solution if name == "exact" else _with_window_curvature(case, solution.problem, padding)
-        )
-        rows.append(
-            _quantities(answer.pressure, smooth, case.grid)
-            | _errors(answer.pressure, solution.pressure, case.grid)
-            | {
-                "curved_difference": l1_error(
-                    answer.pressure, curved.pressure, curved.pressure.sum()
-                )
-            }
-        )
+        answer, curved = solution, solution
+        if name != "exact":
+            answer = padded.run(padded.prepare())
+            curved = _with_window_curvature(case, solution.problem, padding)
+        row = _quantities(answer.pressure, smooth, case.grid)
+        row |= _errors(answer.pressure, solution.pressure, case.grid)
+        difference = l1_error(answer.pressure, curved.pressure, curved.pressure.sum())
+        rows.append(row | {"curved_difference": difference})
         # zero padding cuts off the length, so that contact at its converged is no failure
         whole_width = not answer.pressure[list(answer.problem.open_edges)].any()
         solved = answer.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
         converged.append(solved and whole_width)
     label = {"long_name": "representation of the periodic direction"}
-    flag = {
-        "units": "1",
-        "long_name": "1 where the solve of this padding converged within the width",
-    }
+    flag = "1 where the solve of this padding converged within the width"
     return {
         "padding": xr.Variable(("padding",), list(PADDINGS), label),
-        "converged": xr.Variable(("padding",), np.array(converged, dtype=np.int8), flag),
+        "converged": dimensionless(np.array(converged, dtype=np.int8), flag, "padding"),
     } | {
-        name: xr.Variable(
-            ("padding",), [row[name] for row in rows], {"units": "1", "long_name": long_name}
-        )
+        name: dimensionless([row[name] for row in rows], long_name, "padding")
         for name, long_name in (QUANTITIES | ERRORS).items()
     }
 

@@ -98,9 +98,8 @@ def case_at(point: Point) -> CaseOnDevice:
             grid = replace(grid, cells=(cells, 1))
     else:
         grid = cs.Grid(cells=(cells, cells), extent=(HERTZ.half_width, HERTZ.half_width))
-        scene = self_affine(
-            grid, *(float(point[name]) for name in ("hurst", "cut_off", "fraction"))
-        )
+        family = (float(point[name]) for name in ("hurst", "cut_off", "fraction"))
+        scene = self_affine(grid, *family)
         padding = (cs.ExactPeriodicity(), cs.ExactPeriodicity())
     options = cs.SolveOptions(TOLERANCES[precision], precision=precision)
     case = Case(scene, grid, padding, options)
@@ -117,13 +116,8 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, fraction: float) ->
     fraction = in_range("fraction", fraction, "give a fraction between 0 and 1")
     if fraction >= 1:
         raise cs.InvalidInput(f"fraction is {fraction!r}: give a fraction between 0 and 1.")
-    shape = cs.Roughness(
-        rms=cs.RmsSlope(SLOPE),
-        hurst=hurst,
-        roll_off=ROLL_OFF * side,
-        cut_off=cut_off * grid.cell_size[0],
-        seed=1,
-    )
+    rms, longest, shortest = cs.RmsSlope(SLOPE), ROLL_OFF * side, cut_off * grid.cell_size[0]
+    shape = cs.Roughness(rms=rms, hurst=hurst, roll_off=longest, cut_off=shortest, seed=1)
     mean = float(erfinv(fraction)) / sqrt(2) * SCENE.contact_modulus * SLOPE
     return cs.Scene(cs.LineLoad(mean * side), SCENE.solids, (shape,))
 
@@ -134,16 +128,12 @@ def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
     seconds = least_seconds(clock_of(case.on), lambda: case.run(problem))
     pair = transform_seconds(problem.operator, case.case.options.precision, case.on)
+    fields, ratio = peak / (8 * prod(problem.grid.cells)), seconds / (result.convolutions * pair)
+    what = "peak memory of a solve over that of one field in double precision"
     return {
         "contact_fraction": contact_fraction(result.pressure),
-        "memory": dimensionless(
-            peak / (8 * prod(problem.grid.cells)),
-            "peak memory of a solve over that of one field in double precision",
-        ),
-        "transform_ratio": dimensionless(
-            seconds / (result.convolutions * pair),
-            "time of a solve over that of its bare transforms",
-        ),
+        "memory": dimensionless(fields, what),
+        "transform_ratio": dimensionless(ratio, "time of a solve over that of its bare transforms"),
     }
 
 

@@ -76,14 +76,10 @@ def measures(case: HardCaseRun, solution: cs.Contact) -> Mapping[str, xr.Variabl
     hard_case = CASES[case.case]
     error, stated, verdict = 0.0, inf, "not_applicable"
     expected = solution.status in hard_case.allowed_statuses(case.padding)
-    claims = (
-        solution.residual <= hard_case.options.tolerance
-        or solution.status is cs.Status.PRECISION_LIMIT
-    )
-    if case.applies and claims:
-        error, stated = hard_case.error_and_bound(
-            solution, PADDINGS[case.padding], SOLVERS[case.solver]
-        )
+    claims = solution.residual <= hard_case.options.tolerance
+    if case.applies and (claims or solution.status is cs.Status.PRECISION_LIMIT):
+        padding, solver = PADDINGS[case.padding], SOLVERS[case.solver]
+        error, stated = hard_case.error_and_bound(solution, padding, solver)
         verdict = "within_stated_error" if error <= stated and expected else "wrong"
     elif case.applies:
         verdict = "explained_by_status" if expected else "wrong"

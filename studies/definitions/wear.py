@@ -12,7 +12,7 @@ from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.evolution import Trajectory
 from studies.model.axis import Axis, one_of
-from studies.model.case import EvolutionCase, dimensionless
+from studies.model.case import EvolutionCase, dimensionless, dimensionless_variables
 from studies.model.study import Point
 
 RADIUS, HALF_WIDTH = 1.0, 0.1
@@ -76,23 +76,17 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     volume = float(last.fields["worn_depth"].values.sum()) * cell
     fraction = np.linspace(0, 1, INSTANTS + 1)
     error = np.abs(last.pressure - fine).sum() / fine.sum()
-    return {
-        "distance": xr.Variable(
-            "distance", fraction, {"units": "1", "long_name": "distance over the whole"}
-        ),
-        "half_width": xr.Variable(
-            "distance", np.array(widths), {"units": "1", "long_name": "half-width over Hertz's"}
-        ),
-        "pressure_error_l1": dimensionless(
-            float(error), "relative L1 error of the pressure at the end"
-        ),
-        "volume_error": dimensionless(
-            abs(volume / (LOAD * DISTANCE) - 1), "relative error of the worn volume"
-        ),
-        "peak_pressure": dimensionless(
-            last.peak_pressure / (HALF_WIDTH / 2), "peak pressure over Hertz's at the end"
-        ),
-        "longest_explicit": dimensionless(
-            1.484 * cell * (len(frames) - 1) / DISTANCE, "longest explicit step over this one"
-        ),
+    volume_error = abs(volume / (LOAD * DISTANCE) - 1)
+    peak = last.peak_pressure / (HALF_WIDTH / 2)
+    longest = 1.484 * cell * (len(frames) - 1) / DISTANCE
+    numbers = {
+        "pressure_error_l1": (error, "relative L1 error of the pressure at the end"),
+        "volume_error": (volume_error, "relative error of the worn volume"),
+        "peak_pressure": (peak, "peak pressure over Hertz's at the end"),
+        "longest_explicit": (longest, "longest explicit step over this one"),
     }
+    along = {
+        "distance": dimensionless(fraction, "distance over the whole", "distance"),
+        "half_width": dimensionless(widths, "half-width over Hertz's", "distance"),
+    }
+    return along | dimensionless_variables(numbers)

@@ -115,11 +115,10 @@ class SceneCase(Case):
         """Return all fields of the answer, without the displacement, which follows from the gap."""
         dataset = result.answer.to_dataset()
         names = [name for name, variable in dataset.variables.items() if variable.ndim]
-        return {
-            str(name): dataset[name].variable
-            for name in names
-            if name not in ("displacement", "cause") and "cause" not in dataset[name].dims
-        }
+        chosen = [
+            name for name in names if name != "displacement" and "cause" not in dataset[name].dims
+        ]
+        return {str(name): dataset[name].variable for name in chosen}
 
 
 @dataclass(frozen=True)
@@ -210,9 +209,8 @@ class OperatorCase:
 
     def record(self, result: cs.Convolution) -> Mapping[str, xr.Variable]:
         """Return the number of cells that are transformed."""
-        return {
-            "padded_cells": dimensionless(int(np.prod(result.padded)), "cells of the padded grid")
-        }
+        cells = int(np.prod(result.padded))
+        return {"padded_cells": dimensionless(cells, "cells of the padded grid")}
 
 
 def recorded(answer: cs.Contact | cs.LubricatedContact | cs.Evolution) -> dict[str, xr.Variable]:
@@ -228,9 +226,9 @@ def solver_status(status: cs.Status, long_name: str) -> xr.Variable:
     return flags((), np.asarray(statuses.index(status)), meanings, long_name)
 
 
-def dimensionless(value: float, long_name: str) -> xr.Variable:
-    """Return a dimensionless number as a variable with the long name `long_name`."""
-    return xr.Variable((), value, {"units": "1", "long_name": long_name})
+def dimensionless(values: Any, long_name: str, *dims: str) -> xr.Variable:
+    """Return a dimensionless number, or an array of them along `dims`, as a variable with a long name."""
+    return xr.Variable(dims, values, {"units": "1", "long_name": long_name})
 
 
 def dimensionless_variables(measured: Mapping[str, tuple[float, str]]) -> dict[str, xr.Variable]:

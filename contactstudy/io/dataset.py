@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,6 +55,9 @@ def labelled(
     return xr.Variable(dimensions, values, {"units": units, "long_name": long_name} | attributes)
 
 
+_plane, _number = partial(labelled, ("x", "y")), partial(labelled, ())
+
+
 def flags(
     dimensions: Sequence[str], values: object, meanings: Sequence[str], long_name: str
 ) -> xr.Variable:
@@ -87,23 +91,18 @@ def contact_fields(solution: Solution) -> xr.Dataset:
     grid = solution.problem.grid
     dataset = xr.Dataset(
         {
-            "pressure": labelled(("x", "y"), solution.pressure, "Pa", "contact pressure"),
-            "displacement": labelled(
-                ("x", "y"), solution.displacement, "m", "surface displacement"
-            ),
-            "gap": labelled(("x", "y"), solution.gap, "m", "gap after deformation"),
-            "residual": labelled((), solution.residual, "1", "residual of the solver"),
-            "iterations": labelled((), solution.iterations, "1", "solver iterations"),
-            "convolutions": labelled(
-                (), solution.convolutions, "1", "transform pairs of the full grid"
-            ),
+            "pressure": _plane(solution.pressure, "Pa", "contact pressure"),
+            "displacement": _plane(solution.displacement, "m", "surface displacement"),
+            "gap": _plane(solution.gap, "m", "gap after deformation"),
+            "residual": _number(solution.residual, "1", "residual of the solver"),
+            "iterations": _number(solution.iterations, "1", "solver iterations"),
+            "convolutions": _number(solution.convolutions, "1", "transform pairs of the full grid"),
             "status": _status(solution.status),
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
     )
-    return dataset.assign(_traction_variables(solution.traction)).assign(
-        _adhesion_variables(solution.adhesion)
-    )
+    effects = _traction_variables(solution.traction) | _adhesion_variables(solution.adhesion)
+    return dataset.assign(effects)
 
 
 def contact_dataset(
@@ -147,9 +146,9 @@ def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
     for name, quantity in quantities.items():
         if name in dataset:
             continue
-        variables[name] = labelled((), quantity.value, quantity.unit, quantity.label)
-        variables[f"{name}_bound"] = labelled(
-            (), quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
+        variables[name] = _number(quantity.value, quantity.unit, quantity.label)
+        variables[f"{name}_bound"] = _number(
+            quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
         )
     return dataset.assign(variables)
 
@@ -158,7 +157,7 @@ def _scene_variables(posed: PosedScene) -> dict[str, xr.Variable]:
     """Return the load where it is given, and Hertz's values where they are those of this load."""
     load, values = posed.scene.load, {}
     if isinstance(load, ConstantLoad | ChangingLoad):
-        values["load_per_length"] = labelled((), load.largest, "N m-1", "load per length")
+        values["load_per_length"] = _number(load.largest, "N m-1", "load per length")
     hertz = posed.scene.hertz
     if hertz is None or posed.scene.adhesion is not None or not values:
         return values
@@ -169,8 +168,8 @@ def _hertz(hertz: HertzLine) -> dict[str, xr.Variable]:
     """Return half-width and peak pressure of Hertz's line contact."""
     half_width, peak = hertz.half_width, hertz.peak_pressure
     return {
-        "hertz_half_width": labelled((), half_width, "m", "half-width of Hertz's line contact"),
-        "hertz_peak_pressure": labelled((), peak, "Pa", "peak pressure of Hertz's line contact"),
+        "hertz_half_width": _number(half_width, "m", "half-width of Hertz's line contact"),
+        "hertz_peak_pressure": _number(peak, "Pa", "peak pressure of Hertz's line contact"),
     }
 
 
@@ -205,38 +204,27 @@ def _traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Var
     if traction is None:
         return {}
     (across, along), stick = traction.shear, traction.stick.astype(np.int8)
-    plane = "x", "y"
     variables = {
-        "shear_x": labelled(plane, across, "Pa", "shear across the contact, on the first body"),
-        "shear_y": labelled(plane, along, "Pa", "shear along the contact, on the first body"),
-        "stick": labelled(plane, stick, "1", "1 where the bodies stick, 0 elsewhere"),
+        "shear_x": _plane(across, "Pa", "shear across the contact, on the first body"),
+        "shear_y": _plane(along, "Pa", "shear along the contact, on the first body"),
+        "stick": _plane(stick, "1", "1 where the bodies stick, 0 elsewhere"),
     }
     if isinstance(traction, FrettingTraction):
-        loop = "step"
+        displacement = "rigid displacement of the first body along x after each step"
+        forces = labelled("step", traction.forces, "N", "tangential force after each step")
         return variables | {
-            "slip_distance": labelled(
-                plane, traction.slip_distance, "m", "distance slipped in a cycle"
-            ),
-            "friction_energy": labelled(
-                plane, traction.energy, "J m-2", "energy lost in a cycle per area"
-            ),
-            "tangential_force": labelled(
-                loop, traction.forces, "N", "tangential force after each step"
-            ),
-            "rigid_displacement": labelled(
-                loop,
-                traction.rigid_displacement,
-                "m",
-                "rigid displacement of the first body along x after each step",
-            ),
+            "slip_distance": _plane(traction.slip_distance, "m", "distance slipped in a cycle"),
+            "friction_energy": _plane(traction.energy, "J m-2", "energy lost in a cycle per area"),
+            "tangential_force": forces,
+            "rigid_displacement": labelled("step", traction.rigid_displacement, "m", displacement),
         }
     if not isinstance(traction, RollingTraction):
         return variables
     slip = "slip of the first body against the second over the distance rolled"
     return variables | {
-        "slip_x": labelled(plane, traction.slip[0], "1", f"{slip}, across"),
-        "slip_y": labelled(plane, traction.slip[1], "1", f"{slip}, along"),
-        "power_density": labelled(plane, traction.power, "W m-2", "frictional power per area"),
+        "slip_x": _plane(traction.slip[0], "1", f"{slip}, across"),
+        "slip_y": _plane(traction.slip[1], "1", f"{slip}, along"),
+        "power_density": _plane(traction.power, "W m-2", "frictional power per area"),
     }
 
 
@@ -247,9 +235,7 @@ def _adhesion_variables(adhesion: AdhesiveTraction | None) -> dict[str, xr.Varia
     meanings = [branch.value for branch in Branch]
     branches = [branch.replace(" ", "_") for branch in meanings]
     return {
-        "attraction": labelled(
-            ("x", "y"), adhesion.attraction, "Pa", "attraction between the bodies"
-        ),
+        "attraction": _plane(adhesion.attraction, "Pa", "attraction between the bodies"),
         "branch": flags((), meanings.index(adhesion.branch), branches, "history of the state"),
     }
 
@@ -280,13 +266,11 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
     frames, grid = evolution.frames, evolution.grid
 
     def over_time(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
+        stacked = {
+            name: np.stack([getattr(frame, name) for frame in frames]) for name, *_ in labels
+        }
         return {
-            name: labelled(
-                ("time", *dimensions),
-                np.stack([getattr(frame, name) for frame in frames]),
-                units,
-                long_name,
-            )
+            name: labelled(("time", *dimensions), stacked[name], units, long_name)
             for name, units, long_name, *dimensions in labels
         }
 
@@ -461,33 +445,32 @@ def film_dataset(
 
 def film_fields(contact: "FilmSolution") -> xr.Dataset:
     """Return pressure, film, film fraction and shear of a lubricated contact over (x, y), with its scene."""
-    grid, plane = contact.grid, ("x", "y")
-    touching, bearer = {}, "the lubricant"
+    grid, touching, bearer = contact.grid, {}, "the lubricant"
     if contact.contact_pressure is not None:
         bearer = "lubricant and asperities together"
-        of_asperities = labelled(plane, contact.contact_pressure, "Pa", "pressure of asperities")
+        of_asperities = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
         touching["contact_pressure"] = of_asperities
     if contact.worn_depth is not None:
-        touching["worn_depth"] = labelled(plane, contact.worn_depth, "m", "worn depth")
+        touching["worn_depth"] = _plane(contact.worn_depth, "m", "worn depth")
     if (heat := contact.temperatures) is not None:
         rise = "temperature rise"
-        touching["film_temperature_rise"] = labelled(plane, heat.film, "K", f"{rise} of the film")
+        touching["film_temperature_rise"] = _plane(heat.film, "K", f"{rise} of the film")
         for number, rises in enumerate(heat.surface, start=1):
             name, label = f"surface_temperature_rise_{number}", f"{rise} of surface {number}"
-            touching[name] = labelled(plane, rises, "K", label)
+            touching[name] = _plane(rises, "K", label)
     return xr.Dataset(
         touching
         | {
-            "pressure": labelled(plane, contact.pressure, "Pa", f"pressure of {bearer}"),
-            "film": labelled(plane, contact.film, "m", "film thickness"),
-            "film_fraction": labelled(
-                plane, contact.film_fraction, "1", "fraction of the film that is full"
+            "pressure": _plane(contact.pressure, "Pa", f"pressure of {bearer}"),
+            "film": _plane(contact.film, "m", "film thickness"),
+            "film_fraction": _plane(
+                contact.film_fraction, "1", "fraction of the film that is full"
             ),
-            "shear": labelled(plane, contact.shear, "Pa", "shear stress in the middle of the film"),
-            "mean_speed": labelled((), contact.mean_speed, "m s-1", "mean speed of the surfaces"),
+            "shear": _plane(contact.shear, "Pa", "shear stress in the middle of the film"),
+            "mean_speed": _number(contact.mean_speed, "m s-1", "mean speed of the surfaces"),
             **_hertz(contact.scales.hertz),
-            "residual": labelled((), contact.residual, "1", "residual of the solver"),
-            "iterations": labelled((), contact.iterations, "1", "solver iterations"),
+            "residual": _number(contact.residual, "1", "residual of the solver"),
+            "iterations": _number(contact.iterations, "1", "solver iterations"),
             "status": _status(contact.status),
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},

@@ -374,56 +374,42 @@ class _Request:
         refines = requested is not None and self.grid is None
         return self._refined(answer, solve_on) if refines else answer
 
+    def _followed(self, follow: Callable[..., Any], **named: Any) -> Any:
+        """Return what `follow` finds on the grid at the instants to record, with further arguments `named`."""
+        named = {"options": self.options, "progress": self._time_reporter} | named
+        times = self.steps.instants_of(self.scene.load)
+        return follow(self.scene, *self.planned(self.requested), times=times, **named)
+
+    @property
+    def _film_options(self) -> SolveOptions:
+        """Options of each film."""
+        limit = min(self.options.max_iterations, FILM_ITERATIONS)
+        return replace(self.options, max_iterations=limit)
+
     def quasi_static(self) -> "Evolution":
         """Follow a contact that is in equilibrium at each instant through a history of loads."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.quasi_static import follow_load
 
-        grid, padding = self.planned(self.requested)
-        trajectory = follow_load(
-            self.scene,
-            grid,
-            padding,
-            times=self.steps.instants_of(self.scene.load),
-            options=self.options,
-            progress=self._time_reporter,
-        )
-        return evolution_answer(trajectory, self.requested)
+        return evolution_answer(self._followed(follow_load), self.requested)
 
     def steady_wear(self) -> "Evolution":
         """Follow the wear of a contact that rolls or is driven."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.steady_wear import follow_wear
 
-        grid, padding = self.planned(self.requested)
-        trajectory = follow_wear(
-            self.scene,
-            grid,
-            padding,
-            times=self.steps.instants_of(self.scene.load),
-            error=self._error_of_a_step,
-            options=self.options,
-            progress=self._time_reporter,
-        )
-        return evolution_answer(trajectory, self.requested)
+        worn = self._followed(follow_wear, error=self._error_of_a_step)
+        return evolution_answer(worn, self.requested)
 
     def film_wear(self) -> "Evolution":
         """Follow the wear of asperities on a boundary film."""
         from contactstudy.answers.evolution import films_answer
         from contactstudy.evolution.steady_wear import follow_film_wear
 
-        grid, padding = self.planned(self.requested)
-        films = follow_film_wear(
-            self.scene,
-            grid,
-            padding,
-            times=self.steps.instants_of(self.scene.load),
-            error=self._error_of_a_step,
-            tolerance=self.options.tolerance,
-            max_iterations=min(self.options.max_iterations, FILM_ITERATIONS),
-            progress=self._time_reporter,
+        worn = self._followed(
+            follow_film_wear, error=self._error_of_a_step, options=self._film_options
         )
-        return films_answer(films, self.requested)
+        return films_answer(worn, self.requested)
 
     @property
     def _error_of_a_step(self) -> float | None:
@@ -455,7 +441,7 @@ class _Request:
             ExactPeriodicity() if padding is None else padding,
             error=self.error if self.grid is not None or not smooth else self.requested,
             tolerance=self.options.tolerance,
-            max_iterations=min(self.options.max_iterations, FILM_ITERATIONS),
+            max_iterations=self._film_options.max_iterations,
             start=self.start,
         )
         return film_answer(contact, requested=self.requested)
@@ -466,24 +452,14 @@ class _Request:
         from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 
         requested, steps = self.requested, self.steps
-        grid, padding = self.planned(requested)
         if any(map(yields, self.scene.solids)):
             from contactstudy.evolution.yielding_film import press_lubricated
 
-            pressed = press_lubricated(
-                self.scene,
-                grid,
-                padding,
-                times=steps.instants_of(self.scene.load),
-                options=self.options,
-                max_iterations=min(self.options.max_iterations, FILM_ITERATIONS),
-                progress=self._time_reporter,
-            )
+            pressed = self._followed(press_lubricated, options=self._film_options)
             return replace(films_answer(pressed, requested), pressed=pressed)
         films = evolve_lubricated(
             self.scene,
-            grid,
-            padding,
+            *self.planned(requested),
             times=steps.instants_of(self.scene.load, self.scene.lubrication.mean_speed),
             error=None if steps.step else self._error_of_a_step,
             step=steps.step,

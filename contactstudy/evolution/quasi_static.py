@@ -89,9 +89,8 @@ def follow_load(
                 last = rolling.solution
             else:
                 last = _next_solution(_problem_under(largest, scene, value, law), last, options)
-            records = times is None or point.times_recorded > len(loads) - 1 - number
-            if records:
-                frames.append(_frame(point.time, value, last, rolling))
+            if times is None or point.times_recorded > len(loads) - 1 - number:
+                frames.append(frame_in_equilibrium(point.time, value, last, rolling))
         if progress is not None:
             progress(point.time, breakpoints[-1].time)
     return Trajectory(largest, tuple(frames), 0, 0, PosedScene(scene, grid, padding))
@@ -129,8 +128,10 @@ def _next_solution(problem: Problem, last: Solution | None, options: SolveOption
     return solve_contact(problem, options, start)
 
 
-def _frame(time: float, load: float, solution: Solution, rolling: SteadyRolling | None) -> Frame:
-    """Return a solution as a recorded instant."""
+def frame_in_equilibrium(
+    time: float, load: float, solution: Solution, rolling: SteadyRolling | None
+) -> Frame:
+    """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its rolling where it rolls."""
     fields = {}
     steps, adhesion = 1, solution.adhesion
     if adhesion is not None:

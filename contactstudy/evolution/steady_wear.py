@@ -19,7 +19,8 @@ from scipy import ndimage
 from contactstudy.domain.checks import InvalidInput, finite
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
-from contactstudy.evolution.evolution import Frame, Trajectory
+from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.quasi_static import frame_in_equilibrium
 from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
 from contactstudy.lubrication.evolve_lubricated import FilmTrajectory, errors_by_steps
 from contactstudy.lubrication.lubricated_contact import FilmSolution
@@ -127,10 +128,7 @@ class _WearingContact(Generic[Contact]):
         after = self.solved(depth, predicted)
         change = np.abs(after.pressure - predicted.pressure).sum() / now.contact.pressure.sum()
         failed = after.status.is_failure or predicted.status.is_failure
-        first, second = (
-            sum(counts)
-            for counts in zip(self.iterations(predicted), self.iterations(after), strict=True)
-        )
+        first, second = np.add(self.iterations(predicted), self.iterations(after))
         return _Instant(
             now.time + duration,
             after,
@@ -251,22 +249,15 @@ def follow_wear(
         change = np.abs(pressure - wide.contact.pressure).sum() / pressure.sum()
         worn_depth = Field(("x", "y"), instant.depth, "m", "worn depth")
         frames.append(
-            Frame(
-                time=instant.time,
-                load=scene.load.largest,
-                pressure=pressure,
-                gap=solution.gap,
-                approach=solution.approach,
+            replace(
+                frame_in_equilibrium(
+                    instant.time, scene.load.largest, solution, instant.contact.rolling
+                ),
                 fields={"worn_depth": worn_depth},
-                status=solution.status,
-                residual=solution.residual,
                 step_error=float(change),
-                grid_error=inf,
                 steps=int(instant.work[1]),
                 iterations=int(instant.work[2]),
                 convolutions=float(instant.work[3]),
-                solution=solution,
-                rolling=instant.contact.rolling,
             )
         )
     rejected = sum(instant.work[4] for instant in instants)
@@ -280,8 +271,7 @@ def follow_film_wear(
     *,
     times: ArrayLike | None,
     error: float | None = None,
-    tolerance: float = 1e-6,
-    max_iterations: int = 300,
+    options: SolveOptions,
     progress: Callable[[float, float], None] | None = None,
 ) -> FilmTrajectory:
     """Follow the wear of asperities on the boundary film of `scene`; the arguments are those of :func:`follow_wear`.
@@ -296,7 +286,12 @@ def follow_film_wear(
     def solved(depth: Array, before: FilmSolution | None) -> FilmSolution:
         worn = replace(unworn, shapes=(*unworn.shapes, WornSurface(depth, grid)))
         film = solve_lubricated(
-            worn, grid, padding, tolerance=tolerance, max_iterations=max_iterations, start=before
+            worn,
+            grid,
+            padding,
+            tolerance=options.tolerance,
+            max_iterations=options.max_iterations,
+            start=before,
         )
         return replace(film, scene=scene, worn_depth=depth)
 

@@ -108,7 +108,6 @@ def press_lubricated(
     *,
     times: ArrayLike | None,
     options: SolveOptions,
-    max_iterations: int,
     progress: Callable[[float, float], None] | None = None,
 ) -> PressedFilms:
     """Follow the steady film of a scene whose body yields under a load that changes slowly, or is applied at first.
@@ -125,16 +124,14 @@ def press_lubricated(
     times
         Instants [s] to record; None records the first and the last of the load history.
     options
-        Its tolerance is that of each film.
-    max_iterations
-        Limit of the steps of each film.
+        Tolerance and limit of the steps of each film.
     progress
         Called with time and end [s] after each instant.
     """
     instants = instants_of(scene, times)
     check_loaded(scene, instants)
     fine, coarse = (
-        _pressed(scene, grid, padding, instants, factor, options, max_iterations, report)
+        _pressed(scene, grid, padding, instants, factor, options, report)
         for factor, report in ((2, progress), (1, None))
     )
     return replace(fine, errors_by_steps=errors_by_steps(fine, coarse))
@@ -147,13 +144,12 @@ def _pressed(
     instants: list[float],
     factor: int,
     options: SolveOptions,
-    max_iterations: int,
     progress: Callable[[float, float], None] | None,
 ) -> PressedFilms:
     """Return the film at all instants, after a `factor` times the least load increments to each."""
     load = scene.load
     loads = [load.at(t) if isinstance(load, ChangingLoad) else load.largest for t in instants]
-    controls = FilmControls(tolerance=options.tolerance, max_iterations=max_iterations)
+    controls = FilmControls(tolerance=options.tolerance, max_iterations=options.max_iterations)
     dry = replace(scene, lubrication=None, solids=instantaneous(scene.solids), outputs=())
     problem = replace(dry, load=LineLoad(max(loads))).problem(grid, padding)
 

@@ -97,24 +97,17 @@ def find(document: SceneDocument, name: str) -> SceneField:
     keys = [key.name for key in fields(SceneDocument)]
     if path[0] in keys:
         return _at(document, path)
-    owners = [
-        str(number) for number, shape in enumerate(document.shapes) if path[0] in _names(shape)
-    ]
+    owners = [n for n, shape in enumerate(document.shapes) if path[0] in _names(shape)]
     if len(owners) == 1:
-        return _at(document, ("shapes", owners[0], *path))
+        return _at(document, ("shapes", str(owners[0]), *path))
     if owners:
         several = ", ".join(f"shapes.{number}.{name}" for number in owners)
         raise InvalidInput(f"Field {name!r} is one of several shapes: give one of {several}.")
     hint = suggestion(path[0], sorted([*keys, *SHORT_NAMES]))
+    example = _names(document.shapes[0])[0] if document.shapes else "radius"
     raise InvalidInput(
-        f"Field {name!r} is not in the scene: {hint}, or a path such as load.per_length or "
-        f"shapes.0.{_example(document)}."
+        f"Field {name!r} is not in the scene: {hint}, or a path such as load.per_length or shapes.0.{example}."
     )
-
-
-def _example(document: SceneDocument) -> str:
-    """Return the name of a field of the first shape, for a message."""
-    return _names(document.shapes[0])[0] if document.shapes else "radius"
 
 
 def _at(document: SceneDocument, path: Path) -> SceneField:
@@ -185,10 +178,7 @@ def replaced(value: Any, path: Sequence[str], new: object) -> Any:
     first, below = path[0], path[1:]
     if isinstance(value, tuple | list):
         number = int(first)
-        return tuple(
-            replaced(entry, below, new) if index == number else entry
-            for index, entry in enumerate(value)
-        )
+        return (*value[:number], replaced(value[number], below, new), *value[number + 1 :])
     return replace(value, **{first: replaced(getattr(value, first), below, new)})
 
 

@@ -95,10 +95,10 @@ def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Varia
     for name, quantity in answer.quantities.items():
         if name in NAMED_BY_AXES:
             continue
-        measured[name] = labelled((), quantity.value, quantity.unit, quantity.label)
-        measured[f"{name}_bound"] = labelled(
-            (), quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
-        )
+        unit, label = quantity.unit, quantity.label
+        measured[name] = labelled((), quantity.value, unit, label)
+        label = f"bound of the error: {label}"
+        measured[f"{name}_bound"] = labelled((), quantity.bound, unit, label)
     if answer.met is not None:
         description = "1 if the bound meets the requested accuracy"
         measured["accuracy_met"] = dimensionless(float(answer.met), description)
@@ -117,9 +117,14 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     area = float(np.count_nonzero(touching) * grid.cell_area)
     perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
     load = float(contact.pressure.sum()) * grid.cell_area / grid.length
-    scene_datum, datum = approach_datum(contact), common_datum(contact)
-    described = {"description": f"counted from {readable(datum)} beside the axis"} if datum else {}
-    farther = _compliance_between(contact, scene_datum, datum)
+    # A scene counts from Hertz's half-width, which changes with the load. Contacts of a sweep are compared from half
+    # the grid's width, or from the datum of an approach that is given; the padding may fix it.
+    datum, described, farther = approach_datum(contact), {}, 0.0
+    if datum is not None:
+        is_given = contact.problem.control.approach is not None
+        common = datum if is_given else grid.extent[0] / 2
+        described = {"description": f"counted from {readable(common)} beside the axis"}
+        farther = _compliance_between(scene, datum, common)
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
         "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
@@ -135,9 +140,8 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     if contact.pressure.any():
         near = normal_stiffness(contact)
         stiffness = 1 / (1 / near + farther)
-        measured["stiffness"] = labelled(
-            (), stiffness, "N m-2", "normal stiffness", description="d load / d approach"
-        )
+        what = {"description": "d load / d approach"}
+        measured["stiffness"] = labelled((), stiffness, "N m-2", "normal stiffness", **what)
         errors["stiffness"] = stiffness / near * _stiffness_error(contact, near)
     for name, error in errors.items():
         if (value := measured.get(name)) is not None:
@@ -147,27 +151,10 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     return measured
 
 
-def common_datum(contact: cs.Contact) -> float | None:
-    """Return the distance [m] from the axis that approaches of a sweep count from; None where the padding fixes it.
-
-    A scene counts from Hertz's half-width, which changes with the load. Contacts of a sweep are compared from half the
-    grid's width, or from the datum of an approach that is given.
-    """
-    datum = approach_datum(contact)
-    if datum is None or contact.problem.control.approach is not None:
-        return datum
-    return contact.grid.extent[0] / 2
-
-
-def _compliance_between(
-    contact: cs.Contact, near_datum: float | None, far_datum: float | None
-) -> float:
+def _compliance_between(scene: cs.Scene, near_datum: float, far_datum: float) -> float:
     """Return the further approach [m] from a farther datum [m], per load per length [N/m].
 
     The far displacement of a line load q is ``-2 q / (pi E*) ln r`` (Johnson 1985, eq. 2.20).
     """
-    if near_datum is None or far_datum is None:
-        return 0.0
-    assert contact.scene is not None
-    compliance = sum(getattr(body, "substrate", body).compliance for body in contact.scene.solids)
+    compliance = sum(getattr(body, "substrate", body).compliance for body in scene.solids)
     return 2 * compliance / pi * log(far_datum / near_datum)

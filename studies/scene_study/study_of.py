@@ -53,12 +53,9 @@ def posed(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
         chosen, about = _shared([points[number] for number in numbers])
         grids.update(zip(numbers, chosen, strict=True))
         notes += about
-    extent, about = _extent([grids[number] for number in range(len(points))])
-    if any(
-        isinstance(shape, Roughness) and shape.extent is None
-        for point in points
-        for shape in point.scene.shapes
-    ):
+    extent, about = _extent(list(grids.values()))
+    shapes = [shape for point in points for shape in point.scene.shapes]
+    if any(isinstance(shape, Roughness) and shape.extent is None for shape in shapes):
         notes += about
     placed = [_on(point, grids[number], extent) for number, point in enumerate(points)]
     return placed, tuple(dict.fromkeys(notes))
@@ -102,7 +99,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         notes = [
             "each film has its own grid, because inlet length and cell size depend on the film thickness"
         ]
-        return [_grid_of_plan(point) for point in points], notes
+        return [point.plan().grid for point in points], notes
     if first.grid is not None:
         note = f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
         return [first.grid] * len(points), [note]
@@ -124,30 +121,19 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         width = narrowest
     # a grid covers the middle of a longer measured surface
     period = min(periods) if measured else max(periods)
-    fits = (
-        len(periods) == 1
-        or measured
-        or not any(requirement.period_fault(period) for requirement in requirements)
-    )
-    if not fits:
+    is_common = len(periods) == 1 or measured
+    if not is_common and any(requirement.period_fault(period) for requirement in requirements):
         separate = f"no common period for {_counted(points)}: each has its own grid"
         return planned, [separate, *notes]
-    cells = (
-        halvable_count(width / min(grid.cell_size[0] for grid in planned)),
-        max(
-            1,
-            *(
-                halvable_count(period / grid.cell_size[1]) if grid.cells[1] > 1 else 1
-                for grid in planned
-            ),
-        ),
-    )
-    finest = cs.Grid(cells, (width, period))
+    across = halvable_count(width / min(grid.cell_size[0] for grid in planned))
+    varying = [grid for grid in planned if grid.cells[1] > 1]
+    along = max((halvable_count(period / grid.cell_size[1]) for grid in varying), default=1)
+    finest = cs.Grid((across, along), (width, period))
     grid = _fitting(finest, first)
     if grid != finest:
         needed = memory(finest, first.padding or requirements[0].padding())
         notes.append(
-            f"the common grid would need {cells[0]} x {cells[1]} cells and {needed / 1e9:.3g} GB, "
+            f"the common grid would need {across} x {along} cells and {needed / 1e9:.3g} GB, "
             f"and this machine has {available_bytes() / 1e9:.3g} GB: it is the finest that fits; give "
             "fewer values, a larger plan.error, or a grid"
         )
@@ -164,10 +150,10 @@ def _planned(
 ) -> list[cs.Grid]:
     """Return a planned grid for each point; of many points some are planned, and their finest cells are used for all."""
     if len(points) <= PLANNED:
-        return [_grid_of_plan(point) for point in points]
+        return [point.plan().grid for point in points]
     by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
     chosen = by_width[:: len(points) // (PLANNED - 1)] + by_width[-1:]
-    plans = {number: _grid_of_plan(points[number]) for number in chosen}
+    plans = {number: points[number].plan().grid for number in chosen}
     cells = [min(grid.cell_size[axis] for grid in plans.values()) for axis in (0, 1)]
     width = max(grid.extent[0] for grid in plans.values())
     grids = []
@@ -177,11 +163,6 @@ def _planned(
         grid = cs.Grid((halvable_count(width / cells[0]), along), (width, length))
         grids.append(plans.get(number) or _fitting(grid, point))
     return grids
-
-
-def _grid_of_plan(point: SceneFile) -> cs.Grid:
-    """Return the grid that is planned for a point and similar ones."""
-    return point.plan().grid
 
 
 def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
@@ -194,14 +175,12 @@ def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[
     """Return the extent of random surfaces without one, and a note on it; None if the periods have no common divisor."""
     width, period = max(grid.extent[0] for grid in grids), min(grid.length for grid in grids)
     if any(abs(grid.length / period - round(grid.length / period)) > 1e-9 for grid in grids):
-        differ = (
-            "random surfaces differ between grids, because their periods have no common divisor: give "
-            "Roughness an extent whose length divides all periods for one surface"
-        )
-        return None, [differ]
-    return (width, period), [
-        f"random surfaces have the extent {readable(width)} x {readable(period)} at all points"
-    ]
+        return None, [
+            "random surfaces differ between grids, because their periods have no common divisor: give Roughness an "
+            "extent whose length divides all periods for one surface"
+        ]
+    extent = f"{readable(width)} x {readable(period)}"
+    return (width, period), [f"random surfaces have the extent {extent} at all points"]
 
 
 def _size_text(grid: cs.Grid) -> str:
@@ -214,7 +193,7 @@ def _counted(points: Sequence[SceneFile]) -> str:
     return f"{len(points)} points" if len(points) > 1 else "1 point"
 
 
-ORDER = ("file", "window", "turn")  # a surface is read before it is cut and turned
+RANKS = {"file": 0, "window": 1, "turn": 2}  # a surface is read before it is cut and turned
 MOST = 100_000
 
 
@@ -332,15 +311,10 @@ def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Pa
 def _file_at(described: SceneFile, axes: list[Variation], point: tuple[Value, ...]) -> SceneFile:
     """Return the scene file at a point."""
     document = document_of(described)
-    for varied, value in sorted(zip(axes, point, strict=True), key=lambda pair: _rank(pair[0])):
+    values = zip(axes, point, strict=True)
+    for varied, value in sorted(values, key=lambda pair: RANKS.get(pair[0].field.path[-1], 3)):
         document = varied.apply(document, value)
     return scene_file_from(document)
-
-
-def _rank(varied: Variation) -> int:
-    """Return the position of a field in the order in which fields are applied."""
-    last = varied.field.path[-1]
-    return ORDER.index(last) if last in ORDER else len(ORDER)
 
 
 def _computation(case: Case, file: SceneFile) -> ReferencedCase:

@@ -86,9 +86,8 @@ def _expanded(field: str, part: str, whole: bool) -> list[object]:  # noqa: FBT0
     match = RANGE.fullmatch(part)
     if match is None:
         return [_plain(part)]
-    first, first_unit, last, last_unit, count, log, unit = (
-        (group or "").strip() for group in match.groups()
-    )
+    groups = ((group or "").strip() for group in match.groups())
+    first, first_unit, last, last_unit, count, log, unit = groups
     units = {group for group in (first_unit, last_unit, unit) if group}
     if len(units) > 1:
         raise InvalidInput(
@@ -208,11 +207,8 @@ def together(varied: Sequence[Variation]) -> Variation:
         for part in varied
         for field, values in part.changes
     )
-    labels = "; ".join(
-        f"{part.field.name} = {', '.join(str(value) for value in part.axis.values)}"
-        for part in varied[1:]
-    )
-    return Variation(axis, changes, (f"along {axis.name}: {labels}",))
+    labels = [f"{part.field.name} = {', '.join(map(str, part.axis.values))}" for part in varied[1:]]
+    return Variation(axis, changes, (f"along {axis.name}: {'; '.join(labels)}",))
 
 
 def variation(
@@ -262,11 +258,12 @@ def variation(
             values = {float(f"{label:.15g}"): made for label, made in values.items()}
         values = dict(sorted(values.items())) if order == "rising" else values
     else:
-        values = {
-            label if isinstance(label, str) else f"{label:.12g}": made
-            for label, made in values.items()
-        }
-    return Variation(_axis(document, field, tuple(values)), ((field, values),))
+        names = (label if isinstance(label, str) else f"{label:.12g}" for label in values)
+        values = dict(zip(names, values.values(), strict=True))
+    long_name = LONG_NAMES.get(field.name) or _long_name(document, field)
+    units = field.unit.replace("N/m", "N m-1") or "1"
+    axis = Axis("_".join(field.path), tuple(values), long_name, units)
+    return Variation(axis, ((field, values),))
 
 
 def _listed(name: str, values: object) -> list[object]:
@@ -327,14 +324,6 @@ def _label(made: Any, raw: object) -> Value:
     return str(raw)
 
 
-def _axis(document: SceneDocument, field: SceneField, values: tuple[Value, ...]) -> Axis:
-    """Return the axis of a field, with its long name and unit."""
-    units = field.unit.replace("N/m", "N m-1") or "1"
-    return Axis(
-        "_".join(field.path), values, LONG_NAMES.get(field.name, _long_name(document, field)), units
-    )
-
-
 def _long_name(document: SceneDocument, field: SceneField) -> str:
     """Return the long name of a field, such as "rms of Roughness"."""
     path = field.path
@@ -351,11 +340,8 @@ def _long_name(document: SceneDocument, field: SceneField) -> str:
 
 def _only_surface(document: SceneDocument, what: str) -> str:
     """Return the index of the only measured surface of the scene, as text."""
-    indices = [
-        str(number)
-        for number, shape in enumerate(document.shapes)
-        if isinstance(shape, MeasuredSurface)
-    ]
+    shapes = enumerate(document.shapes)
+    indices = [str(number) for number, shape in shapes if isinstance(shape, MeasuredSurface)]
     if len(indices) != 1:
         raise InvalidInput(
             f"{what} are varied, but the scene has {len(indices)} shapes of the kind MeasuredSurface: give it one"
@@ -394,13 +380,8 @@ def _resolved(items: Iterable[Any], folder: Path) -> list[Any]:
     for item in items:
         if not isinstance(item, str | Path):
             # containers of the package SurfaceTopography hold several
-            surfaces += (
-                list(item)
-                if hasattr(item, "__iter__")
-                and not hasattr(item, "dims")
-                and not hasattr(item, "heights")
-                else [item]
-            )
+            is_one = hasattr(item, "dims") or hasattr(item, "heights")
+            surfaces += list(item) if hasattr(item, "__iter__") and not is_one else [item]
             continue
         pattern = str(item).strip()
         # relative to the working directory, then to the scene
@@ -432,17 +413,14 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
 def _windows(document: SceneDocument, windows_given: object) -> Variation:
     """Return equal windows of a surface as an axis, such as ``2x6`` across and along."""
     field = SceneField(("shapes", _only_surface(document, "windows"), "window"), Window)
-    text = (
-        windows_given
-        if isinstance(windows_given, str)
-        else "x".join(map(str, _listed(WINDOWS, windows_given)))
-    )
+    text = windows_given
+    if not isinstance(text, str):
+        text = "x".join(map(str, _listed(WINDOWS, windows_given)))
     parts = text.replace(" ", "").split("x")
     if len(parts) != 2 or not all(part.isdigit() for part in parts):
         raise InvalidInput(f"windows is {text!r}: give how many across and along, such as 2x6.")
     tiles = int(parts[0]), int(parts[1])
-    count = tiles[0] * tiles[1]
-    values: dict[Value, Any] = {number: Window(tiles, number) for number in range(count)}
+    values: dict[Value, Any] = {n: Window(tiles, n) for n in range(tiles[0] * tiles[1])}
     if not values:
         raise InvalidInput(f"windows is {text!r}: give at least 1x1.")
     long_name = f"window of the surface, {tiles[0]} across and {tiles[1]} along it"
@@ -451,13 +429,12 @@ def _windows(document: SceneDocument, windows_given: object) -> Variation:
 
 def _with_surface(document: SceneDocument, path: tuple[str, ...], new: Any) -> SceneDocument:
     """Return `document` with another surface, with a window of its surface, or with it turned."""
-    number = int(path[1])
-    shape = document.shapes[number]
+    shape = document.shapes[int(path[1])]
     assert isinstance(shape, MeasuredSurface)
     if path[-1] == "file":
-        surface = new
+        shape = new
     elif path[-1] == "window":
-        surface = shape.cut(new)
-    else:
-        surface = shape.turned() if (new is Turn.QUARTER) != shape.is_turned else shape
-    return replaced(document, path[:2], surface)  # type: ignore[no-any-return]
+        shape = shape.cut(new)
+    elif (new is Turn.QUARTER) != shape.is_turned:
+        shape = shape.turned()
+    return replaced(document, path[:2], shape)  # type: ignore[no-any-return]

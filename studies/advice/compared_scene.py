@@ -128,21 +128,14 @@ class ComparedScene:
     @cached_property
     def exact(self) -> "cs.analytic.HertzLine | None":
         """Hertz's line contact where it is the exact solution: a smooth elastic cylinder; else None."""
-        if (
-            self.scene.hertz is None
-            or self.is_free
-            or self.scene.outputs
-            or not _is_at_rest(self.scene)
-        ):
+        scene = self.scene
+        if scene.hertz is None or self.is_free or scene.outputs or not _is_at_rest(scene):
             return None
-        requirements = grid_requirements(self.scene)
+        requirements = grid_requirements(scene)
         hertz = requirements.hertz
+        is_elastic = scene.hardness > hertz.peak_pressure
         fits = 2 * hertz.half_width < self.extent[0]
-        return (
-            hertz
-            if requirements.is_smooth and fits and self.scene.hardness > hertz.peak_pressure
-            else None
-        )
+        return hertz if requirements.is_smooth and fits and is_elastic else None
 
 
 def last_of(answer: Answer) -> cs.Contact | cs.LubricatedContact:
@@ -211,15 +204,8 @@ class SceneText:
     def key(self) -> str:
         """Text that is equal for equal scenes alone."""
         file = self.file
-        parts = (
-            file.scene,
-            file.grid,
-            file.padding,
-            file.settings,
-            file.time_steps,
-            file.plan_settings.period,
-        )
-        return key(canonical(parts))
+        solved = file.scene, file.grid, file.padding, file.settings, file.time_steps
+        return key(canonical((*solved, file.plan_settings.period)))
 
     def subject(self, error: float = QUICK_ERROR) -> "ComparedScene":
         """Return the scene on an extent, where the requested error matters little."""
@@ -281,9 +267,8 @@ def compared_scene(
             f"{name} has no curved shape, so that it has no width of its own: give it a [grid]."
         )
     elif at_rest:
-        grid = grid_requirements(scene).grid(
-            max(error, QUICK_ERROR), described.plan_settings.period
-        )
+        period = described.plan_settings.period
+        grid = grid_requirements(scene).grid(max(error, QUICK_ERROR), period)
     else:
         grid = described.plan().grid
     if scene.hertz is not None:
@@ -310,9 +295,8 @@ def compared_scene(
         text,
         tuple(notes),
     )
-    return (
-        with_balanced_cells(subject, grid.cells) if described.grid is None and at_rest else subject
-    )
+    is_balanced = described.grid is None and at_rest
+    return with_balanced_cells(subject, grid.cells) if is_balanced else subject
 
 
 def _with_limited_aspect(cells: tuple[int, int]) -> tuple[int, int]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite, nan
+from math import isfinite, nan
 
 import numpy as np
 
@@ -24,15 +24,11 @@ LINE = "exact, one cell along"
 def name_and_images(padding: cs.Padding | cs.Paddings) -> tuple[str, int]:
     """Return the name of a padding and its number of images, 0 if it counts none."""
     if isinstance(padding, tuple):
-        names = {name_and_images(axis)[0] for axis in padding}
-        return (
-            FREE if names == {"zero"} else " by ".join(name_and_images(axis)[0] for axis in padding)
-        ), 0
+        names = [name_and_images(axis)[0] for axis in padding]
+        return FREE if set(names) == {"zero"} else " by ".join(names), 0
     images = getattr(padding, "images", 0)
-    name = next(
-        (name for name, make in PADDINGS.items() if type(make(1)) is type(padding)), repr(padding)
-    )
-    return name, images
+    named = (name for name, make in PADDINGS.items() if type(make(1)) is type(padding))
+    return next(named, repr(padding)), images
 
 
 def label_of(padding: cs.Padding | cs.Paddings) -> str:
@@ -206,9 +202,8 @@ class Comparison:
     @property
     def labels(self) -> list[str]:
         """Names of all paddings that were timed, the scene's own first."""
-        return list(
-            dict.fromkeys([self.boundary_label, *(measured.label for measured in self.settings)])
-        )
+        timed = (measured.label for measured in self.settings)
+        return list(dict.fromkeys([self.boundary_label, *timed]))
 
     def settings_meeting(self, error: float) -> list[Measured]:
         """Return the settings that meet an error with the reference's own bound added, from the quickest."""
@@ -224,11 +219,12 @@ class Comparison:
 
         One that took no part in the rounds must be quicker by a quarter than one that did.
         """
+
+        def expected(measured: Measured) -> float:
+            return measured.time * (1 if measured.rounds else FACTOR_WITHOUT_ROUNDS)
+
         quickest: dict[str, Measured] = {}
-        for measured in sorted(
-            self.settings_meeting(error),
-            key=lambda measured: measured.time * (1 if measured.rounds else FACTOR_WITHOUT_ROUNDS),
-        ):
+        for measured in sorted(self.settings_meeting(error), key=expected):
             quickest.setdefault(measured.label, measured)
         return dict(sorted(quickest.items(), key=lambda pair: pair[1].time))
 
@@ -250,16 +246,13 @@ class Comparison:
         error = self.error if error is None else error
         meeting = self.settings_meeting(error)
         if not meeting:
-            candidates = [measured for measured in self.settings if measured.is_bounded] or list(
-                self.settings
-            )
+            bounded = [measured for measured in self.settings if measured.is_bounded]
+            candidates = bounded or self.settings
             if not candidates:
                 return None
-            own_settings = [
-                measured for measured in candidates if measured.label == self.boundary_label
-            ]
             best = min(candidates, key=_by_error)
-            nearest = min(own_settings, key=_by_error, default=best)
+            own = (item for item in candidates if item.label == self.boundary_label)
+            nearest = min(own, key=_by_error, default=best)
             # below the reference's own bound errors are equal
             if nearest.error <= best.error + self.reference_bound:
                 best = nearest
@@ -278,11 +271,8 @@ class Comparison:
     def _coarser(self, best: Measured) -> Measured | None:
         """Return the next coarser setting of the same padding."""
         cells = np.prod(best.setting.cells)
-        coarser = [
-            measured
-            for measured in self.settings_of(best.label)
-            if np.prod(measured.setting.cells) < cells
-        ]
+        line = self.settings_of(best.label)
+        coarser = [measured for measured in line if np.prod(measured.setting.cells) < cells]
         return coarser[-1] if coarser else None
 
 
@@ -294,16 +284,11 @@ def _by_error(measured: Measured) -> tuple[float, float]:
 def _alternative(measured: Measured, best: Measured) -> Alternative:
     """Return a setting with its time over that of the best one."""
     rounds = min(len(measured.rounds), len(best.rounds))
-    median_ratio, probability = median_ratio_and_p(measured.rounds[:rounds], best.rounds[:rounds])
-    return Alternative(
-        measured, median_ratio if isfinite(median_ratio) else measured.time / best.time, probability
-    )
+    ratio, probability = median_ratio_and_p(measured.rounds[:rounds], best.rounds[:rounds])
+    ratio = ratio if isfinite(ratio) else measured.time / best.time
+    return Alternative(measured, ratio, probability)
 
 
 def with_envelope(errors: Sequence[float]) -> list[float]:
     """Return the largest of each error and all after it, of errors on ever finer grids."""
-    enveloped, largest = [], -inf
-    for error in reversed(errors):
-        largest = max(largest, error)
-        enveloped.append(largest)
-    return enveloped[::-1]
+    return [float(error) for error in np.fmax.accumulate(errors[::-1])[::-1]]

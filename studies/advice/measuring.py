@@ -130,9 +130,7 @@ class _Measurement:
         multiple = self._comparison_multiple()
         paddings = self._paddings(multiple)
         tolerances = self._tolerances(multiple)
-        bounds = {"pressure_l1": 0.0}
-        if subject.exact is None:
-            bounds = self._bounds_of_reference()
+        bounds = self._bounds_of_reference() if subject.exact is None else {"pressure_l1": 0.0}
         reference_bound = bounds["pressure_l1"]
         self._settings(paddings, reference_bound)
         if not self.settings:
@@ -225,12 +223,8 @@ class _Measurement:
     def _tolerances(self, multiple: int) -> dict[float, float]:
         """Return the error by each tolerance, on the comparison grid, from the loosest."""
         has_time = seconds_left_for(self.budget, MAX_TOLERANCES_FRACTION)
-        errors = {}
-        for tolerance in TOLERANCES:
-            error = self._error_by(tolerance, multiple) if has_time() else None
-            if error is not None:
-                errors[tolerance] = error
-        return errors
+        errors = {part: self._error_by(part, multiple) for part in TOLERANCES if has_time()}
+        return {tolerance: error for tolerance, error in errors.items() if error is not None}
 
     def _error_by(self, tolerance: float, multiple: int) -> float | None:
         """Return the error by a tolerance on a level; None where the steps of the scene refuse a tolerance as loose."""
@@ -278,9 +272,7 @@ class _Measurement:
         levels: list[_GridLevel] = []
         for multiple in self._multiples():
             # where a coarser answer has a bound, a finer one has
-            level = self._grid_level(
-                multiple, is_bounded=any(measured.is_bounded for measured in levels)
-            )
+            level = self._grid_level(multiple, is_bounded=any(level.is_bounded for level in levels))
             levels += [] if level is None else [level]
         if not levels:
             return
@@ -300,10 +292,7 @@ class _Measurement:
         if self.subject.exact is not None and self.subject.unit[1] > 1:
             line = replace(self.subject, unit=(self.subject.unit[0], 1))
             candidates.insert(0, (line, cs.ExactPeriodicity(), LINE))
-        times = {
-            level.multiple: measured.time
-            for level, measured in zip(levels, own_settings, strict=True)
-        }
+        times = {level.multiple: own.time for level, own in zip(levels, own_settings, strict=True)}
         outside = [level for level in levels if level not in levels[near]]
         untimed: list[str] = []
         for part in (levels[near], outside):
@@ -331,11 +320,10 @@ class _Measurement:
     def _is_timed(self, item: PaddingError, paddings: Sequence[PaddingError]) -> bool:
         """Return whether a padding is timed: without an n, with a small one, or with the largest if that is needed."""
         images = getattr(item.padding, "images", 0)
-        is_short = any(
-            candidate.l1 > TOLERANCE_FRACTION * self.error
-            for candidate in paddings
-            if getattr(candidate.padding, "images", 0) == max(TIMED_IMAGES)
-        )
+        longest = [
+            part for part in paddings if getattr(part.padding, "images", 0) == max(TIMED_IMAGES)
+        ]
+        is_short = any(part.l1 > TOLERANCE_FRACTION * self.error for part in longest)
         return images in (0, *TIMED_IMAGES) or (is_short and images == max(CIRCULAR_IMAGES))
 
     def _grid_level(self, multiple: int, *, is_bounded: bool) -> "_GridLevel | None":
@@ -376,11 +364,11 @@ class _Measurement:
                 grown = prod(setting.cells) / prod(before.setting.cells)
                 if seconds > REPEAT_FACTOR * grown * before.time:
                     seconds = min(seconds, timed_call(partial(subject.solve, setting))[0])
-            is_bounded = level.is_bounded and not failure_of(answer)
-            error = self._error(answer)
-            rows.append(
-                Measured(setting, label or label_of(padding), error, is_bounded, (seconds,))
+            name, is_bounded = (
+                label or label_of(padding),
+                level.is_bounded and not failure_of(answer),
             )
+            rows.append(Measured(setting, name, self._error(answer), is_bounded, (seconds,)))
         self.settings += rows
         return rows
 
@@ -398,14 +386,12 @@ class _Measurement:
 
     def _error(self, answer: Answer) -> float:
         """Return the relative L1 error of an answer against the reference."""
+        pressure, hertz = pressure_of(answer), self.subject.exact
         if self.reference is not None:
-            return relative_l1(
-                pressure_of(answer), pressure_of(self.nested.answers[self.reference])
-            )
-        hertz, shape = self.subject.exact, pressure_of(answer).shape
+            return relative_l1(pressure, pressure_of(self.nested.answers[self.reference]))
         assert hertz is not None
-        grid = self.subject.grid((shape[0], shape[1]))
-        return relative_l1(pressure_of(answer), hertz_means(hertz, grid))
+        grid = self.subject.grid((pressure.shape[0], pressure.shape[1]))
+        return relative_l1(pressure, hertz_means(hertz, grid))
 
     def _timed_in_rounds(self, comparison: Comparison) -> Comparison:
         """Return the comparison with the times of its best settings, taken in turns."""

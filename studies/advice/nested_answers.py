@@ -117,10 +117,9 @@ class NestedAnswers:
         Raises :class:`~contactstudy.InvalidInput` for a scene without a solution on any finer grid.
         """
         start = process_time()
+        setting = Setting(self.subject.boundary, self.cells(multiple), TIGHT_TOLERANCE)
         try:
-            answer = self.subject.solve(
-                Setting(self.subject.boundary, self.cells(multiple), TIGHT_TOLERANCE)
-            )
+            answer = self.subject.solve(setting)
         except cs.InvalidInput:
             if multiple >= RESOLVED_FROM:
                 raise
@@ -147,10 +146,8 @@ class NestedAnswers:
         """
         if not self.answers:
             self.solve(MULTIPLES[0])  # warms up
-            if (
-                self.budget.slowdown * self.times.get(MULTIPLES[0], 0.0)
-                < FIRST_FRACTION * self.budget.seconds
-            ):
+            took = self.budget.slowdown * self.times.get(MULTIPLES[0], 0.0)
+            if took < FIRST_FRACTION * self.budget.seconds:
                 self.solve(MULTIPLES[0])
         for multiple in MULTIPLES:
             if multiple in self.answers or not is_needed(multiple):
@@ -182,20 +179,15 @@ class NestedAnswers:
 
     def forecast(self, multiple: int) -> float:
         """Return the expected processor time [s] of a solve, extrapolated from two coarser grids by a power law."""
+        sizes = {part: prod(self.cells(part)) for part in (*self.answers, multiple)}
         finest = max(self.answers)
-        size = self._size(multiple) / self._size(finest)
         exponent = TIME_EXPONENTS[1]
-        before = [m for m in self.answers if self._size(m) <= self._size(finest) / 3]
-        if before:
+        if before := [part for part in self.answers if sizes[part] <= sizes[finest] / 3]:
             coarse = max(before)
             grown = log(self.times[finest] / self.times[coarse])
-            exponent = grown / log(self._size(finest) / self._size(coarse))
-        return float(
-            self.times[finest] * size ** min(max(exponent, TIME_EXPONENTS[0]), TIME_EXPONENTS[1])
-        )
-
-    def _size(self, multiple: int) -> int:
-        return prod(self.cells(multiple))
+            exponent = grown / log(sizes[finest] / sizes[coarse])
+        exponent = min(max(exponent, TIME_EXPONENTS[0]), TIME_EXPONENTS[1])
+        return float(self.times[finest] * (sizes[multiple] / sizes[finest]) ** exponent)
 
     def reference(self) -> int:
         """Return the multiple of the reference: the finest grid in which the others nest, fine enough if affordable."""

@@ -1,7 +1,7 @@
 """Nested grids of one extent: cells 2^k and 1.5 x 2^k times those of a coarsest grid of about 12."""
 
-from collections.abc import Sequence
-from math import inf, log
+from itertools import product
+from math import log
 
 # Cells along the shorter axis of the coarsest common grid, of which every grid has an even multiple.
 UNIT = (4, 5, 6, 8)
@@ -19,26 +19,14 @@ def unit_of(cells: tuple[int, int]) -> tuple[int, int]:
     if along == 1:
         return UNIT[2], 1
     ratio = max(across, along) / min(across, along)
-    smooth = [n for n in range(1, LARGEST_UNIT + 1) if _is_smooth(n)]
-    least = inf
-    best = (1, 1)
-    for short in UNIT:
-        for long in smooth:
-            # prefer a unit of 6 cells: most other grids share its multiples
-            deviation = abs(log(long / short / ratio)) + (0.02 if short != 6 else 0.0)
-            if deviation < least:
-                least, best = deviation, (short, long)
-    return best if along >= across else (best[1], best[0])
+    smooth = [n for n in range(1, LARGEST_UNIT + 1) if 30**10 % n == 0]  # 1024 is 2^10
 
+    def deviation(unit: tuple[int, int]) -> float:
+        # prefer a unit of 6 cells: most other grids share its multiples
+        return abs(log(unit[1] / unit[0] / ratio)) + (0.02 if unit[0] != 6 else 0.0)
 
-def grids(unit: tuple[int, int], max_cells: int) -> Sequence[tuple[int, tuple[int, int]]]:
-    """Return every multiple of the unit with its cells (across, along), up to `max_cells` cells in all."""
-    return [
-        (multiple, cells)
-        for multiple in MULTIPLES
-        for cells in [cells_at(unit, multiple)]
-        if cells[0] * cells[1] <= max_cells
-    ]
+    short, long = min(product(UNIT, smooth), key=deviation)
+    return (short, long) if along >= across else (long, short)
 
 
 def cells_at(unit: tuple[int, int], multiple: int) -> tuple[int, int]:
@@ -50,11 +38,3 @@ def cells_at(unit: tuple[int, int], multiple: int) -> tuple[int, int]:
 def is_reference(multiple: int) -> bool:
     """Return whether every grid with at most a third of these cells nests in this one, as in multiples 3 x 2^k."""
     return multiple % 3 == 0
-
-
-def _is_smooth(count: int) -> bool:
-    """Return whether a number has no prime factor above 5."""
-    for factor in (2, 3, 5):
-        while count % factor == 0:
-            count //= factor
-    return count == 1

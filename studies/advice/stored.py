@@ -63,6 +63,7 @@ def to_dataset(comparison: Comparison) -> xr.Dataset:
     settings, paddings = comparison.settings, comparison.paddings
     quantities = sorted({name for item in paddings for name in item.changes})
     changes = [[item.changes.get(name, np.nan) for name in quantities] for item in paddings]
+    table = np.array(changes).reshape(len(paddings), len(quantities))
     data = {
         "padding": ("setting", [as_text(item.setting.padding) for item in settings]),
         "label": ("setting", [item.label for item in settings]),
@@ -75,16 +76,11 @@ def to_dataset(comparison: Comparison) -> xr.Dataset:
         "time_in_rounds": (("setting", "round"), _padded([item.rounds for item in settings]), TIME),
         "padding_alone": ("alone", [as_text(item.padding) for item in paddings]),
         "padding_error_l1": ("alone", [item.l1 for item in paddings], ERROR),
-        "padding_change": (
-            ("alone", "quantity"),
-            np.array(changes).reshape(len(paddings), len(quantities)),
-        ),
+        "padding_change": (("alone", "quantity"), table),
         "tolerance_error_l1": ("tolerance", list(comparison.tolerances.values()), ERROR),
     }
-    coords = {
-        "quantity": np.array(quantities, dtype=object),
-        "tolerance": list(comparison.tolerances),
-    }
+    names = np.array(quantities, dtype=object)
+    coords = {"quantity": names, "tolerance": list(comparison.tolerances)}
     texts = {name: getattr(comparison, name) for name in AS_JSON}
     attributes = {
         "title": f"Settings of {comparison.name}", "scene": comparison.text, "own": as_text(comparison.boundary),
@@ -95,8 +91,9 @@ def to_dataset(comparison: Comparison) -> xr.Dataset:
 
 def from_dataset(dataset: xr.Dataset) -> Comparison:
     """Return the comparison in a Dataset."""
+    variables = dataset.variables
     values: dict[str, list[Any]] = {
-        str(name): dataset[name].values.tolist() for name in dataset.variables
+        str(name): variables[name].values.tolist() for name in variables
     }
     rows = zip(*(values[name] for name in SETTING), strict=True)
     settings = tuple(
@@ -106,26 +103,18 @@ def from_dataset(dataset: xr.Dataset) -> Comparison:
         )
         for padding, across, along, tolerance, label, error, bounded, times, rounds in rows
     )  # fmt: skip
-    alone = zip(
-        values["padding_alone"], values["padding_error_l1"], values["padding_change"], strict=True
+    columns = (values[name] for name in ("padding_alone", "padding_error_l1", "padding_change"))
+    paddings = tuple(
+        PaddingError(from_text(text), error, {name: part for name, part in row if isfinite(part)})
+        for text, error, changes in zip(*columns, strict=True)
+        for row in [zip(values["quantity"], changes, strict=True)]
     )
     attributes = json.loads(dataset.attrs["comparison"])
     tuples = {name: tuple(value) for name, value in attributes.items() if isinstance(value, list)}
     return Comparison(
         **attributes | tuples,
         boundary=from_text(dataset.attrs["own"]),
-        paddings=tuple(
-            PaddingError(
-                from_text(text),
-                error,
-                {
-                    name: change
-                    for name, change in zip(values["quantity"], changes, strict=True)
-                    if isfinite(change)
-                },
-            )
-            for text, error, changes in alone
-        ),
+        paddings=paddings,
         tolerances=dict(zip(values["tolerance"], values["tolerance_error_l1"], strict=True)),
         settings=settings,
     )
@@ -148,10 +137,10 @@ def from_text(text: str) -> cs.Padding | cs.Paddings:
 
 def _padded(rows: Sequence[tuple[float, ...]]) -> np.ndarray:
     """Return times of all settings in rows of one length, filled with nan."""
-    length = max((len(row) for row in rows), default=1)
-    return np.array([[*row, *[np.nan] * (max(length, 1) - len(row))] for row in rows]).reshape(
-        len(rows), max(length, 1)
-    )
+    padded = np.full((len(rows), max([1, *map(len, rows)])), np.nan)
+    for line, row in zip(padded, rows, strict=True):
+        line[: len(row)] = row
+    return padded
 
 
 def _known(times: Sequence[float]) -> tuple[float, ...]:

@@ -128,11 +128,11 @@ class Results:
 
     def _serves(self, record: Record) -> bool:
         """Return whether the stored record of a case is enough for the options."""
-        wants_fields = self.options.fields == "kept" and record.case_status is CaseStatus.OK
-        return record.case_status not in self.options.retry and (
-            not wants_fields
-            or load_fields(self.fields_folder, record.key, record.stamp, self.log) is not None
-        )
+        if record.case_status in self.options.retry:
+            return False
+        if self.options.fields != "kept" or record.case_status is not CaseStatus.OK:
+            return True
+        return load_fields(self.fields_folder, record.key, record.stamp, self.log) is not None
 
     def adopt(self, missing: Sequence[str]) -> list[str]:
         """Store the missing cases that other studies in the folder hold, with their times; return the others."""

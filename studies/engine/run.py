@@ -98,11 +98,8 @@ def estimate_cost(
     cases, missing = results.request.cases, results.missing()
     runs = sum(results.times_missing().values()) + results.repeats * len(missing)
     counts = (len(results.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
-    log(
-        "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take".format(
-            *(round(scale * count) for count in counts)
-        )
-    )
+    text = "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take"
+    log(text.format(*(round(scale * count) for count in counts)))
     seconds = planned_seconds([cases[name] for name in missing])
     if seconds is None:
         log("the time is not known: its cases are not scenes on a grid, and have no plan")
@@ -145,12 +142,9 @@ class _Run:
         self.study, self.request, self.journal = results.study, results.request, results.journal
         self.options, self.log = results.options, results.log
         self._has_warned = False
-        self.work = RunSettings(
-            self.study.measures,
-            self.options.fields == "kept",
-            self.options.time_limit,
-            frozenset(axis.name for axis in self.study.axes),
-        )
+        axes, keeps_fields = {axis.name for axis in self.study.axes}, self.options.fields == "kept"
+        limit = self.options.time_limit
+        self.work = RunSettings(self.study.measures, keeps_fields, limit, frozenset(axes))
 
     def execute(self) -> xr.Dataset:
         """Compute, time and write the missing cases, and return the Dataset."""
@@ -220,9 +214,8 @@ class _Run:
                 progress.update(unsynced)
                 unsynced = 0
                 timing = repeats * solved_seconds / progress.n * len(missing)
-                progress.set_postfix_str(
-                    f"then {timing:.0f} s timing" if timing else "", refresh=False
-                )
+                text = f"then {timing:.0f} s timing" if timing else ""
+                progress.set_postfix_str(text, refresh=False)
             if outcome.case_status is not CaseStatus.OK and self.options.after_failure == "stop":
                 self.log(f"a case failed: {outcome.error}")
                 raise _FirstFailureError

@@ -113,23 +113,17 @@ class HardCase:
         """Return the error of the pressure and the error stated for it, over the peak pressure."""
         highest = float(solution.pressure.max())
         unit = solution.problem.scales.pressure
-        equivalent_solution, bound = None, 0.0
-        if self.equivalent is not None:
-            equivalent_solution = self.solve(
-                self.equivalent.scene.problem(self.equivalent.grid, padding), solver
-            )
-            bound = self.equivalent.tolerance
-        if self.equivalent is None or self.equivalent.other_heights:
+        form, bound = self.equivalent, 0.0
+        if form is None or form.other_heights:
             dense = answer(self.scene, self.grid, across_and_along(padding), solution)
             bound += stated_error(solution, dense) * unit / highest
             reference = dense.pressure * unit
-        if equivalent_solution is not None:
-            assert self.equivalent is not None
-            reference = self.equivalent.to_original(equivalent_solution.pressure)
-            if self.equivalent.other_heights:
-                gap_change = (
-                    equivalent_solution.problem.undeformed_gap - solution.problem.undeformed_gap
-                )
+        if form is not None:
+            problem = form.scene.problem(form.grid, padding)
+            reference = form.to_original(self.solve(problem, solver).pressure)
+            bound += form.tolerance
+            if form.other_heights:
+                gap_change = problem.undeformed_gap - solution.problem.undeformed_gap
                 height_change = float(np.linalg.norm(gap_change)) / solution.problem.scales.gap
                 bound += height_change / dense.smallest_eigenvalue * unit / highest
         return float(np.abs(reference - solution.pressure).max()) / highest, bound
@@ -157,11 +151,6 @@ CELLS = (24, 12)
 ROUGH = 0.1 * noise()
 
 
-def _divided(unit: float, pressure: Array) -> Array:
-    """Return a pressure in another unit."""
-    return pressure / unit
-
-
 def units() -> dict[str, HardCase]:
     """Return the rough contact with every number in another unit."""
     cases = {}
@@ -184,7 +173,7 @@ def units() -> dict[str, HardCase]:
             plain,
             grid(),
             AT_EDGE,
-            EquivalentForm(converted, grid(metre=metre), partial(_divided, pascal), 1e-10),
+            EquivalentForm(converted, grid(metre=metre), partial(np.multiply, 1 / pascal), 1e-10),
             options=cs.SolveOptions(tolerance=1e-12),
         )
     return cases
@@ -193,31 +182,21 @@ def units() -> dict[str, HardCase]:
 def perturbation() -> dict[str, HardCase]:
     """Return the rough contact with changed heights, shifted, mirrored, over two periods, or with two curved bodies."""
     scene = with_heights(ROUGH)
-    double = np.tile(ROUGH, 2)
+    double = with_heights(np.tile(ROUGH, 2))
     half = replace(SCENE, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
     on = grid()
 
     def case(
         hard: str, equivalent: EquivalentForm, paddings: tuple[str, ...] = tuple(PADDINGS)
     ) -> HardCase:
-        return HardCase(
-            "perturbation",
-            hard,
-            scene,
-            on,
-            ENDED,
-            equivalent,
-            cs.SolveOptions(tolerance=1e-12),
-            paddings=paddings,
-        )
+        plain = HardCase("perturbation", hard, scene, on, ENDED, equivalent, paddings=paddings)
+        return replace(plain, options=cs.SolveOptions(tolerance=1e-12))
 
-    wrapping = tuple(
-        name for name, padding in PADDINGS.items() if across_and_along(padding)[1].wraps
-    )
-    endless = tuple(
-        name for name, padding in PADDINGS.items() if across_and_along(padding)[1].window is None
-    )
-
+    along = {name: across_and_along(padding)[1] for name, padding in PADDINGS.items()}
+    wrapping = tuple(name for name, padding in along.items() if padding.wraps)
+    endless = tuple(name for name, padding in along.items() if padding.window is None)
+    rolled = with_heights(np.roll(ROUGH, 5, 1))
+    back = partial(np.roll, shift=-5, axis=1)
     nudged = ROUGH + 1e-10 * ROUGH.std() * noise(seed=5)
     return {
         "heights nudged by 1e-10": case(
@@ -226,12 +205,7 @@ def perturbation() -> dict[str, HardCase]:
         ),
         "moved by whole cells": case(
             "the surface moves by five cells along",
-            EquivalentForm(
-                with_heights(np.roll(ROUGH, 5, 1)),
-                on,
-                lambda pressure: np.roll(pressure, -5, 1),
-                1e-9,
-            ),
+            EquivalentForm(rolled, on, back, 1e-9),
             wrapping,
         ),
         "mirrored along": case(
@@ -245,10 +219,7 @@ def perturbation() -> dict[str, HardCase]:
         "twice the period": case(
             "two periods of the surface as one domain",
             EquivalentForm(
-                with_heights(double),
-                grid((24, 24), period=2.4),
-                lambda pressure: pressure[:, :12],
-                1e-9,
+                double, grid((24, 24), period=2.4), lambda pressure: pressure[:, :12], 1e-9
             ),
             endless,
         ),

@@ -1,6 +1,7 @@
 """The hard cases, by name and group."""
 
 from dataclasses import replace
+from functools import partial
 from math import inf
 
 import numpy as np
@@ -54,39 +55,25 @@ def _distance() -> dict[str, HardCase]:
 def _load() -> dict[str, HardCase]:
     """Return contacts with extreme loads and contact areas."""
 
-    def case(hard: str, scene: cs.Scene, on: cs.Grid, ends: frozenset[cs.Status]) -> HardCase:
-        return HardCase("load", hard, scene, on, ends)
-
+    case = partial(HardCase, "load")
     faint = replace(SCENE, load=cs.LineLoad(1e-30))
     heavy = replace(SCENE, load=cs.LineLoad(1e30))
+    spike = with_heights(np.eye(1, 288, 150).reshape(CELLS) * 30)
+    far, coarse = with_heights(ROUGH + 1e6), with_heights(noise())
     wavy = replace(FLAT, shapes=(cs.Waviness(1e-3 * GAP_SCALE, along=1.2 * A),))
     return {
         "one row of cells touches": case(
-            "a contact a twentieth of a cell wide", SCENE, grid((25, 4), 1000.0), ENDED
+            "a contact a twentieth of a cell wide", SCENE, grid((25, 4), 1000.0)
         ),
-        "one cell touches": case(
-            "a spike alone carries the load",
-            with_heights(np.eye(1, 288, 150).reshape(CELLS) * 30),
-            grid(),
-            ENDED,
-        ),
+        "one cell touches": case("a spike alone carries the load", spike, grid()),
         "contact reaches the edge": case(
             "a width of 1.5 half-widths", SCENE, grid(width=1.5), AT_EDGE
         ),
         "full contact": case("no cell is free of pressure", wavy, grid(), AT_EDGE),
-        "faint load": case("1e-30 N/m, a contact of 1e-17 cells", faint, grid(), ENDED),
-        "far from its datum": case(
-            "heights counted from 1e6 times what is flattened",
-            with_heights(ROUGH + 1e6),
-            grid(),
-            ENDED,
-        ),
-        "coarse cells": HardCase(
-            "load",
-            "rough cells 40 times as wide as the contact",
-            with_heights(noise()),
-            grid(CELLS, 1e3, 1e3),
-            ENDED,
+        "faint load": case("1e-30 N/m, a contact of 1e-17 cells", faint, grid()),
+        "far from its datum": case("heights counted from 1e6 times what is flattened", far, grid()),
+        "coarse cells": case(
+            "rough cells 40 times as wide as the contact", coarse, grid(CELLS, 1e3, 1e3)
         ),
         "shape flattened": case(
             "1e30 N/m, the cylinder is no more than flat", heavy, grid(), AT_EDGE
@@ -97,58 +84,42 @@ def _load() -> dict[str, HardCase]:
 def _material() -> dict[str, HardCase]:
     """Return contacts with extreme moduli, Poisson's ratios and hardnesses."""
 
-    def pair(first: cs.HalfSpace, second: cs.HalfSpace) -> cs.Scene:
-        return replace(SCENE, solids=(first, second))
-
     rigid, cork = cs.HalfSpace(inf, 0.3), cs.HalfSpace(210e9, 0.0)
-    rubber, soft = cs.HalfSpace(210e9, 0.5), cs.HalfSpace(210e3, 0.3)
+    rubber, foam = cs.HalfSpace(210e9, 0.5), cs.HalfSpace(210e3, 0.3)
     bodies = {
-        "rigid on elastic": (pair(rigid, STEEL), "one body is rigid"),
-        "Poisson's ratio 0": (pair(cork, cork), "nu = 0"),
-        "Poisson's ratio 0.5": (pair(rubber, rubber), "nu = 0.5, incompressible"),
-        "moduli 1:10^6": (pair(STEEL, soft), "moduli a factor of 10^6 apart"),
+        "rigid on elastic": ((rigid, STEEL), "one body is rigid"),
+        "Poisson's ratio 0": ((cork, cork), "nu = 0"),
+        "Poisson's ratio 0.5": ((rubber, rubber), "nu = 0.5, incompressible"),
+        "moduli 1:10^6": ((STEEL, foam), "moduli a factor of 10^6 apart"),
     }
     cases = {}
-    for name, (scene, hard) in bodies.items():
+    for name, (solids, hard) in bodies.items():
+        scene = replace(SCENE, solids=solids)
         hertz = scene.hertz
         assert hertz is not None
         extent = (2.4 * hertz.half_width, 1.2 * hertz.half_width)
         cases[name] = HardCase("material", hard, scene, cs.Grid(CELLS, extent))
+    wide = grid(width=4.8)
     for fraction in (1.01, 0.99, 0.7, 0.4, 0.33, 0.328):
         scene = replace(with_heights(ROUGH), hardness=fraction * P_H)
-        cases[f"hardness {fraction:g} p_H"] = HardCase(
-            "material",
-            f"a hardness of {fraction:g} p_H; 0.327 carries the load",
-            scene,
-            grid(width=4.8),
-            AT_EDGE,
-        )
+        hard = f"a hardness of {fraction:g} p_H; 0.327 carries the load"
+        cases[f"hardness {fraction:g} p_H"] = HardCase("material", hard, scene, wide, AT_EDGE)
     # where trial steps are shortened to zero: all but a few cells yield, or the cells are long and thin
+    options = cs.SolveOptions(tolerance=1e-9)
     thin = with_heights(8.087711031384107e-4 * noise((15, 2), 23030886))
-    cases["hardness on long cells"] = HardCase(
-        "material",
-        "cells 30 times as wide as long, some at a hardness",
+    thin, hard = (
         replace(thin, hardness=0.321 * P_H),
-        grid((15, 2), 110.95259085951773, 0.4464264239955842),
-        AT_EDGE,
-        options=cs.SolveOptions(tolerance=1e-9),
+        "cells 30 times as wide as long, some at a hardness",
     )
+    on = grid((15, 2), 110.95259085951773, 0.4464264239955842)
+    cases["hardness on long cells"] = HardCase("material", hard, thin, on, AT_EDGE, options=options)
     full = with_heights(0.08086197949648571 * noise((7, 7), 632285552), FLAT)
-    cases["hardness beside the mean"] = HardCase(
-        "material",
-        "all but two cells yield",
-        replace(full, hardness=0.03661931369241763 * P_H),
-        grid((7, 7), 44.29302973822934, 2.0062328974336388),
-        AT_EDGE | {cs.Status.STALLED},
-        options=cs.SolveOptions(tolerance=1e-9),
-    )
-    cases["hardness 0.3 p_H"] = HardCase(
-        "material",
-        "a hardness too low to carry the load",
-        replace(SCENE, hardness=0.3 * P_H),
-        grid(width=4.8),
-        frozenset({cs.Status.NO_ADMISSIBLE_PRESSURE}),
-    )
+    full, hard = replace(full, hardness=0.03661931369241763 * P_H), "all but two cells yield"
+    on, ends = grid((7, 7), 44.29302973822934, 2.0062328974336388), AT_EDGE | {cs.Status.STALLED}
+    cases["hardness beside the mean"] = HardCase("material", hard, full, on, ends, options=options)
+    soft, hard = replace(SCENE, hardness=0.3 * P_H), "a hardness too low to carry the load"
+    ends = frozenset({cs.Status.NO_ADMISSIBLE_PRESSURE})
+    cases["hardness 0.3 p_H"] = HardCase("material", hard, soft, wide, ends)
     return cases
 
 
@@ -197,44 +168,34 @@ def _interrupted(problem: cs.Problem, solver: cs.Solver) -> Array:
 
 def _solver() -> dict[str, HardCase]:
     """Return contacts with extreme tolerances, limits and starts."""
-    rough = HardCase("solver", "", with_heights(3 * ROUGH), grid(), AT_EDGE)
+    case = partial(replace, HardCase("solver", "", with_heights(3 * ROUGH), grid(), AT_EDGE))
     limited = frozenset({cs.Status.ITERATION_LIMIT})
     # heights of 0.1 flatten at four times their load
     pressed = replace(with_heights(ROUGH), load=cs.LineLoad(16 * SCENE.load.largest))
     capped = replace(with_heights(ROUGH, FLAT), hardness=1.0001 * SCENE.load.largest / (2.4 * A))
     near_start = with_heights(0.2 * ROUGH, FLAT)
     return {
-        "tolerance 1e-14": replace(
-            rough,
+        "tolerance 1e-14": case(
             hard="a tolerance beside rounding",
             options=cs.SolveOptions(tolerance=1e-14),
             ends=EXACT_TO_ROUNDING | AT_EDGE,
         ),
-        "tolerance 1e-2": replace(
-            rough, hard="a loose tolerance", options=cs.SolveOptions(tolerance=1e-2)
+        "tolerance 1e-2": case(hard="a loose tolerance", options=cs.SolveOptions(tolerance=1e-2)),
+        "one iteration": case(
+            hard="a limit of one iteration", options=cs.SolveOptions(1e-10, 1), ends=limited
         ),
-        "one iteration": replace(
-            rough, hard="a limit of one iteration", options=cs.SolveOptions(1e-10, 1), ends=limited
-        ),
-        "single precision": replace(
-            rough,
+        "single precision": case(
             hard="a tolerance beyond single precision",
             options=cs.SolveOptions(1e-10, precision=cs.Precision.SINGLE),
             ends=frozenset({cs.Status.PRECISION_LIMIT}),
         ),
-        "start at a wrong corner": replace(
-            rough, hard="all load on a corner at first", start=_corner
+        "start at a wrong corner": case(hard="all load on a corner at first", start=_corner),
+        "restart": case(hard="stopped after five iterations, then on", start=_interrupted),
+        "cap at near-full contact": case(
+            hard="a hardness one in 10^4 above the mean pressure", scene=capped
         ),
-        "restart": replace(
-            rough, hard="stopped after five iterations, then on", start=_interrupted
-        ),
-        "cap at near-full contact": replace(
-            rough, hard="a hardness one in 10^4 above the mean pressure", scene=capped
-        ),
-        "near-full rough contact": replace(rough, hard="the last deep valleys", scene=near_start),
-        "overloaded rough contact": replace(
-            rough, hard="16 times the load on the same width", scene=pressed
-        ),
+        "near-full rough contact": case(hard="the last deep valleys", scene=near_start),
+        "overloaded rough contact": case(hard="16 times the load on the same width", scene=pressed),
     }
 
 

@@ -1,6 +1,7 @@
 """The paper's smooth line contact: its scene at a point, and its errors against Hertz."""
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -67,23 +68,19 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     half_width = half_widths(pressure, grid.x).mean() / hertz.half_width
     l1 = relative_l1(solution.pressure, hertz_means(hertz, grid))
     corrected = np.abs(corrected_pressure(pressure) - true).max()
+    on_axis, varies = pressure[axis].mean() - 1, np.ptp(pressure, axis=1).max()
+    largest = "largest pressure error over Hertz peak pressure"
     measured = {
         "axis_pressure_error": (
-            pressure[axis].mean() - 1,
+            on_axis,
             "relative error of the pressure beside the axis, its mean along the length",
         ),
         "peak_pressure_error": (pressure.max() - 1, "relative error of the peak pressure anywhere"),
-        "pressure_error_max": (error, "largest pressure error over Hertz peak pressure"),
-        "corrected_error_max": (
-            corrected,
-            "largest pressure error over Hertz peak pressure, corrected at the edge",
-        ),
+        "pressure_error_max": (error, largest),
+        "corrected_error_max": (corrected, f"{largest}, corrected at the edge"),
         "pressure_error_l1": (l1, "relative L1 error of the pressure"),
         "half_width_error": (half_width - 1, "relative error of the contact half-width"),
-        "length_variation": (
-            np.ptp(pressure, axis=1).max(),
-            "pressure variation along the length over peak pressure",
-        ),
+        "length_variation": (varies, "pressure variation along the length over peak pressure"),
     }
     return dimensionless_variables(measured) | error_estimates(solution.error)
 
@@ -101,13 +98,8 @@ def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
     borders = np.linspace(-0.5, 0.5, grid.cells[0] + 1) * grid.extent[0] / hertz.half_width
     borders = np.clip(borders, -1, 1)
     integral = (borders * np.sqrt(1 - borders**2) + np.arcsin(borders)) / 2
-    means = (
-        np.maximum(np.diff(integral), 0.0)
-        * hertz.peak_pressure
-        * hertz.half_width
-        / grid.cell_size[0]
-    )
-    return np.repeat(means[:, None], grid.cells[1], axis=1)
+    load = hertz.peak_pressure * hertz.half_width * np.maximum(np.diff(integral), 0.0)
+    return np.repeat(load[:, None] / grid.cell_size[0], grid.cells[1], axis=1)
 
 
 def relative_l1(pressure: Array, reference: Array) -> float:
@@ -124,15 +116,9 @@ def has_cases(dataset: xr.Dataset, names: set[str], **values: set[float]) -> boo
 
     Findings are left out otherwise.
     """
-    has_values = all(
-        needed <= set(dataset[axis].values.tolist()) for axis, needed in values.items()
-    )
-    present_paddings = {str(name) for name in dataset["padding"].values}
-    return (
-        has_values
-        and names <= present_paddings
-        and bool((dataset["case_status"] == CaseStatus.OK).all())
-    )
+    needed: dict[str, set[Any]] = {"padding": names, **values}
+    is_there = all(part <= set(dataset[axis].values.tolist()) for axis, part in needed.items())
+    return is_there and bool((dataset["case_status"] == CaseStatus.OK).all())
 
 
 def total_time(dataset: xr.Dataset) -> xr.DataArray:

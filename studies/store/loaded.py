@@ -24,6 +24,7 @@ WITHOUT_NUMBERS = frozenset((
     "msgpack", "packaging", "partd", "psutil", "pyyaml", "setuptools", "sortedcontainers", "tblib", "threadpoolctl",
     "toolz", "tornado", "tqdm", "zict",
 ))  # fmt: skip
+REAL_PATH = cache(os.path.realpath)
 CLOCK_MARGIN = 0.02  # seconds by which the clock of a file system may be late
 Record = Mapping[str, str]
 
@@ -60,12 +61,6 @@ def _installed() -> tuple[Mapping[str, str], Mapping[str, str]]:
 
 
 @cache
-def _real_folder(folder: str) -> str:
-    """Return a folder without symbolic links."""
-    return os.path.realpath(folder)
-
-
-@cache
 def _is_standard(folder: str) -> bool:
     """Return whether a folder is of the standard library, and no folder of distributions within."""
     paths = sysconfig.get_paths()
@@ -90,7 +85,7 @@ def entry_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
         return None if spec.submodule_search_locations is None else (f"module {name}", "a folder")
     path = os.path.abspath(origin)  # noqa: PTH100 (a path object takes ten times as long)
     folder, file = os.path.split(path)
-    folder = _real_folder(folder)
+    folder = REAL_PATH(folder)
     files, versions = _installed()
     distribution = files.get(f"{folder}{os.sep}{file}", "")
     if distribution in WITHOUT_NUMBERS or name.startswith("__editable__"):

@@ -38,19 +38,15 @@ def numerical_part(source: bytes) -> str:
     pure = frozenset(name for name in PURE if not bound & {"*", name.split(".")[0]})
     is_reflective = any(map(_is_reflective, body))
     defined = [_defined(statement, pure) for statement in body]
-    selected = {
-        index
-        for index, names in enumerate(defined)
-        if names is None or names & ALWAYS_USED or is_reflective
-    }
+    always = (names is None or names & ALWAYS_USED or is_reflective for names in defined)
+    selected = {index for index, is_used in enumerate(always) if is_used}
     reached: set[int] = set()
     while selected != reached:
         reached = set(selected)
         used_names = frozenset().union(*(words[index] for index in selected))
         selected |= {index for index, names in enumerate(defined) if names and names & used_names}
-    return digest(
-        "\n".join([PYTHON, *(ast.dump(body[index]) for index in sorted(selected))]).encode()
-    )
+    statements = (ast.dump(body[index]) for index in sorted(selected))
+    return digest("\n".join([PYTHON, *statements]).encode())
 
 
 def _words(node: ast.AST) -> Iterator[str]:

@@ -82,7 +82,7 @@ def assemble(
         else:
             left_out.append(f"{name}, a coordinate that is not the same at every point")
     times = timing_variables(names, index, [samples_of(case) for case in rows])
-    about_cases = _about_cases(names, index, list(rows), outcomes)
+    about_cases = _about_cases(names, index, dict(zip(rows, outcomes, strict=True)))
     notes = {"left_out": "; ".join(left_out)} if left_out else {}
     return xr.Dataset({**times, **data, **about_cases}, coords, dict(attributes) | notes)
 
@@ -95,9 +95,10 @@ def _chosen(
     for row, outcome in enumerate(outcomes):
         for name, variable in outcome.variables.items() if outcome is not None else ():
             columns[name][row] = variable
-    no_coordinates = {
-        name for name, every in columns.items() if any(v.dims != (name,) for v in every.values())
+    kinds = {
+        name: {variable.dims for variable in every.values()} for name, every in columns.items()
     }
+    no_coordinates = {name for name, dims in kinds.items() if dims != {(name,)}}
     sizes: dict[Hashable, int] = {}
     for name, every in columns.items():
         alike: dict[Hashable, dict[int, xr.Variable]] = defaultdict(dict)
@@ -156,26 +157,19 @@ def _filled(variables: Variables, count: int) -> np.ndarray:
 
 
 def _about_cases(
-    names: tuple[str, ...],
-    index: np.ndarray,
-    keys: Sequence[str],
-    outcomes: Sequence[Outcome | None],
+    names: tuple[str, ...], index: np.ndarray, outcomes: Mapping[str, Outcome | None]
 ) -> dict[str, xr.Variable]:
     """Return the variables on the status and the failure of each case."""
     statuses = [
-        CaseStatus.NOT_RUN if outcome is None else outcome.case_status for outcome in outcomes
+        outcome.case_status if outcome else CaseStatus.NOT_RUN for outcome in outcomes.values()
     ]
     meanings = [status.name.lower() for status in CaseStatus]
-    data = {
-        "case_status": flags(
-            names, np.array(statuses, dtype=np.int8)[index], meanings, "status of the case"
-        )
-    }
+    numbers = np.array(statuses, dtype=np.int8)[index]
+    data = {"case_status": flags(names, numbers, meanings, "status of the case")}
     nothing = Failure("", "", "")
-    failures = [(outcome and outcome.failure) or nothing for outcome in outcomes]
-    texts = [
-        ("case_key", keys, "key of the case, also in the journal and of the group of its fields")
-    ]
+    failures = [(outcome and outcome.failure) or nothing for outcome in outcomes.values()]
+    what = "key of the case, also in the journal and of the group of its fields"
+    texts: list[tuple[str, Sequence[str], str]] = [("case_key", list(outcomes), what)]
     if any(failure is not nothing for failure in failures):
         kinds, sentences, stages = zip(*map(astuple, failures), strict=True)
         texts += [
@@ -236,11 +230,8 @@ def _stored_key(study: Study, values: Sequence[Value], journal: Journal, states:
 def _grown(axis: Axis, stored: Iterable[Value]) -> Axis:
     """Return the axis with stored values of its type added; numbers in rising order stay in rising order."""
     kind = axis.kind
-    before = [
-        kind(value)
-        for value in stored
-        if type(value) is kind or (kind, type(value)) == (float, int)
-    ]
+    alike = (float, int) if kind is float else (kind,)
+    before = [kind(value) for value in stored if type(value) in alike]
     values = list(dict.fromkeys([*before, *axis.values]))
     if kind is not str and list(axis.values) == sorted(axis.values):
         values.sort()

@@ -197,7 +197,7 @@ class Evolution(Answer):
         assert trajectory is not None
         return {
             "instants": instants,
-            "steps": (trajectory.steps, "solves"),
+            "steps": (trajectory.steps, "contact solves"),
             "iterations": (trajectory.iterations, "solver iterations of all steps"),
             "convolutions": (trajectory.convolutions, "transform pairs of the full grid"),
             "rejected": (trajectory.rejected, "rejected double steps"),

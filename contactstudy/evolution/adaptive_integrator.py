@@ -16,7 +16,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.checkpoint import Checkpoint
 from contactstudy.evolution.evolution import Frame
-from contactstudy.evolution.state_variables import HasDifference
+from contactstudy.evolution.state_variables import HasStepError
 from contactstudy.evolution.steps import INITIAL_STEP, Breakpoint, StepControl
 from contactstudy.evolution.time_stepper import Instant, TimeStepper, unloaded
 from contactstudy.solvers.solution import Solution, Status, worst
@@ -54,8 +54,9 @@ class _Outcome(Enum):
 class AdaptiveIntegrator:
     """Integration of a scene in time by pairs of steps, each checked by one step of twice the length.
 
-    The difference of the two estimates the error; a pair that adds too much is rejected, and the next one is as long as
-    the estimate allows. Source: Hairer, Norsett & Wanner (1993), sect. II.4, eqs. 4.4 and 4.13.
+    The two integrations run beside each other, and are not joined after a pair. Their difference estimates the error; a
+    pair that adds too much is rejected, and the next one is as long as the estimate allows. Source: Hairer, Norsett &
+    Wanner (1993), sect. II.4, eqs. 4.4 and 4.13, there with the error of one pair alone.
 
     Attributes
     ----------
@@ -98,7 +99,8 @@ class AdaptiveIntegrator:
         self.fine = self.coarse = self.stepper.start(self.breakpoints[0].time)
         self.solution: Solution | None = None
         self.step_error = self.largest_grid_error = 0.0
-        self.double_step = INITIAL_STEP * (self.breakpoints[-1].time - self.breakpoints[0].time)
+        duration = self.breakpoints[-1].time - self.breakpoints[0].time
+        self.double_step, self.shortest = INITIAL_STEP * duration, SHORTEST * duration
 
     def _reset_counts(self) -> None:
         """Reset the counts of work since the last frame."""
@@ -184,13 +186,10 @@ class AdaptiveIntegrator:
             if not np.isfinite(solution.residual):
                 self._record_failure(solution)
                 return _Outcome.NO_SOLUTION
-            local_error = self._local_error(second, coarse)
-            if (
-                not control.accepts(local_error)
-                and double_step > SHORTEST * self.breakpoints[-1].time
-            ):
+            error_increment = self._error_increment(second, coarse)
+            if not control.accepts(error_increment) and double_step > self.shortest:
                 self.rejected += 1
-                self.double_step = double_step * min(control.factor(local_error), 0.5)
+                self.double_step = double_step * min(control.factor(error_increment), 0.5)
                 continue
             self.fine, self.coarse, self.solution = second, coarse, solution
             self.step_error = self._difference(second, coarse)
@@ -199,7 +198,7 @@ class AdaptiveIntegrator:
                 return _Outcome.RESTART
             # a pair cut short by a breakpoint is no measure of the allowed length
             self.double_step = max(
-                double_step * control.factor(local_error),
+                double_step * control.factor(error_increment),
                 self.double_step if reaches_point else 0.0,
             )
             if self.records_all:
@@ -209,12 +208,10 @@ class AdaptiveIntegrator:
             self._save()
         return _Outcome.REACHED
 
-    def _local_error(self, fine: Instant, coarse: Instant) -> float:
-        """Return how much a pair of steps changes the relative L1 difference of the two integrations."""
+    def _error_increment(self, fine: Instant, coarse: Instant) -> float:
+        """Return the increment of the estimated relative L1 error by a pair of steps."""
         before, after = self.fine.pressure - self.coarse.pressure, fine.pressure - coarse.pressure
-        grown = self._shear_difference(fine, coarse) - self._shear_difference(
-            self.fine, self.coarse
-        )
+        grown = self._state_error(fine, coarse) - self._state_error(self.fine, self.coarse)
         return max(self._relative(after - before, fine, self.fine), grown)
 
     def _restart(self, control: StepControl) -> None:
@@ -244,8 +241,8 @@ class AdaptiveIntegrator:
             coarse, _ = self._add_work(
                 *self.stepper.jump(self.coarse, load, max(increments // 2, 1), 0)
             )
-            local_error = self._local_error(fine, coarse)
-            exact = self.control is None or self.control.accepts(local_error)
+            error_increment = self._error_increment(fine, coarse)
+            exact = self.control is None or self.control.accepts(error_increment)
             if self.stepper.coupled is None or exact or increments >= MAX_INCREMENTS:
                 self.fine, self.coarse = fine, coarse
                 self.step_error = self._difference(fine, coarse)
@@ -279,16 +276,16 @@ class AdaptiveIntegrator:
     def _difference(self, fine: Instant, coarse: Instant) -> float:
         """Return the L1 difference of two instants' pressures, or of their shears, relative to the first."""
         pressure = self._relative(fine.pressure - coarse.pressure, fine)
-        return max(pressure, self._shear_difference(fine, coarse))
+        return max(pressure, self._state_error(fine, coarse))
 
-    def _shear_difference(self, fine: Instant, coarse: Instant) -> float:
-        """Return the largest difference of two instants' state variables that have an error of their own."""
+    def _state_error(self, fine: Instant, coarse: Instant) -> float:
+        """Return the largest error of two instants' state variables that have one of their own."""
         variables = zip(self.stepper.all_state_variables, fine.states, coarse.states, strict=True)
         return max(
             (
-                variable.difference(fine, coarse)
+                variable.step_error(fine, coarse)
                 for variable, fine, coarse in variables
-                if isinstance(variable, HasDifference)
+                if isinstance(variable, HasStepError)
             ),
             default=0.0,
         )
@@ -299,7 +296,7 @@ class AdaptiveIntegrator:
         if variables and not self.step_doubling:
             return inf
         states = zip(variables, self.fine.states, strict=True)
-        common = (v.common_error(state) for v, state in states if isinstance(v, HasDifference))
+        common = (v.common_error(state) for v, state in states if isinstance(v, HasStepError))
         return max(common, default=0.0)
 
     def _relative(self, difference: Array, *instants: Instant) -> float:

@@ -58,7 +58,7 @@ class Frame:
     grid_error
         Estimated error of the contact on this grid, see :func:`~contactstudy.accuracy.estimate.error_estimate`.
     steps
-        Number of solves.
+        Number of contact solves, of which a step in time may take several.
     iterations
         Number of iterations.
     convolutions
@@ -200,7 +200,7 @@ class Trajectory:
 
     @property
     def steps(self) -> int:
-        """Number of solves, including rejected steps and the doubled steps."""
+        """Number of contact solves, of which a step may take several, including rejected and doubled steps."""
         return sum(frame.steps for frame in self.frames)
 
     @property

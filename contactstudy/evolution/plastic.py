@@ -338,7 +338,7 @@ class PlasticState:
         return {"residual_displacement": Field(("x", "y"), displacement, "m", long_name)}
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
-        """Return whether a step made the plastic strain since the last unchanged load several times as large."""
+        """Return whether a step multiplied the plastic strain since the last step without plastic flow."""
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
     def residual_stress(self, state: State, place: int, deepest: float) -> ResidualStress | None:
@@ -394,7 +394,7 @@ class PlasticState:
             down = {"axis": "Z", "positive": "down"}
             sign = "tension positive, mean over a cell"
             of = f" of solids[{body.place}]" if suffix else ""
-            unloaded = f"stress{of} without the pressure, {sign}"
+            unloaded = f"residual stress{of}, {sign}"
             depth, thickness = "depth of a layer", "thickness of a layer"
             fields |= {
                 f"plastic_strain{suffix}": Field(components, tensors, "1", f"plastic strain{of}"),
@@ -533,8 +533,8 @@ def step_solution(step: ElastoplasticStep, tolerance: float) -> Solution:
     if not step.residual <= tolerance:
         status = Status.NOT_CONVERGED
         note = (
-            f"Plastic strain and pressure converged to a residual of {step.residual:.1e} of the yield strain in "
-            f"{step.iterations} iterations."
+            f"Plastic strain and pressure stopped at a residual of {step.residual:.1e} yield strains, above the "
+            f"tolerance, after {step.iterations} iterations."
         )
     return replace(
         last,

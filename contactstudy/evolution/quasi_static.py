@@ -159,11 +159,12 @@ def frame_in_equilibrium(
 def work_lost(
     frames: tuple[Frame, ...], approach_errors: Sequence[float]
 ) -> tuple[float, float, str]:
-    """Return the work lost in a history [J/m], the bound of its error, and why that is infinite where it is.
+    """Return the net work of the load in a history [J/m], the bound of its error, and why that is infinite where it is.
 
-    It is the integral of the load over the approach. Between two instants the load and the approach go one way, also
-    where contact jumps in, so that the trapezoid is wrong by half the product of their changes at most. Errors of the
-    approaches [m] count with the changes of the load around them.
+    It is the integral of the load over the approach: the hysteresis loss where the history ends at the load and on the
+    branch of its beginning, else with the elastic energy stored meanwhile. Between two instants the load and the
+    approach go one way, also where contact jumps in, so that the trapezoid is wrong by half the product of their
+    changes at most. Errors of the approaches [m] count with the changes of the load around them.
     """
     work = error = 0.0
     for number, (a, b) in enumerate(pairwise(frames)):

@@ -351,5 +351,5 @@ def _check_grid(problem: Problem) -> None:
     if not problem.open_edges or along.window is not None:
         raise InvalidInput(
             f"solve.padding is {across!r} across and {along!r} along: the half-space is infinite across "
-            "and periodic along, give ExactPeriodicity()."
+            "and periodic along, give padding=ExactPeriodicity(), which leaves the width open and repeats the length."
         )

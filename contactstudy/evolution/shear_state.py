@@ -14,12 +14,13 @@ from contactstudy.problem.problem import Field
 from contactstudy.scene.load import PiecewiseLinear
 from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step
 
-# Error of the shear over the difference of two integrations where slip wears: at most 2.4 in twelve, whose errors fall
-# as the steps do or more slowly.
+# Error of the shear over the difference of two integrations where slip wears: at most 2.4 in twelve contacts, whose
+# errors fall as the steps do or more slowly.
 ERROR_OVER_DIFFERENCE = 4.0
-# Error of the shear over what is locked in by cells that enter contact, relative to the departure from proportion beside
-# them: at most 2.4 in 30 contacts, smooth, rough and finite, in 1 to 16 steps.
-ERROR_OVER_DEPARTURE = 3.0
+# Error of the shear locked in by cells that enter contact, relative to it, over the relative deviation of the locked-in
+# shear from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts, smooth, rough and
+# finite, in 1 to 16 steps.
+ERROR_OVER_DEVIATION = 3.0
 # Shear limit that is never reached, over the increment of a step.
 UNLIMITED = 1e3
 # Fields of the shear.
@@ -35,25 +36,25 @@ class ShearState:
     Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the shear before it and what
     a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953), with a
     mean p of the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy. The mean
-    weights both alike. Where that would be unstable, because the wear of a step exceeds the elastic displacement of a
-    cell, the pressure at the start has less weight: a theta method. The implicit part enters the contact as a local
-    compliance; slip and contact are iterated to a fixed point. A force step that lasts n half periods counts its slip n
-    times (cycle jump).
+    weights both alike. Where that would be unstable, because the depth worn in a step per pressure exceeds the smallest
+    eigenvalue of the influence matrix, the pressure at the start has less weight: a theta method. The implicit part
+    enters the contact as a local compliance; slip and contact are iterated to a fixed point. A force step that lasts n
+    half periods counts its slip n times (cycle jump).
 
     Attributes
     ----------
     coefficient
         Coefficient of friction mu.
     wear
-        Wear coefficient k [1/Pa]; 0 wears nothing.
+        Specific wear rate k [1/Pa], the wear coefficient over the hardness; 0 wears nothing.
     response
         Displacement under shear.
     forces, displacements
         Tangential force [N/m] or rigid displacement [m] over time, along x; the other one is None.
     period
         Duration of a cycle [s]; infinite if each force is followed once.
-    cell_compliance
-        Least displacement over pressure of any pressure on cells that touch [m/Pa].
+    least_eigenvalue
+        Smallest eigenvalue of the influence matrix [m/Pa].
     gap_scale
         Scale of the gap [m], to which its errors are relative.
     creep
@@ -73,7 +74,7 @@ class ShearState:
     forces: PiecewiseLinear | None
     displacements: PiecewiseLinear | None
     period: float
-    cell_compliance: float
+    least_eigenvalue: float
     gap_scale: float
     alike: bool
     creep: CreepState | None
@@ -88,7 +89,7 @@ class ShearState:
         names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "misplaced"]
         names += ["worn_depth"] * (self.wear > 0)
         names += ["slip_iterate"] * (self.wear > 0)
-        numbers = ["residual", *["slip_change"] * (self.wear > 0)]
+        numbers = ["residual", "applications", *["slip_change"] * (self.wear > 0)]
         state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
 
@@ -168,6 +169,7 @@ class ShearState:
                 begins * np.abs(step_of_slip.shear[1]),
             ),
             "residual": np.array([step_of_slip.residual]),
+            "applications": np.array([float(step_of_slip.applications)]),
         }
         if self.creep is not None:
             start, end = np.stack([*shear, before]), np.stack([*step_of_slip.shear, after])
@@ -185,9 +187,10 @@ class ShearState:
     ) -> tuple[Array, Array]:
         """Return the shear that the step is counted from, with what a rising pressure locks in, and its error (x, y).
 
-        Without these proportional compliances, the locked-in shear is not proportional to the increment of the pressure:
-        cells in contact throughout the step have one rigid displacement, cells that enter contact take `slope` times
-        their pressure. The error of the latter is estimated from the departure from proportion beside them.
+        Unless tangential and normal compliances are proportional, the locked-in shear is not proportional to the
+        increment of the pressure: cells in contact throughout the step have one rigid displacement, cells that enter
+        contact take `slope` times their pressure. The error of the latter is estimated from the deviation in
+        neighbouring cells.
         """
         reference, in_contact = locked_shear(shear, before, after, slope), before > 0
         if self.alike or slope == 0 or not in_contact.any():
@@ -203,7 +206,7 @@ class ShearState:
             total=np.array([gained[in_contact].sum(), 0.0]),
         )
         total_shear = np.asarray(shear + entering + locked.shear)
-        departure = np.hypot(*(total_shear - reference))
+        deviation = np.hypot(*(total_shear - reference))
         enters = entering[0] != 0
         beside = in_contact & np.any(
             [np.roll(enters, step, axis) for axis in (0, 1) for step in (1, -1)], axis=0
@@ -212,7 +215,7 @@ class ShearState:
             np.abs(gained[of]).sum() for of in (beside, enters, ...)
         )
         relative = (
-            ERROR_OVER_DEPARTURE * departure[beside].sum() / gained_beside if gained_beside else 0.0
+            ERROR_OVER_DEVIATION * deviation[beside].sum() / gained_beside if gained_beside else 0.0
         )
         return total_shear, relative * entered / all_gained * np.abs(gained)
 
@@ -230,7 +233,7 @@ class ShearState:
 
         It is a half, and less where the step would be unstable with a half.
         """
-        return np.asarray(np.minimum(0.5, self.cell_compliance / np.maximum(worn, TINY)))
+        return np.asarray(np.minimum(0.5, self.least_eigenvalue / np.maximum(worn, TINY)))
 
     def fields(self, state: State) -> Mapping[str, Field]:
         """Return shear, stick, slip, energy and worn depth (x, y)."""
@@ -248,8 +251,8 @@ class ShearState:
             fields["worn_depth"] = Field(plane, state["worn_depth"], "m", "worn depth")
         return fields
 
-    def difference(self, state: State, other: State) -> float:
-        """Return the L1 difference of the shear of two states, relative to the first, scaled up to the error."""
+    def step_error(self, state: State, other: State) -> float:
+        """Return the L1 error of the shear that the difference of two states estimates, relative to the first."""
         size = self._size(state)
         changed = sum(float(np.abs(state[name] - other[name]).sum()) for name in SHEARS)
         factor = ERROR_OVER_DIFFERENCE if self.wear else 1.0

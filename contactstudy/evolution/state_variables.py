@@ -89,11 +89,11 @@ class AnyStateVariable(Protocol):
 
 
 @runtime_checkable
-class HasDifference(Protocol):
+class HasStepError(Protocol):
     """Protocol of a state variable whose own error by the steps is estimated, beside that of the pressure."""
 
-    def difference(self, state: State, other: State) -> float:
-        """Return the relative difference of two states."""
+    def step_error(self, state: State, other: State) -> float:
+        """Return the relative error by the steps that the difference of two states estimates."""
 
     def common_error(self, state: State) -> float:
         """Return the relative error that two integrations have in common, so that their difference does not show it."""
@@ -171,7 +171,7 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
         """
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
-        """Return whether a step between two states added far more than all steps before it."""
+        """Return whether a step between two states added far more than all since the last step without plastic flow."""
 
     def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
         """Return fields over (time, ...), by name, from the states of several instants."""
@@ -182,9 +182,9 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
 
 @dataclass(frozen=True)
 class CreepState:
-    """Internal variables of a viscoelastic body: retarded pressures, and the time integral of the pressure of a fluid.
+    """Internal variables of a viscoelastic body: retarded pressures, and the impulse of a body that flows (Maxwell).
 
-    Retarded pressures follow ``c_i' = (p - c_i) / lambda_i``, the impulse ``b' = p``. The surface moves as under
+    Retarded pressures follow ``c_i' = (p - c_i) / lambda_i``; the impulse is the time integral ``b' = p``. The surface moves as under
     ``J_0 p + sum(J_i c_i) + fluidity b``. Steps are exact for a pressure that is linear in time.
 
     Attributes
@@ -207,26 +207,27 @@ class CreepState:
         return {name: np.zeros(shape) for name in names}
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
-        """Return the strain fixed by past pressures, and the compliance for the pressure at the end of the step."""
-        strain, compliance = self.after(state, pressure, step.duration)
+        """Return the hereditary term of past pressures, and the compliance for the pressure at the end of the step."""
+        weighted_pressure, compliance = self.after(state, pressure, step.duration)
         return Contribution(
-            convolved={self.coefficients: strain}, compliance={self.coefficients: compliance}
+            convolved={self.coefficients: weighted_pressure},
+            compliance={self.coefficients: compliance},
         )
 
     def after(self, state: State, pressure: Array, duration: float) -> tuple[Array, float]:
-        """Return the retarded strain after a `duration` [s], and its compliance for the pressure at the end."""
-        strain = np.zeros_like(pressure)
+        """Return past pressures weighted by the creep compliance after a `duration` [s], and that for the end."""
+        weighted_pressure = np.zeros_like(pressure)
         compliance = 0.0
         for number, (size, time) in enumerate(self.creep.terms):
             from_state, from_start, from_end = retardation_weights(duration / time)
-            strain += (size * from_state) * state[f"retarded{number}"]
-            strain += (size * from_start) * pressure
+            weighted_pressure += (size * from_state) * state[f"retarded{number}"]
+            weighted_pressure += (size * from_start) * pressure
             compliance += size * from_end
         if self.creep.fluidity:
             half = self.creep.fluidity * duration / 2
-            strain += self.creep.fluidity * state["impulse"] + half * pressure
+            weighted_pressure += self.creep.fluidity * state["impulse"] + half * pressure
             compliance += half
-        return strain, compliance
+        return weighted_pressure, compliance
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the retarded pressures [Pa] and the impulse [Pa s] at the end of the step."""
@@ -266,7 +267,7 @@ def retardation_weights(ratio: float) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class WearState:
-    """State variable of wear: the worn depth w, with ``dw/dt = rate p`` (Archard 1953).
+    """State variable of wear: the worn depth w, with ``dw/dt = k v p`` (Archard 1953).
 
     The pressure at the start of a step acts in its explicit fraction, the pressure at its end in the remaining one,
     which adds a constant to the operator. The worn volume is exact: where the load changes within the step, both
@@ -274,11 +275,11 @@ class WearState:
 
     Attributes
     ----------
-    rate
-        Depth over pressure and time [m/(Pa s)].
+    rate_per_pressure
+        Depth over pressure and time [m/(Pa s)]: the specific wear rate times the sliding speed.
     """
 
-    rate: float
+    rate_per_pressure: float
 
     has_stages: ClassVar[bool] = True
 
@@ -307,7 +308,7 @@ class WearState:
     def _depths_per_pressure(self, step: Step) -> tuple[float, float]:
         """Return depth over pressure [m/Pa] worn in the step by the pressure at its start and by that at its end."""
         (first, last), mean, explicit = step.loads, step.mean_load, step.explicit
-        depth = self.rate * step.duration
+        depth = self.rate_per_pressure * step.duration
         carried = explicit * first + (1 - explicit) * last
         if carried >= mean:
             scale = mean / carried if carried else 0.0
@@ -321,7 +322,7 @@ class WearState:
         return depth * explicit, depth * (mean - explicit * first) / last
 
 
-def least_compliance(contact_modulus: float, cell: float) -> float:
+def least_eigenvalue(contact_modulus: float, cell: float) -> float:
     """Return the smallest eigenvalue [m/Pa] of the influence matrix of touching cells, ``0.742 cell / contact_modulus``.
 
     It is that of plane strain, with the width of a cell [m] across and the contact modulus E* [Pa].
@@ -332,15 +333,15 @@ def least_compliance(contact_modulus: float, cell: float) -> float:
 def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:
     """Return the longest stable step [s] of explicit wear in plane strain.
 
-    It is ``2 / (rate eigenvalue)``, with the eigenvalue, a compliance over pressure, of :func:`least_compliance`.
+    It is ``2 lambda / rate``, with the :func:`least_eigenvalue` lambda of the influence matrix.
 
     Parameters
     ----------
     rate
-        Wear rate [m/(Pa s)].
+        Specific wear rate times sliding speed [m/(Pa s)].
     contact_modulus
         Contact modulus E* [Pa].
     cell
         Width of a cell across [m].
     """
-    return 2 * least_compliance(contact_modulus, cell) / rate
+    return 2 * least_eigenvalue(contact_modulus, cell) / rate

@@ -74,8 +74,8 @@ class TimeSteps:
         Number of instants, evenly spaced but for those moved to where a history bends; None for 41, or for every step
         where `error` is given.
     error
-        Largest relative L1 error by the steps (of a film: of its thickness in one step); None takes a fraction of the
-        error that a solve keeps, or one step from each instant to the next without a requested error.
+        Largest relative L1 error by the steps (of a film: of its thickness in one step). None takes a fraction of the
+        error requested of the solve; without one, one step from each instant to the next.
     scheme
         How wear is stepped.
     step_error
@@ -254,7 +254,7 @@ def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
 INITIAL_TOLERANCE_FRACTION = 0.5
 # Smallest and largest factor on the length of a step, and the fraction of the allowed length that is aimed at.
 MIN_FACTOR, MAX_FACTOR, SAFETY = 0.2, 2.0, 0.9
-# The local error of a pair grows with its length to this power; that of all pairs, to this power minus 1.
+# The error increment of a pair grows with its length to this power; that of all pairs, to this power minus 1.
 ORDER = 2
 # Duration of the first pair of steps over that of the integration: if it is too long, it is rejected.
 INITIAL_STEP = 1e-2
@@ -264,7 +264,7 @@ MIN_ERROR_OVER_TOLERANCE = 100
 
 @dataclass(frozen=True)
 class StepControl:
-    """Control of the step length by the local error, by which a pair of steps raises the error of the pressure.
+    """Control of the step length by the error increment, by which a pair of steps raises the error estimate.
 
     How far later steps damp that error is not known in advance: if the accumulated error exceeds the allowed one, the
     integration restarts with a :meth:`stricter` control.
@@ -274,7 +274,7 @@ class StepControl:
     error
         Allowed relative L1 error of the pressure.
     local_tolerance
-        Allowed local error of a pair of steps.
+        Allowed error increment of a pair of steps.
     """
 
     error: float
@@ -304,15 +304,15 @@ class StepControl:
             )
         return cls(error, INITIAL_TOLERANCE_FRACTION * error)
 
-    def accepts(self, local_error: float) -> bool:
-        """Return whether a pair of steps with this `local_error` is short enough."""
-        return local_error <= self.local_tolerance
+    def accepts(self, error_increment: float) -> bool:
+        """Return whether a pair of steps with this `error_increment` is short enough."""
+        return error_increment <= self.local_tolerance
 
-    def factor(self, local_error: float) -> float:
-        """Return the factor on the length of the next pair, after one with this `local_error`."""
-        if local_error <= 0:
+    def factor(self, error_increment: float) -> float:
+        """Return the factor on the length of the next pair, after one with this `error_increment`."""
+        if error_increment <= 0:
             return MAX_FACTOR
-        longer: float = (self.local_tolerance / local_error) ** (1 / ORDER)
+        longer: float = (self.local_tolerance / error_increment) ** (1 / ORDER)
         return min(max(SAFETY * longer, MIN_FACTOR), MAX_FACTOR)
 
     def stricter(self, excessive_error: float) -> "StepControl":

@@ -30,6 +30,7 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
+from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -155,7 +156,7 @@ class TimeStepper:
 
     @property
     def is_first_order(self) -> bool:
-        """True if the error of a step falls only in proportion to its duration."""
+        """True if the integration is of first order: its global error falls in proportion to the step."""
         in_one_stage = len(self.scheme.stages) == 1
         return any(
             (variable.has_stages and in_one_stage) or isinstance(variable, IteratedStateVariable)
@@ -274,12 +275,13 @@ class TimeStepper:
                 break
             instant = next_instant
         if next_instant is not instant and solution.status is Status.CONVERGED:
-            solution = replace(solution, status=Status.STALLED)
-        state_residual = max(
-            (float(state["residual"][0]) for state in states if "residual" in state), default=0.0
-        )
-        if state_residual > self.options.tolerance and solution.status is Status.CONVERGED:
-            solution = replace(solution, status=Status.STALLED, residual=state_residual)
+            solution = replace(solution, status=Status.NOT_CONVERGED)
+        limits = self.options.tolerance, self.options.max_iterations
+        for state in (state for state in states if "residual" in state):
+            residual = float(state["residual"][0])
+            if residual > self.options.tolerance and solution.status is Status.CONVERGED:
+                status = shear_status(residual, int(state["applications"][0]), *limits)
+                solution = replace(solution, status=status, residual=residual)
         solutions[-1] = solution
         instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)
         return instant, solutions
@@ -391,9 +393,9 @@ class TimeStepper:
                 gap = gap + contribution.gap
             for coefficients, field in contribution.convolved.items():
                 convolved[coefficients] = convolved.get(coefficients, 0.0) + field
-        for coefficients, strain in convolved.items():
-            if strain.any():
-                gap = gap + self._unit_operators[coefficients](strain)
+        for coefficients, field in convolved.items():
+            if field.any():
+                gap = gap + self._unit_operators[coefficients](field)
         return gap
 
     def _operator(

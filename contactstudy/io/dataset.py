@@ -291,7 +291,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             ("step_error", "1", "estimated L1 error by steps in time"),
             ("grid_error", "1", "estimated L1 error by cells"),
             ("residual", "1", "residual of the solver"),
-            ("steps", "1", "solves since the previous instant"),
+            ("steps", "1", "contact solves since the previous instant"),
             ("iterations", "1", "iterations since the previous instant"),
             ("convolutions", "1", "transform pairs since the previous instant"),
         )

@@ -142,19 +142,21 @@ def cycle_quantities(
     separation: tuple[float, float] | None,
     jump_in: tuple[float, float] | None,
 ) -> dict[str, Quantity]:
-    """Return what a history of an adhesive contact says: where contact is lost and made, and the work lost.
+    """Return what a history of an adhesive contact says: where contact is lost and made, and the net work.
 
     Parameters
     ----------
     lost_work
-        Work lost [J/m], the bound of its error, and why that is infinite.
+        Net work done by the load [J/m], the bound of its error, and why that is infinite.
     separation
         Last load held and first load lost [N/m]; None where contact is not lost.
     jump_in
         First load in contact and last load before [N/m]; None where contact is not made.
     """
     work, error, reason = lost_work
-    quantities = {"work_lost": Quantity(work, "J m-1", "work lost per length", error, reason)}
+    quantities = {
+        "work_lost": Quantity(work, "J m-1", "net work done by the load per length", error, reason)
+    }
     if separation is not None:
         last_stable, first_unstable = separation
         pull = Quantity(

@@ -84,7 +84,7 @@ def adhesive_requirements(
         solves = DEFAULT_INSTANTS
     pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
     seconds = (
-        FORECAST.estimate_cost * solves * CostModel().seconds(grid, requirements.padding(), pairs)
+        FORECAST.cost_ratio * solves * CostModel().seconds(grid, requirements.padding(), pairs)
     )
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "

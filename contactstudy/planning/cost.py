@@ -1,4 +1,4 @@
-"""The one model of cost: seconds of a solve by a power law through timed solves, and the bytes that it holds."""
+"""The one model of cost: seconds of a solve by a regression on timed solves, and the bytes that it holds."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -107,7 +107,7 @@ class CostModel:
     sample: Callable[[Grid, Padding | Paddings], Sequence[Timing]] = field(
         default_factory=lambda: sample_timings
     )
-    _laws: "dict[str, tuple[PowerLaw, PowerLaw]]" = field(default_factory=dict, init=False)
+    _laws: "dict[str, tuple[CostLaw, CostLaw]]" = field(default_factory=dict, init=False)
 
     def seconds(self, grid: Grid, padding: Padding | Paddings, convolutions: float) -> float:
         """Return the predicted seconds of set-up and solve.
@@ -129,8 +129,8 @@ class CostModel:
                 _work_sizes(timing.grid, timing.padding, timing.convolutions) for timing in similar
             ]
             self._laws[key] = (
-                PowerLaw.fit([setup for setup, _ in sizes], [timing.setup for timing in similar]),
-                PowerLaw.fit([solve for _, solve in sizes], [timing.solve for timing in similar]),
+                CostLaw.fit([setup for setup, _ in sizes], [timing.setup for timing in similar]),
+                CostLaw.fit([solve for _, solve in sizes], [timing.solve for timing in similar]),
             )
         new_sizes = _work_sizes(grid, padding, convolutions)
         return sum(law.seconds(size) for law, size in zip(self._laws[key], new_sizes, strict=True))
@@ -139,7 +139,7 @@ class CostModel:
 def timed(
     problem_on: Callable[[Grid], Problem], grid: Grid, tolerance: float
 ) -> tuple[Solution, Timing]:
-    """Solve on `grid`, and return the solution with the mean seconds of as many runs as fit into 0.04 s.
+    """Solve on `grid`, and return the solution with the mean seconds of as many runs as take 0.04 s, at least one.
 
     Parameters
     ----------
@@ -305,8 +305,8 @@ PRIOR = PriorConstants()
 
 
 @dataclass(frozen=True, eq=False)
-class PowerLaw:
-    """Power law ``log y = log(N log N) + log n + c0 + sum_k (p_k u_k + q_k u_k^2)`` for seconds y.
+class CostLaw:
+    """Log-quadratic regression ``log y = log(N log N) + log n + c0 + sum_k (p_k u_k + q_k u_k^2)`` for seconds y.
 
     N is a number of points, n one of repetitions, and u are their logarithms, less their means.
 
@@ -325,7 +325,7 @@ class PowerLaw:
     coefficients: Array
 
     @classmethod
-    def fit(cls, sizes: Sequence[tuple[float, float]], seconds: Sequence[float]) -> "PowerLaw":
+    def fit(cls, sizes: Sequence[tuple[float, float]], seconds: Sequence[float]) -> "CostLaw":
         """Fit the law to the `seconds` of some `sizes` (N, n).
 
         Least squares with a weak prior on every coefficient (ridge regression), which decides where the timings do not;

@@ -91,7 +91,8 @@ def film_requirements(
     reasons = [
         f"the formula of Moes gives a film of {readable(scales.expected_film * scales.film)} at "
         f"M = {scales.load_parameter:.3g}, L = {scales.viscosity_parameter:.3g}",
-        f"the inlet begins {inlet:.2g} half-widths from the axis: its error falls as that distance^-2",
+        f"the inlet begins {inlet:.2g} half-widths from the axis: the error of cutting it off there "
+        "falls with the square of the distance",
         f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet",
     ]
     seconds = (

@@ -32,7 +32,7 @@ class ForecastConstants:
         Relative L1 error up to which the first grids of a given grid are refined.
     unresolved_factor
         Factor on the law of rough contacts, a mean over surfaces, where coarse grids do not resolve the surface.
-    estimate_cost
+    cost_ratio
         Seconds of a solve with its error estimate, which takes another on cells of twice the size, over those of one
         solve.
     time_power
@@ -45,7 +45,7 @@ class ForecastConstants:
     max_cells: int = 2**14
     given_error: float = 1e-3
     unresolved_factor: float = 2.0
-    estimate_cost: float = 1.6
+    cost_ratio: float = 1.6
     time_power: float = 1.1
     time_factor: float = 1.4
 
@@ -195,8 +195,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
             (GRID.min_cells, 1),
             grid.extent[0] < 2 * requirements.hertz.half_width,
             "",
-            CONSTANTS.estimate_cost
-            * CostModel().seconds(grid, padding, TIMING.smooth_convolutions),
+            CONSTANTS.cost_ratio * CostModel().seconds(grid, padding, TIMING.smooth_convolutions),
         )
     refinement = replace(
         _refinement(scene, requirements, CONSTANTS.given_error),
@@ -219,7 +218,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
             seconds=inf,
         )
     seconds = CostModel((timing,)).seconds(grid, padding, timing.convolutions)
-    forecast = _extrapolated(refinement, levels, grid, CONSTANTS.estimate_cost * seconds)
+    forecast = _extrapolated(refinement, levels, grid, CONSTANTS.cost_ratio * seconds)
     if forecast.error == inf and not forecast.contact_exceeds_grid:
         errors = requirements.errors(grid.cell_size)
         factor = CONSTANTS.unresolved_factor

@@ -287,7 +287,7 @@ class GridRequirements:
     def period_check(self, period: float) -> str:
         """Return a sentence on how `period` [m] suits the scene."""
         if self.roller_length:
-            return f"The length is free, from end to end {readable(period)}."
+            return f"The roller ends: the length, {readable(period)}, is no period."
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
         holds = f"The period {readable(period)} is a multiple of every repeat length."
@@ -340,11 +340,11 @@ class GridRequirements:
         is_for_slip = self.sticks and not self.varies
         cell += f"{', so small that they resolve where slip begins' * is_for_slip}."
         if not self.varies:
-            dimension = "dimension 1: nothing varies along the length, so one cell along suffices."
+            dimension = "plane strain: nothing varies along the length, so one cell along suffices."
         else:
-            dimension = "dimension 2: the gap varies along the length."
+            dimension = "three-dimensional: the gap varies along the length."
         if not self.varies and grid.cells[1] > 1:
-            dimension = "dimension 2: as requested; nothing varies along the length, so one cell along would suffice."
+            dimension = "three-dimensional as requested: nothing varies along the length; one cell along would suffice."
         if self.roller_length:
             padding = (
                 "padding zero along both axes: the roller ends, so there is no pressure beyond."

@@ -59,7 +59,7 @@ class Plan:
     padding
         The boundary conditions.
     dimension
-        1 if nothing varies along the length, else 2.
+        Dimension of the grid: 1 in plane strain, where nothing varies along the length; 2 in three dimensions.
     error
         Relative L1 error of the pressure to expect: of a smooth contact by a law, else from solutions on coarse grids.
     seconds
@@ -74,7 +74,7 @@ class Plan:
     warnings
         A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
     steps
-        Number of solves of a scene that changes in time or rolls.
+        Number of contact solves of a scene that changes in time or rolls.
     on
         Device that the seconds are for.
     """
@@ -207,7 +207,7 @@ def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Pla
         padding=padding,
         dimension=1 if grid.cells[1] == 1 else 2,
         error=inf,
-        seconds=FORECAST.estimate_cost * seconds / speedup(grid, padding, on),
+        seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
         period_check=f"The period {readable(grid.length)} is that of the measured surface.",
         reasons=(
@@ -332,18 +332,18 @@ def _warnings(
             remedy += "a surface as wide as "
         yield f"Grid.extent[0] is {readable(grid.extent[0])}: the contact is wider, {remedy}{readable(width)}."
     needed = memory(grid, requirements.padding())
+    free = limit / MEMORY_FRACTION / 1e9
+    may_take = f"a plan may take {MEMORY_FRACTION:.0%} of the {free:.3g} GB that are free"
     if needed > limit:
         yield (
-            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and this machine has "
-            f"{limit / MEMORY_FRACTION / 1e9:.3g} GB, give fewer cells."
+            f"Grid.cells is {grid.cells}: a solve needs {needed / 1e9:.3g} GB, and {may_take}, give fewer cells."
         )
     expected_error = forecast.error_of(grid.cell_size)
     if error < expected_error < inf:
         finer = forecast.grid_for(error)
         bytes_of_finer = memory(finer, requirements.padding())
         reason = (
-            f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and this "
-            f"machine has {limit / MEMORY_FRACTION / 1e9:.3g} GB"
+            f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and {may_take}"
             if bytes_of_finer > limit
             else "the order of convergence of this surface is low"
         )

@@ -102,7 +102,7 @@ class Refined:
         Its bounds, from all grids. Where the L1 bound of the pressure is above the requested error,
         its reason says why.
     grids
-        Grids that were solutions, the last one that of the solution.
+        Grids that were solved, in order; the last one is that of the solution.
     """
 
     solution: Solution
@@ -189,7 +189,7 @@ class GridRefinement:
     def solve_levels(
         self, extent: tuple[float, float], start: Array | None = None
     ) -> list[BoundedSolution]:
-        """Return the grids solutions, the last of which meets the error or cannot be refined."""
+        """Return the solutions on all grids with their bounds; the last one meets the error or cannot be refined."""
         levels: list[BoundedSolution] = []
         grid: Grid | None = self.first_grid(extent)
         solutions: list[Solution] = []
@@ -368,10 +368,9 @@ class GridRefinement:
 
     def order(self, levels: list[BoundedSolution], axis: int) -> float:
         """Return the expected order of convergence along an axis."""
-        at_ends = (
-            self.requirements.roller_length > 0 and axis == 0
-        )  # the edges across a roller are smooth
-        usual = BOUND.step_order if levels[-1].is_sharp and not at_ends else BOUND.smooth_order
+        # the edges across a roller are smooth
+        is_smooth = not levels[-1].is_sharp or (self.requirements.roller_length > 0 and axis == 0)
+        usual = BOUND.smooth_order if is_smooth else BOUND.step_order
         if len(levels) < 2 or levels[-1].grid.cells[1] == 1:
             return usual
         (coarse, fine) = (

@@ -197,14 +197,14 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     if scene.wear is not None and hertz is not None and duration:
-        worn_area = 1.5 * hertz.radius * scene.wear.rate * load.per_length * duration
-        half_width = float(np.cbrt(half_width**3 + worn_area))
+        worn_area = scene.wear.rate * load.per_length * duration
+        half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
     least, warnings = _smallest_load(scene.load, last)
     if plastic is not None:  # errors are relative to the pressure of the largest load
         least, warnings = load.per_length, ()
     reasons: tuple[str, ...] = ()
     if least < load.per_length:
-        reasons = (f"load: the cells are those for the smallest load, {readable(least, 'N m-1')}.",)
+        reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
     return TransientRequirements(
         replace(elastic, load=LineLoad(least)),
         2 * GRID.width_factor * half_width,
@@ -234,7 +234,7 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
 
 
 def _softest(body: Body, end: float) -> float:
-    """Return the largest compliance [1/Pa] of `body` up to the time `end` [s]."""
+    """Return the equilibrium compliance [1/Pa] of `body`, or of a fluid that at the time `end` [s]."""
     if not isinstance(body, ViscoelasticHalfSpace):
         return body.compliance
     relaxed = body.creep.equilibrium_compliance

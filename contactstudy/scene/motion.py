@@ -137,7 +137,7 @@ class Wear:
     Parameters
     ----------
     coefficient
-        Wear coefficient k [1/Pa], at least zero.
+        Specific wear rate k [1/Pa], the wear coefficient over the hardness, at least zero.
     speed
         Sliding speed [m/s], at least zero, so that ``ds = speed dt``; zero where slip or a film gives the sliding.
     body

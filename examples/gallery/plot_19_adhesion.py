@@ -43,7 +43,7 @@ rough, lost = loop.quantities["pull_off"], loop.quantities["work_lost"]
 left.axhline(-rough.value, color="0.4", linestyle="--", label="pull-off")
 left.legend()
 print(f"smooth: {smooth}; closed form {closed:.4g} N/m")
-print(f"ridges: {rough}; work lost {lost}")
+print(f"ridges: {rough}; net work {lost}")
 assert abs(smooth.value - closed) < smooth.bound < 0.05 * closed
 assert rough.value < smooth.value
 assert 1.2e-5 < lost.value < 1.6e-5

@@ -39,7 +39,7 @@ left.legend(title="cycles")
 right.set(xlabel="x over the half-width", ylabel="worn depth [nm]")
 
 # %%
-# The worn volume is the energy lost by friction, times the wear coefficient over that of friction. The half-width of the
+# The worn volume is the energy lost by friction, times the specific wear rate over the coefficient of friction. The half-width of the
 # stick zone is ``c = (1 - Q / (mu P))^(1/2)`` half-widths. In the limit of no further wear the pressure is that of a punch of this width.
 
 volume, energy = (worn.quantities[name].value for name in ("worn_volume", "friction_energy"))

@@ -45,7 +45,7 @@ def compute_batch(
 ) -> list[Outcome]:
     """Compute a batch of cases on a thread of a dask worker, in a process that it keeps for the next batch.
 
-    Returns the outcomes that were there after a quarter of a second; none where the run is over, or where the cases
+    Returns the outcomes of the cases begun within a quarter of a second; none where the run is over, or where the cases
     cannot be read together. A run elsewhere has no name.
     """
     from distributed import get_worker

@@ -37,7 +37,7 @@ def compute_here(
         Called with the name of each case before it begins, so that a death can be attributed to it.
     """
     warm_up()
-    number = os.getpid()
+    process_id = os.getpid()
     LOADED.scan()
     with threadpool_limits(1), restored_state() as interpreter_state:
         for name, case in cases.items():
@@ -46,7 +46,7 @@ def compute_here(
             interpreter_state.restore(name)
             with stop.interruptible():
                 outcome = compute(case, work)
-            if os.getpid() != number:
+            if os.getpid() != process_id:
                 # a case has forked, and this is its child, which must not go on with the run
                 os._exit(0)
             interpreter_state.restore(name)

@@ -82,7 +82,7 @@ def estimate_cost(
 ) -> float | None:
     """Report what :func:`run` would compute, and return its predicted seconds; nothing is computed or written.
 
-    Of a large study some points are looked at, evenly spaced. None where a case has no plan.
+    Of a large study some points are looked at, evenly spaced. None where the plan of a case fails.
     """
     study.check_size(options.most_points)
     every, log = study.size, _with_name(study, log)
@@ -100,9 +100,13 @@ def estimate_cost(
     counts = (len(results.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
     text = "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take"
     log(text.format(*(round(scale * count) for count in counts)))
-    seconds = planned_seconds([cases[name] for name in missing])
-    if seconds is None:
+    try:
+        seconds = planned_seconds([cases[name] for name in missing])
+    except AttributeError:
         log("the time is not known: its cases are not scenes on a grid, and have no plan")
+        return None
+    except Exception as error:  # noqa: BLE001 (a study's own computation is anything)
+        log(f"the time is not known: the plan of a case failed ({type(error).__name__}: {error})")
         return None
     if missing:
         timing = f", {scale * seconds * runs / len(missing):.2g} s to time" if runs else ""
@@ -110,16 +114,14 @@ def estimate_cost(
     return scale * seconds
 
 
-def planned_seconds(cases: Sequence[Computation]) -> float | None:
-    """Return the seconds of all cases, one after the other on one thread; None where a case has no plan.
+def planned_seconds(cases: Sequence[Computation]) -> float:
+    """Return the seconds of all cases, one after the other on one thread.
 
     Of many cases a few are planned, evenly spaced; a padding other than that of the plan is not accounted for.
     """
     chosen = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
-    with suppress(Exception):  # a study's own computation is anything
-        planned = [cs.plan(case.scene, grid=case.grid).seconds for case in chosen]  # type: ignore[attr-defined]
-        return sum(planned) * len(cases) / max(len(planned), 1)
-    return None
+    planned = [cs.plan(case.scene, grid=case.grid).seconds for case in chosen]  # type: ignore[attr-defined]
+    return sum(planned) * len(cases) / max(len(planned), 1)
 
 
 def _with_name(study: Study, log: Log) -> Log:

@@ -9,7 +9,7 @@ from studies.model.outcome import RunSettings
 from studies.store.stop import Stop
 
 # What a process does but once (imports, memory from the system) is done by an untimed run of the longest
-# case of each kind that is shorter than this; in a longer one it is lost.
+# case of each kind that is shorter than this; in a longer one it is negligible.
 MAX_WARM_UP = 0.3
 
 

@@ -179,10 +179,10 @@ class Worker:
             status, kind = CaseStatus.KILLED, "Killed"
             sentence = f"its process {_ending(code)} while it was computed"
         else:
-            status, kind = CaseStatus.FAILED, "ForgedError"
+            status, kind = CaseStatus.FAILED, "UnexpectedAnswer"
             sentence = (
-                "what came in place of its answer is from another process or another case; "
-                "does it start processes that go on after it?"
+                "the worker received a message of another process or another case in place of its answer: "
+                "end the processes that the case starts"
             )
         return Outcome(status, {}, Failure(kind, f"{kind}: {sentence}", "unknown"), seconds), False
 

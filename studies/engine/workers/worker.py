@@ -1,6 +1,6 @@
 """Program of a worker process, which computes cases for its supervisor, one after the other.
 
-An answer is a tuple: number of this process, place of the case in the batch (-1 for the set-up), outcome (None for a
+An answer is a tuple: id of this process, place of the case in the batch (-1 for the set-up), outcome (None for a
 study that was read), whether another answer follows, and what the process has loaded (None where this is as before).
 """
 
@@ -102,7 +102,7 @@ class _Worker:
     """A process that serves a connection."""
 
     def __init__(self, connection: Connection) -> None:
-        self._connection, self._number = connection, os.getpid()
+        self._connection, self._pid = connection, os.getpid()
         self._loaded: Record | None = None
 
     def set_up(self, work: bytes) -> bool:
@@ -132,7 +132,7 @@ class _Worker:
                 outcome = timed(cases[index], batch.limit)
             elif cases is not None:
                 outcome = compute(cases[index], self._work)
-            if os.getpid() != self._number:
+            if os.getpid() != self._pid:
                 # a case has forked, and this is its child, which must not answer
                 os._exit(0)
             follows = index + 1 < count and perf_counter() - begun < BATCH_SECONDS
@@ -144,12 +144,12 @@ class _Worker:
         loaded = LOADED.scan()
         news = None if loaded is self._loaded else loaded
         try:
-            self._connection.send((self._number, index, outcome, follows, news))
+            self._connection.send((self._pid, index, outcome, follows, news))
         except OSError:
             raise
         except Exception as error:  # noqa: BLE001 (a measure's own class may do anything)
             failure = failed(error, "measure", outcome.seconds if outcome else 0.0)
-            self._connection.send((self._number, index, failure, follows, news))
+            self._connection.send((self._pid, index, failure, follows, news))
         self._loaded = loaded
 
 

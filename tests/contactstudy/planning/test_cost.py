@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import CostModel, PowerLaw, Timing, log_work, padded_points
+from contactstudy.planning.cost import CostLaw, CostModel, Timing, log_work, padded_points
 from contactstudy.planning.forecast import forecast_of_grid
 from contactstudy.planning.grid_requirements import grid_requirements
 from tests.conftest import LineContact
@@ -77,7 +77,7 @@ def test_a_power_of_the_work_is_found() -> None:
     def law(points: float, repetitions: float) -> float:
         return 3e-9 * exp(log_work(points, repetitions)) * points**0.05
 
-    found = PowerLaw.fit(sizes, [law(*size) for size in sizes])
+    found = CostLaw.fit(sizes, [law(*size) for size in sizes])
     for size in ((300.0, 7.0), (1e5, 100.0)):
         assert found.seconds(size) == pytest.approx(law(*size), rel=0.05)
 

@@ -184,8 +184,8 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
 class CreepState:
     """Internal variables of a viscoelastic body: retarded pressures, and the impulse of a body that flows (Maxwell).
 
-    Retarded pressures follow ``c_i' = (p - c_i) / lambda_i``; the impulse is the time integral ``b' = p``. The surface moves as under
-    ``J_0 p + sum(J_i c_i) + fluidity b``. Steps are exact for a pressure that is linear in time.
+    Retarded pressures follow ``c_i' = (p - c_i) / lambda_i``; the impulse is the time integral ``b' = p``. The surface
+    moves as under ``J_0 p + sum(J_i c_i) + fluidity b``. Steps are exact for a pressure that is linear in time.
 
     Attributes
     ----------
@@ -208,26 +208,25 @@ class CreepState:
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the hereditary term of past pressures, and the compliance for the pressure at the end of the step."""
-        weighted_pressure, compliance = self.after(state, pressure, step.duration)
+        weighted, compliance = self.after(state, pressure, step.duration)
         return Contribution(
-            convolved={self.coefficients: weighted_pressure},
-            compliance={self.coefficients: compliance},
+            convolved={self.coefficients: weighted}, compliance={self.coefficients: compliance}
         )
 
     def after(self, state: State, pressure: Array, duration: float) -> tuple[Array, float]:
         """Return past pressures weighted by the creep compliance after a `duration` [s], and that for the end."""
-        weighted_pressure = np.zeros_like(pressure)
+        weighted = np.zeros_like(pressure)
         compliance = 0.0
         for number, (size, time) in enumerate(self.creep.terms):
             from_state, from_start, from_end = retardation_weights(duration / time)
-            weighted_pressure += (size * from_state) * state[f"retarded{number}"]
-            weighted_pressure += (size * from_start) * pressure
+            weighted += (size * from_state) * state[f"retarded{number}"]
+            weighted += (size * from_start) * pressure
             compliance += size * from_end
         if self.creep.fluidity:
             half = self.creep.fluidity * duration / 2
-            weighted_pressure += self.creep.fluidity * state["impulse"] + half * pressure
+            weighted += self.creep.fluidity * state["impulse"] + half * pressure
             compliance += half
-        return weighted_pressure, compliance
+        return weighted, compliance
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return the retarded pressures [Pa] and the impulse [Pa s] at the end of the step."""

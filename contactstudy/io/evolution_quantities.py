@@ -154,9 +154,7 @@ def cycle_quantities(
         First load in contact and last load before [N/m]; None where contact is not made.
     """
     work, error, reason = lost_work
-    quantities = {
-        "work_lost": Quantity(work, "J m-1", "net work done by the load per length", error, reason)
-    }
+    quantities = {"work_lost": Quantity(work, "J m-1", "net work of the load", error, reason)}
     if separation is not None:
         last_stable, first_unstable = separation
         pull = Quantity(

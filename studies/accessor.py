@@ -47,11 +47,8 @@ class StudyAccessor:
     @property
     def cost(self) -> xr.DataArray:
         """Wall time of set-up and solve [s]."""
-        return (
-            total_time(self._dataset)
-            .assign_attrs(units="s", long_name="wall time, set-up and solve")
-            .rename("cost")
-        )
+        label = {"units": "s", "long_name": "wall time, set-up and solve"}
+        return total_time(self._dataset).assign_attrs(label).rename("cost")
 
     def order(self, error: str, axis: str, **at: object) -> ConvergenceOrder:
         """Return the order of convergence of `error` along a numeric `axis`, at one value of each other axis.
@@ -107,9 +104,8 @@ class StudyAccessor:
         names = [self._variable(name).name for name in variables] or [
             name for name, variable in self._dataset.data_vars.items() if variable.dims == self.axes
         ]
-        flat = self._dataset[names].drop_vars(
-            [name for name in self._dataset.coords if name not in self.axes]
-        )
+        further = [name for name in self._dataset.coords if name not in self.axes]
+        flat = self._dataset[names].drop_vars(further)
         return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
 
     def _priced(self, error: str, cost: str | xr.DataArray | None) -> "pd.DataFrame":

@@ -263,10 +263,8 @@ def draw(study: tuple[str, ...], out: Path, formats: tuple[str, ...]) -> None:
         click.echo(f"{name}: drew {out / chosen.name}")
     if not study:
         with _drawing("report"):
-            pages = [
-                reporting.draw_and_write(MAIN, out, with_png(formats)),
-                *reporting.write_outdated(out, [MAIN]),
-            ]
+            page = reporting.draw_and_write(MAIN, out, with_png(formats))
+            pages = [page, *reporting.write_outdated(out, [MAIN])]
         for path in pages:
             click.echo(f"report: wrote {path}")
 

@@ -120,13 +120,9 @@ def _fields(comparison: Comparison, verdict: Verdict) -> dict[str, Any]:
         "reference_bound": comparison.reference_bound,
         "best": _setting(comparison, verdict.best),
         "alternatives": [
-            _setting(comparison, alternative.measured)
-            | {
-                "time_ratio": alternative.ratio,
-                "p_value": alternative.p,
-                "is_as_fast": alternative.is_as_fast,
-            }
-            for alternative in verdict.alternatives
+            _setting(comparison, other.measured)
+            | {"time_ratio": other.ratio, "p_value": other.p, "is_as_fast": other.is_as_fast}
+            for other in verdict.alternatives
         ],
         "notes": list(comparison.notes),
     }

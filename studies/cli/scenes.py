@@ -54,18 +54,14 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
         click.echo(json.dumps(fields))
         return
     cells, extent = planned.grid.cells, planned.grid.extent
-    click.echo(
-        f"{scene}: {cells[0]} x {cells[1]} cells over {readable(extent[0])} x {readable(extent[1])}"
-    )
+    size = f"{readable(extent[0])} x {readable(extent[1])}"
+    click.echo(f"{scene}: {cells[0]} x {cells[1]} cells over {size}")
     for reason in planned.reasons:
         click.echo(f"  {reason}")
     click.echo(f"  period: {planned.period_check}")
     on = thread_count(planned.on.threads) if isinstance(planned.on, cs.Cpu) else repr(planned.on)
-    error = (
-        "the error is known after the solve"
-        if isinf(planned.error)
-        else f"error {planned.error:.1g}"
-    )
+    is_unknown = isinf(planned.error)
+    error = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
     seconds = "a time not known" if isinf(planned.seconds) else f"{planned.seconds:.2g} s"
     click.echo(
         f"  estimated: {error}, {seconds} on {on} without files and pictures, {planned.bytes / 1e6:.3g} MB"
@@ -120,7 +116,15 @@ def solve(
     answer = solve_with_progress(described, scene, out, start, on)
     files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", with_png(formats))
     seconds = perf_counter() - begin
-    _print(scene, answer, seconds, _notes(described), files, as_json=as_json)
+    notes = _notes(described)
+    if as_json:
+        click.echo(_as_json(scene, answer, seconds, notes, files))
+    else:
+        click.echo(f"{scene}: {answer.summary()}")
+        cells = " x ".join(map(str, answer.grid.cells))
+        wrote = f"wrote {', '.join(map(str, files))}"
+        for line in (f"{cells} cells, {seconds:.2g} s", *notes, wrote):
+            click.echo(f"  {line}")
     if answer.status.name != "CONVERGED":
         sys.exit(1)
 
@@ -133,10 +137,8 @@ def _announce(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> None
     for warning in planned.warnings:
         click.echo(f"{scene}: warning: {warning}", err=True)
     if LONG < planned.seconds < inf or planned.bytes > LARGE:
-        click.echo(
-            f"{scene}: estimated cost: {planned.seconds:.2g} s and {planned.bytes / 1e9:.2g} GB",
-            err=True,
-        )
+        cost = f"{planned.seconds:.2g} s and {planned.bytes / 1e9:.2g} GB"
+        click.echo(f"{scene}: estimated cost: {cost}", err=True)
 
 
 def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
@@ -194,38 +196,24 @@ def _stored(answer: Answer, path: Path, formats: tuple[str, ...]) -> list[Path]:
     return files
 
 
-def _print(
-    scene: Path,
-    answer: Answer,
-    seconds: float,
-    notes: list[str],
-    files: list[Path],
-    *,
-    as_json: bool,
-) -> None:
-    """Print accuracy and quantities first, then status, time, notes and files; or all of it as one JSON object."""
+def _as_json(
+    scene: Path, answer: Answer, seconds: float, notes: list[str], files: list[Path]
+) -> str:
+    """Return accuracy, quantities, status, time, notes and files as a JSON object."""
     from contactstudy.io.quantities import as_json as in_si
 
-    cells = " x ".join(map(str, answer.grid.cells))
-    if as_json:
-        report = {
-            "scene": str(scene),
-            "status": answer.status.name,
-            "accuracy": answer.accuracy,
-            "met": answer.met,
-            "seconds": seconds,
-            "cells": list(answer.grid.cells),
-            "quantities": in_si(answer.quantities),
-            "notes": [*notes, answer.work, *answer.error.warnings],
-            "files": [str(path) for path in files],
-        }
-        click.echo(json.dumps(report))
-        return
-    click.echo(f"{scene}: {answer.summary()}")
-    click.echo(f"  {cells} cells, {seconds:.2g} s")
-    for note in notes:
-        click.echo(f"  {note}")
-    click.echo(f"  wrote {', '.join(str(path) for path in files)}")
+    report = {
+        "scene": str(scene),
+        "status": answer.status.name,
+        "accuracy": answer.accuracy,
+        "met": answer.met,
+        "seconds": seconds,
+        "cells": list(answer.grid.cells),
+        "quantities": in_si(answer.quantities),
+        "notes": [*notes, answer.work, *answer.error.warnings],
+        "files": [str(path) for path in files],
+    }
+    return json.dumps(report)
 
 
 def _device(name: str, threads: int | None) -> cs.Cpu | cs.Gpu:

@@ -69,9 +69,8 @@ def show(
         from studies.registry import BUILT_IN, default_drawing, load_drawing
 
         name = str(dataset.attrs.get("study", file.stem))
-        drawing = (
-            load_drawing(name) if name in BUILT_IN else default_drawing(figures, names_in(plot))
-        )
+        is_own = name not in BUILT_IN
+        drawing = default_drawing(figures, names_in(plot)) if is_own else load_drawing(name)
         drawn = {f"{file.stem}-{item.name}": item.figure for item in drawing.figure(dataset)}
     elif plot:
         raise InvalidInput("--plot is for a study: leave it out for a solution.")
@@ -90,9 +89,8 @@ def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
 
     in_time = "time" in dataset.dims
     if "film" in dataset:
-        return (
-            evolution.film_evolution_picture(dataset) if in_time else contact.film_picture(dataset)
-        )
+        picture = evolution.film_evolution_picture if in_time else contact.film_picture
+        return picture(dataset)
     if "pass" in dataset.dims:
         return evolution.passes_picture(dataset)
     if "gap" in dataset:
@@ -115,11 +113,9 @@ def _csv(dataset: "xr.Dataset") -> str:
         if set(variable.dims) <= set(axes) and bool(variable.dims) == bool(axes)
     ]
     names.sort(key=_column_order)
-    timed = "contended" in dataset and bool(
-        (_with_flag_meanings(dataset["contended"]) != "not_timed").any()
-    )
-    names = [name for name in names if timed or not _is_time(name)]
     flat = dataset[names].assign({name: _with_flag_meanings(dataset[name]) for name in names})
+    if "contended" not in flat or (flat["contended"] == "not_timed").all():
+        flat = flat.drop_vars([name for name in names if _is_time(name)])
     flat = flat.drop_vars([name for name in flat.coords if name not in axes])
     if axes:
         table = flat.to_dataframe(dim_order=axes).reset_index()
@@ -139,9 +135,8 @@ SORTED_LAST = ("status", "iterations", "convolutions", "residual", "case_", "con
 
 def _column_order(name: str) -> int:
     """Return the position of a column among :data:`SORTED_LAST`, 0 for any other."""
-    return max(
-        (place for place, word in enumerate(SORTED_LAST, start=1) if word in name), default=0
-    )
+    places = [place for place, word in enumerate(SORTED_LAST, start=1) if word in name]
+    return max(places, default=0)
 
 
 def _is_time(name: str) -> bool:
@@ -179,11 +174,8 @@ def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
     write = import_for("--format vtk", "pyevtk.hl").gridToVTK
     edges = [_edges(dataset[axis].values) for axis in ("x", "y")]
     # its cells lie between edges: one thin layer, so that the map is seen from above
-    cells = {
-        name: np.ascontiguousarray(dataset[name].values[:, :, None])
-        for name in ("pressure", "gap", "displacement")
-        if name in dataset
-    }
+    shown = [name for name in ("pressure", "gap", "displacement") if name in dataset]
+    cells = {name: np.ascontiguousarray(dataset[name].values[:, :, None]) for name in shown}
     flat = np.array([0.0, min(np.diff(edge).min() for edge in edges)])
     # the library adds the ending
     path = write(str(stem), edges[0], edges[1], flat, cellData=cells)

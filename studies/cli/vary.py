@@ -47,11 +47,8 @@ def load_scene_study(name: str, vary: Sequence[str], others: Sequence[str]) -> "
         return None
     if others and others[0].startswith("--"):
         option = others[0].partition("=")[0]
-        options = [
-            name
-            for parameter in click.get_current_context().command.params
-            for name in parameter.opts
-        ]
+        parameters = click.get_current_context().command.params
+        options = [name for parameter in parameters for name in parameter.opts]
         message = f"No such option {option!r}; fields of a scene are varied by {EXAMPLE}."
         raise click.NoSuchOption(option, message, get_close_matches(option, options))
     if others:
@@ -95,9 +92,7 @@ def with_reference(study: "Study", name: str, reference: str) -> "Study":
             "padding=ExactPeriodicity."
         )
     axis = variation(read_scene(name), field, value, Path(name).parent).axis
-    values = next(
-        (study_axis.values for study_axis in study.axes if study_axis.name == axis.name), ()
-    )
+    values = {varied.name: varied.values for varied in study.axes}.get(axis.name, ())
     if len(axis.values) != 1 or axis.values[0] not in values:
         raise InvalidInput(
             f"--reference is {reference!r}, which is not one of the values that are varied: add it to --vary."

@@ -86,23 +86,14 @@ def preset(name: str, subject: ComparedScene) -> Study:
     hertz = subject.exact
     reference_text = "over the scene's own" if hertz is None else "over Hertz half-width"
     default_period: tuple[Value, ...] = (1,) if hertz is None else (WIDTH,)
+    periods = (SCENE_PERIODS if hertz is None else PERIODS).get(name, default_period)
+    names = (*PADDINGS, FREE) if subject.is_free else tuple(PADDINGS)
+    finest = (across[-3 if hertz is None else -1],)
     axes = [
-        Axis(
-            "padding",
-            (*PADDINGS, FREE) if subject.is_free else tuple(PADDINGS),
-            "representation of the periodic direction",
-        ),
+        Axis("padding", names, "representation of the periodic direction"),
         Axis("images", IMAGES.get(name, (6,)), "periods superposed on each side"),
-        Axis(
-            "period",
-            (SCENE_PERIODS if hertz is None else PERIODS).get(name, default_period),
-            f"period length {reference_text}",
-        ),
-        Axis(
-            "grid",
-            chosen.get(name, (across[-3 if hertz is None else -1],)),
-            "cells across the width",
-        ),
+        Axis("period", periods, f"period length {reference_text}"),
+        Axis("grid", chosen.get(name, finest), "cells across the width"),
     ]
     if name == "pareto":
         axes.append(Axis("solver_tolerance", (1e-2, 1e-4), "residual to which the solver goes"))
@@ -114,9 +105,8 @@ def preset(name: str, subject: ComparedScene) -> Study:
         reference = SceneCase(
             subject.scene, subject.grid(cells), subject.boundary, reference_options, subject.times
         )
-        against = (
-            f"a solution on {cells[0]} x {cells[1]} cells under the scene's own boundary conditions"
-        )
+        size = f"{cells[0]} x {cells[1]} cells"
+        against = f"a solution on {size} under the scene's own boundary conditions"
     return Study(
         name,
         f"{TITLES[name]}, for {subject.name}.",
@@ -143,33 +133,25 @@ class _SettingAt:
         )  # fmt: skip
         across = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
         grid, periods = self._grid(across, point["period"])
+        tolerance = float(point.get("solver_tolerance", REFERENCE_TOLERANCE))
+        options = replace(subject.options, tolerance=tolerance)
         return ReferencedCase(
-            scene=subject.scene,
-            grid=grid,
-            padding=padding,
-            options=replace(
-                subject.options, tolerance=float(point.get("solver_tolerance", REFERENCE_TOLERANCE))
-            ),
-            time_steps=subject.times,
-            reference=self.reference,
-            periods=periods,
-        )
+            subject.scene, grid, padding, options, subject.times,
+            reference=self.reference, periods=periods,
+        )  # fmt: skip
 
     def _grid(self, across: int, period: Value) -> tuple[cs.Grid, int]:
         """Return the grid of a period, and how many of the scene's own it has."""
         subject, (width, length) = self.subject, self.subject.extent
         if (hertz := subject.exact) is not None:
             # nothing varies along the length, so that any period will do; cells are square
-            length = hertz.half_width * positive(
-                "period", period, "give a period above 0 half-widths"
-            )
+            half_widths = positive("period", period, "give a period above 0 half-widths")
+            length = hertz.half_width * half_widths
             return cs.Grid((across, max(2, round(across * length / width))), (width, length)), 1
-        periods = whole_number(
-            "period", period, 1, "give a whole number of the scene's own periods"
-        )
-        if periods > 1 and any(
-            isinstance(shape, cs.MeasuredSurface) for shape in subject.scene.shapes
-        ):
+        remedy = "give a whole number of the scene's own periods"
+        periods = whole_number("period", period, 1, remedy)
+        is_measured = any(isinstance(shape, cs.MeasuredSurface) for shape in subject.scene.shapes)
+        if periods > 1 and is_measured:
             raise cs.InvalidInput(MEASURED_MESSAGE.format(periods))
         if periods > 1 and subject.is_free:
             raise cs.InvalidInput(

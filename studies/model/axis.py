@@ -257,14 +257,10 @@ def values_between(
     if not count:
         rises = whole and low <= high and high - low < 2**53
         return range(int(low), int(high) + 1) if rises else None
-    if (
-        int(count) < 2
-        or low >= high
-        or (spacing and low <= 0)
-        or int(count) * POINT_BYTES > available_bytes()
-    ):
+    number, is_range = int(count), low < high and not (spacing and low <= 0)
+    if number < 2 or not is_range or number * POINT_BYTES > available_bytes():
         return None
-    spaced = np.geomspace(low, high, int(count)) if spacing else np.linspace(low, high, int(count))
+    spaced = np.geomspace(low, high, number) if spacing else np.linspace(low, high, number)
     if whole:
         rounded = np.round(spaced).astype(int)
         if not spacing and np.abs(spaced - rounded).max() > 1e-9 * high:

@@ -155,11 +155,8 @@ def _values(name: str, values: np.ndarray, invalid: MakeError) -> np.ndarray:
         raise invalid(values.dtype, "give numbers of at most 64 bits, or text")
     if kind == "f" and np.isnan(values).any():
         raise MeasuredNaNError(f"{name} is nan")
-    if (
-        kind in "iu"
-        and values.size
-        and max(-int(values.min()), int(values.max())) > MAX_WHOLE_NUMBER
-    ):
+    ends = (int(values.min()), int(values.max())) if kind in "iu" and values.size else (0, 0)
+    if max(-ends[0], ends[1]) > MAX_WHOLE_NUMBER:
         raise invalid(values.max(), "give whole numbers up to 2^53, or text")
     if values.dtype == np.float16:
         return values.astype(np.float32)

@@ -24,15 +24,11 @@ class CaseStatus(IntEnum):
 
 
 # variables that the store adds to every case; and keywords of xarray's ``sel``, which no axis may have
-RESERVED_NAMES = frozenset(
-    {"case_status", "case_key", "error", "error_type", "error_stage", "contended", "repeat"}
-    | {"tolerance", "method", "drop"}
-    | {
-        f"{part}_time{end}"
-        for part in ("setup", "solve")
-        for end in ("", "_median", "_cpu", "_all")
-    }
-)
+RESERVED_NAMES = frozenset((
+    "case_status", "case_key", "error", "error_type", "error_stage", "contended", "repeat",
+    "tolerance", "method", "drop",
+    *(f"{part}_time{end}" for part in ("setup", "solve") for end in ("", "_median", "_cpu", "_all")),
+))  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -110,9 +106,7 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
         value = dataset.get(str(name).removesuffix("_bound"))
         if value is None or value.name == name or bound.shape != statuses.shape:
             continue
-        has_value, has_bound = (
-            np.isfinite(variable.values.ravel()[places]) for variable in (value, bound)
-        )
+        has_value, has_bound = (np.isfinite(of.values.ravel()[places]) for of in (value, bound))
         # where no case has a bound, the answer gives the reason
         if 0 < (count := np.count_nonzero(has_value & ~has_bound)) < np.count_nonzero(has_value):
             unbounded[str(value.name)] = count
@@ -203,9 +197,8 @@ def is_contended(samples: Sequence[TimedRun], calibration_time: float = np.inf) 
     least = int(wall.argmin())
     lacks = cpu[least] < MIN_CPU_FRACTION * wall[least]
     confirmed = len(wall) > 1 and np.sort(wall)[1] <= MAX_SPREAD * wall[least]
-    return bool(
-        lacks or not confirmed or samples[least].calibration_time > MAX_SPREAD * calibration_time
-    )
+    slowed = samples[least].calibration_time > MAX_SPREAD * calibration_time
+    return bool(lacks or not confirmed or slowed)
 
 
 CONTENDED = ("no", "yes", "not_timed")
@@ -247,18 +240,13 @@ def timing_variables(
         name = f"{part}_time"
         data[name] = variable(least, f"wall time {what}, one case at a time, least of the repeats")
         data[f"{name}_median"] = variable(middle, f"wall time {what}, median of the repeats")
-        data[f"{name}_cpu"] = variable(
-            least_cpu, f"CPU time {what}, in the repeat of least wall time"
-        )
+        of_least = f"CPU time {what}, in the repeat of least wall time"
+        data[f"{name}_cpu"] = variable(least_cpu, of_least)
         if repeats:
             data[f"{name}_all"] = variable(wall.data, f"wall time {what}, every repeat", "repeat")
-    calibration_time = min(
-        (sample.calibration_time for runs in samples for sample in runs), default=np.inf
-    )
-    flag_values = [
-        int(is_contended(runs, calibration_time)) if runs else CONTENDED.index("not_timed")
-        for runs in samples
-    ]
+    calibrations = [sample.calibration_time for runs in samples for sample in runs]
+    fastest, not_timed = min(calibrations, default=np.inf), CONTENDED.index("not_timed")
+    flag_values = [int(is_contended(runs, fastest)) if runs else not_timed for runs in samples]
     what = "whether another process may have lengthened the time by more than 10 %"
     data["contended"] = flags(names, np.array(flag_values, dtype=np.int8)[index], CONTENDED, what)
     return data

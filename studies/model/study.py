@@ -106,11 +106,8 @@ class Study:
                 raise InvalidInput(
                     f"Axis {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(present))}."
                 )
-        changed = tuple(
-            axis.override(axes[axis.name], most=most) if axis.name in axes else axis
-            for axis in self.axes
-        )
-        return replace(self, axes=changed)
+        changed = {name: present[name].override(values, most=most) for name, values in axes.items()}
+        return replace(self, axes=tuple((present | changed).values()))
 
     def visits(self) -> Iterator[tuple[Point, Computation]]:
         """Yield every point with its case, in the order of the axes (last one fastest)."""

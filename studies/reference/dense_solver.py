@@ -70,9 +70,8 @@ def answer(
         pressure = np.where(yielding, limit, 0.0)
         displacement = matrix @ pressure if yielding.any() else np.zeros_like(gap)
         free_load = total - pressure.sum()
-        pressure[free], approach = _solve_active_set(
-            matrix, free, -(gap + displacement)[free], free_load
-        )
+        needed = -(gap + displacement)[free]
+        pressure[free], approach = _solve_active_set(matrix, free, needed, free_load)
         deformed_gap = gap + matrix @ pressure
         if not free.any():
             approach = float(deformed_gap[yielding].max())
@@ -82,12 +81,9 @@ def answer(
         new_sets = predicted >= limit, (predicted > 0) & (predicted < limit)
         if (new_sets[0] == yielding).all() and (new_sets[1] == free).all():
             sizes = gap[pressure > 0].max(), (np.abs(matrix) @ pressure).max()
-            return DenseAnswer(
-                pressure.reshape(solution.pressure.shape),
-                approach,
-                _smallest_eigenvalue(matrix, free | initially_free),
-                ROUNDING * sum(sizes),
-            )
+            smallest = _smallest_eigenvalue(matrix, free | initially_free)
+            field = pressure.reshape(solution.pressure.shape)
+            return DenseAnswer(field, approach, smallest, ROUNDING * sum(sizes))
         yielding, free = new_sets
     raise ArithmeticError(f"pivoting did not end after {PIVOTS} active sets")
 
@@ -109,9 +105,8 @@ def _solve_active_set(
 def _smallest_eigenvalue(matrix: Array, free: np.ndarray) -> float:
     """Return the smallest eigenvalue of the matrix on the free cells, for pressures without a load."""
     count = int(free.sum())
-    if (
-        count < 2
-    ):  # a single cell cannot move: its coefficient bounds the rounding of the load equation
+    # a single cell cannot move: its coefficient bounds the rounding of the load equation
+    if count < 2:
         return float(matrix[0, 0] - matrix.mean())
     part = matrix[np.ix_(free, free)]
     part = part - part.mean(axis=0)
@@ -131,13 +126,10 @@ def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
     gap = bare.gap(pressure, bare.operator(pressure))
     free = bare.constraint.free(pressure)
     violated_gap = gap.height * free + cell_violation(pressure, gap.height, free)
-    gap_error = (
-        float(np.linalg.norm(violated_gap)) + reference.rounding * np.count_nonzero(pressure) ** 0.5
-    )
-    unbalanced = bare.control.error(float(pressure.sum()))
-    return float(
-        gap_error / reference.smallest_eigenvalue + pressure.max() * (unbalanced + ROUNDING)
-    )
+    rounding = reference.rounding * np.count_nonzero(pressure) ** 0.5
+    gap_error = float(np.linalg.norm(violated_gap)) + rounding
+    of_load = pressure.max() * (bare.control.error(float(pressure.sum())) + ROUNDING)
+    return float(gap_error / reference.smallest_eigenvalue + of_load)
 
 
 @lru_cache(maxsize=64)

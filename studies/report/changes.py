@@ -44,12 +44,10 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         x, y = float(before[index]), float(after[index])
         where = ", ".join(f"{axis} {value}" for axis, value in at.items())
         relative = abs(y - x) / scale if scale else np.inf
-        changed.append(
-            (
-                relative,
-                f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value",
-            )
+        sentence = (
+            f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value"
         )
+        changed.append((relative, sentence))
     for status in ("case_status", "solver_status"):
         if status in a and status in b:
             differ = int((a[status].values != b[status].transpose(*a[status].dims).values).sum())

@@ -92,9 +92,8 @@ def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     finest = dataset.isel(grid=-1, rough_grid=-1)
     fig, axes = panels(6, columns=2, width=3.6, height=2.7)
     for part, style in by_color(finest, "poisson_ratio", "nu = {:g}"):
-        for ax, variable in zip(
-            axes, ("von_mises", "depth", "stick", "stick_sphere"), strict=False
-        ):
+        variables = ("von_mises", "depth", "stick", "stick_sphere")
+        for ax, variable in zip(axes, variables, strict=False):
             ax.plot(part[part[variable].dims[0]], part[variable], **style)
     fraction = np.linspace(0, 1, 200)
     axes[2].plot(fraction, np.sqrt(1 - fraction), label="Cattaneo, Mindlin", **LAW_STYLE)
@@ -227,9 +226,8 @@ def _wear_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     fig, (width, errors, cost) = panels(3, columns=3, width=3.8, height=3.0)
     distance = np.linspace(0, 1, 100)
     width.plot(distance, WORN_HALF_WIDTH * np.cbrt(distance), **LAW_STYLE)
-    width.plot(
-        distance, np.cbrt(1 + WORN_HALF_WIDTH**3 * distance), **LAW_STYLE | {"linestyle": "--"}
-    )
+    added = np.cbrt(1 + WORN_HALF_WIDTH**3 * distance)
+    width.plot(distance, added, **LAW_STYLE | {"linestyle": "--"})
     for part, style in by_color(finest, "scheme", "{}"):
         style["color"] = WEAR_COLORS.get(style["label"], "#E69F00")
         width.plot(part["distance"], part["half_width"].isel(steps=-1), "o", color=style["color"])
@@ -264,9 +262,8 @@ def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     if not {"implicit", "explicit"} <= schemes or finest.sizes["steps"] < 3:
         return ()
     coarse = finest.isel(steps=1)
-    implicit, explicit = (
-        percent(coarse["pressure_error_l1"].sel(scheme=name)) for name in ("implicit", "explicit")
-    )
+    errors = (coarse["pressure_error_l1"].sel(scheme=name) for name in ("implicit", "explicit"))
+    implicit, explicit = map(percent, errors)
     return (
         Finding(
             f"With {int(coarse['steps'])} steps of wear the error is {implicit} (implicit) and {explicit} (explicit).",

@@ -83,10 +83,8 @@ def _lines(dataset: xr.Dataset, over: str) -> Iterator[tuple[str, str, xr.Datase
 
 def _finest(part: xr.Dataset, over: str) -> xr.Dataset:
     """Return a part at the finest grid, the longest period and the largest n, but for the axis `over`."""
-    last_values = {
-        axis: -1 for axis in ("images", "period", "grid") if axis in part.dims and axis != over
-    }
-    return part.isel(last_values)
+    axes = {"images", "period", "grid"} & set(part.dims) - {over}
+    return part.isel(dict.fromkeys(axes, -1))
 
 
 def shown_at(part: xr.Dataset, over: str) -> str:
@@ -172,20 +170,17 @@ def _over(dataset: xr.Dataset, over: str) -> CaptionedFigure:
 
 def _points(dataset: xr.Dataset) -> CaptionedFigure:
     """Draw the error of every padding as a point."""
-    rows = [
-        (label, padding, float(_finest(part, "")[ERROR]))
-        for padding, label, part in _lines(dataset, "")
-    ]
-    fig, (ax,) = panels(1, width=WIDTH, height=1.0 + 0.3 * len(rows))
-    for row, (_, padding, error) in enumerate(rows):
+    lines = list(_lines(dataset, ""))
+    fig, (ax,) = panels(1, width=WIDTH, height=1.0 + 0.3 * len(lines))
+    for row, (padding, _, part) in enumerate(lines):
+        error = float(_finest(part, "")[ERROR])
         ax.plot(error, row, "o", color=padding_style(padding)["color"])
-    names = [label for label, *_ in rows]
-    ax.set(xscale="log", xlabel=LABEL, yticks=range(len(rows)), yticklabels=names)
+    names = [label for _, label, _ in lines]
+    ax.set(xscale="log", xlabel=LABEL, yticks=range(len(lines)), yticklabels=names)
     write_powers(ax.xaxis, in_percent)
     ax.invert_yaxis()
-    return captioned(
-        "paddings", fig, f"{LABEL} of every padding, {against(dataset)}; {shown_at(dataset, '')}."
-    )
+    caption = f"{LABEL} of every padding, {against(dataset)}; {shown_at(dataset, '')}."
+    return captioned("paddings", fig, caption)
 
 
 def _flat(dataset: xr.Dataset) -> xr.Dataset:

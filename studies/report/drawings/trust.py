@@ -1,5 +1,7 @@
 """Drawings of the studies of trust: hard cases, bounds beside true errors."""
 
+from itertools import product
+
 import numpy as np
 import xarray as xr
 
@@ -73,9 +75,8 @@ def _stability_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
 def _stability_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     if dataset.sizes["case"] != len(CASES):
         return ()
-    fraction = (dataset["pressure_error"] / dataset["stated_error"]).where(
-        dataset["verdict"] == RIGHT
-    )
+    fraction = dataset["pressure_error"] / dataset["stated_error"]
+    fraction = fraction.where(dataset["verdict"] == RIGHT)
     claim = "Hard cases end with an error within the stated one, or with a status that explains why there is no answer."
     n_wrong, where = _count(dataset, WRONG), ""
     if n_wrong:
@@ -230,11 +231,8 @@ def _accuracy_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
             if limit < true
         ]
     misses.sort(key=lambda miss: -miss[0])
-    heads = [
-        f"{LABELS[metric]}: {what}"
-        for metric in TIGHTLY_BOUNDED
-        for what in ("bounded", "median ratio", "no bound")
-    ]
+    columns = product(TIGHTLY_BOUNDED, ("bounded", "median ratio", "no bound"))
+    heads = [f"{LABELS[metric]}: {what}" for metric, what in columns]
     return (
         Table(
             "Bounds by kind of surface: the fraction of cases whose bound is no smaller than the error, how many times "

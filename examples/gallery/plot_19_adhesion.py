@@ -3,7 +3,7 @@ A soft roller that sticks to a rough flat
 =========================================
 
 A rubber roller is pressed on a flat with longitudinal ridges, and pulled off. The valleys jump into contact one after the other, each at a larger load
-than the one at which it jumps out of contact: the curves of loading and unloading enclose a loop, whose area is the work lost.
+than the one at which it jumps out of contact: the curves of loading and unloading enclose a loop, whose area is the hysteresis loss.
 """
 
 import matplotlib.pyplot as plt

@@ -93,6 +93,24 @@ def test_slip_wears_in_proportion_to_the_energy_and_nowhere_else() -> None:
     assert worn == pytest.approx(4 * wear * 0.02043, rel=0.1)
 
 
+def test_a_shear_that_meets_the_iteration_limit_has_its_status_though_the_pressure_converged() -> (
+    None
+):
+    friction, limits = replace(LINE, friction=CYCLE), {"tolerance": 1e-6, "max_iterations": 12}
+    found = cs.solve(friction, STRIP, EXACT, times=[0.0, 3.0], **limits)
+    pressed, sheared = (frame.status for frame in found.frames)
+    assert (pressed, sheared) == (cs.Status.CONVERGED, cs.Status.ITERATION_LIMIT)
+
+
+def test_pressure_and_slip_that_do_not_converge_together_have_that_status_and_no_bound(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("contactstudy.evolution.time_stepper.MAX_FIXED_POINT_ITERATIONS", 1)
+    found = fretted(CYCLE, [0.0, 3.0], replace(LINE, wear=cs.Wear(1.0 / 32, 0.0)))
+    assert found.status is cs.Status.NOT_CONVERGED
+    assert np.isinf(found.error.l1.total)
+
+
 def jumping(jumps: list[float], wear: float, cells: int) -> cs.Contact:
     """The last frame of a cycle for each of `jumps`, which stands for so many cycles, after loading once."""
     times, forces = [0.0, 0.5], [0.0, FORCE]

@@ -299,6 +299,7 @@ def _step_of_active_sets(
     load_residual = last.linear.equation.load_residual(film)
     # near the answer every cell counts
     allowed = controls.allowed_set_changes * min(1.0, last.residual) * film.film.size
+    seen = [next_active]
     for _ in range(controls.max_active_set_iterations):
         active = next_active
         change = solver.step(linear, film, active, load_residual)
@@ -308,9 +309,28 @@ def _step_of_active_sets(
             break
         next_active = _corrected_active_sets(last, active, change)
         converged = active.changes(next_active) <= allowed
-        if converged:
+        if converged or not all(earlier.changes(next_active) for earlier in seen):  # or a cycle
             break
+        seen.append(next_active)
+    change = _within_total_pressure(film, active, change)
     return _ActiveSetStep(change, active, next_active, converged, iterations)
+
+
+def _within_total_pressure(
+    film: Film, active: ActiveSets, change: FilmCorrection
+) -> FilmCorrection:
+    """Return the change with a pressure of the lubricant from zero to the total in cells that touch.
+
+    The boundary film determines their total pressure. Its parts are nearly indeterminate in a viscous lubricant: they
+    may be many times as large, of opposite signs, and if each is cut off at zero, the film moves off the boundary film.
+    """
+    if active.touching is None or change.asperity_pressure is None:
+        return change
+    total = film.total_pressure + change.pressure + change.asperity_pressure
+    pressure = np.clip(film.pressure + change.pressure, 0, np.maximum(total, 0)) - film.pressure
+    pressure = np.where(active.touching, pressure, change.pressure)
+    asperity_pressure = change.asperity_pressure + change.pressure - pressure
+    return change._replace(pressure=pressure, asperity_pressure=asperity_pressure)
 
 
 def _height_off_boundary(equation: FilmEquation, film: Film) -> Array | float:

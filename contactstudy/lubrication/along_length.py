@@ -254,6 +254,8 @@ class StepSystem:
 
         tolerance = TUNING.tolerance_touching if self.touching.any() else TUNING.tolerance
         missing = right - self.product(start) if start.any() else right
+        if np.linalg.norm(missing) > norm:  # a start worse than none
+            start, missing = np.zeros_like(start), right
         system = LinearOperator(
             (right.size, right.size),
             matvec=lambda values: self.product(self.preconditioned(values)),

@@ -140,7 +140,7 @@ def test_what_does_not_roll_in_passes_is_refused(changes: dict[str, object], mat
 def test_grids_and_paddings_without_an_operator_are_refused() -> None:
     with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells\[1\] is 2"):
         roll(scene(4 * K), cs.Grid((24, 2), (4.8, 1.0)), EXACT, passes=1)
-    with pytest.raises(cs.InvalidInput, match=r"give ExactPeriodicity"):
+    with pytest.raises(cs.InvalidInput, match=r"give padding=ExactPeriodicity"):
         roll(scene(4 * K), COARSE, (EXACT, EXACT), passes=1)
     with pytest.raises(cs.InvalidInput, match=r"passes is 0"):
         roll(scene(4 * K), COARSE, EXACT, passes=0)

@@ -157,10 +157,8 @@ class SubgridHeights:
         corner = kink = mean = 0.0
         for part in self.along:
             modulus = _modulus(problem, part.axis)
-            stiffness, halving = (
-                modulus / problem.grid.cell_size[part.axis],
-                modulus * log(2) / (2 * pi),
-            )
+            stiffness = modulus / problem.grid.cell_size[part.axis]
+            halving = modulus * log(2) / (2 * pi)
             hidden += part.in_rows(part.missed, rows, pressure.shape) * stiffness
             protrusion += part.in_rows(part.protrusion, rows, pressure.shape) * stiffness
             corner = max(corner, part.largest(part.corner, beside, rows, pressure.shape) * halving)
@@ -277,11 +275,8 @@ def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, A
     assert problem.paddings is not None
     heights = getattr(source, "gap_without_scales", source.gap)
     centres = np.broadcast_to(heights(grid), grid.cells)
-    missed, squares, lowest = (
-        np.zeros(grid.cells),
-        np.zeros(grid.cells),
-        np.full(grid.cells, np.inf),
-    )
+    missed, squares = np.zeros(grid.cells), np.zeros(grid.cells)
+    lowest = np.full(grid.cells, np.inf)
     if heights(grid).shape[1] == 1:  # a profile, which the lines across have examined
         return missed, missed, np.ones(grid.cells), missed
     wraps = [padding.wraps for padding in problem.paddings]

@@ -175,13 +175,11 @@ class Evolution(Answer):
         """Instants or passes, steps and iterations, and the largest residual."""
         if self.passes is not None:
             passes = self.passes.passes
+            iterations = sum(each_pass.iterations for each_pass in passes)
             return {
                 "passes": (len(passes), "passes"),
                 "steps": (sum(each_pass.steps for each_pass in passes), "steps"),
-                "iterations": (
-                    sum(each_pass.iterations for each_pass in passes),
-                    "iterations of all steps",
-                ),
+                "iterations": (iterations, "iterations of all steps"),
             }
         instants = len(self.frames), "instants recorded"
         residual = max(frame.residual for frame in self.frames), "largest residual"
@@ -217,13 +215,11 @@ class Evolution(Answer):
         assert self.films is not None
         contacts = [frame.to_dataset() for frame in self.frames]
         dataset = labels.films_dataset(self.times, contacts, self.quantities)
-        dataset["step_error"] = labels.labelled(
-            (), self.films.step_error, "1", "largest error of a step"
-        )
-        if self.pressed is not None:
-            strain = labels.of_states(self.pressed.plastic, self.pressed.states)
-            dataset = dataset.assign(strain)
-        return dataset
+        step_error, label = self.films.step_error, "largest error of a step"
+        dataset["step_error"] = labels.labelled((), step_error, "1", label)
+        if self.pressed is None:
+            return dataset
+        return dataset.assign(labels.of_states(self.pressed.plastic, self.pressed.states))
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of the fields and of the numbers over time as a matplotlib figure."""
@@ -255,15 +251,12 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     problem = trajectory.problem
     outputs = tuple(trajectory.derived(frame, output) for output in problem.outputs)
     problem = replace(problem, outputs=outputs)
-    parts = frame.grid_error_parts
-    steps = replace(parts, steps=frame.step_error)
+    steps = replace(frame.grid_error_parts, steps=frame.step_error)
     reason = next(iter(frame.warnings), "")
     if frame.step_error == inf:
         reason = reason or "No bound: the time-step error was not estimated."
-    l1, unknown = (
-        replace(steps, reason=reason),
-        ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES),
-    )
+    l1 = replace(steps, reason=reason)
+    unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     area = unknown if frame.pressure.any() else l1  # separated bodies have no area
     stress = unknown if outputs else None
     return Contact(

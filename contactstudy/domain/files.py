@@ -22,9 +22,8 @@ from typing import Any, BinaryIO
 from contactstudy.domain.checks import InvalidInput
 
 PARTIAL = re.compile(r"^\..+\.(\d+)\.partial(\.\w+)?$")
-MIN_FREE_BYTES = (
-    2**20
-)  # bytes: with less free space, an unspecific error of a library means that the disk is full
+# With less free space [bytes], an unspecific error of a library means that the disk is full.
+MIN_FREE_BYTES = 2**20
 # one of the two exists: the first on Linux and macOS, the other on Windows
 _fcntl: Any = import_module("fcntl") if find_spec("fcntl") else None
 _msvcrt: Any = None if _fcntl else import_module("msvcrt")

@@ -174,9 +174,8 @@ class GridRequirements:
             from scipy.optimize import brentq  # imported late, since it is slow
 
             relative_half_width = float(brentq(residual_gap, 1.0, bracket))
-        crown_factor = (
-            1.5 if self.roller_length else 1.0
-        )  # the middle or the ends carry more than the mean
+        # the middle or the ends carry more than the mean
+        crown_factor = 1.5 if self.roller_length else 1.0
         hardness_limited = hertz.load_per_length / (2 * self.hardness)
         return max(hertz.half_width * relative_half_width * crown_factor, hardness_limited)
 
@@ -187,9 +186,8 @@ class GridRequirements:
             return CONSTANTS.rough_error
         # the mean pressure over the rms slope gives the fraction in contact (Persson 2001)
         mean = np.pi / 4 * self.hertz.peak_pressure / self.hertz.contact_modulus
-        return float(
-            CONSTANTS.rough_error * max(erf(sqrt(2) * mean / slope), 1e-3) ** CONSTANTS.area_power
-        )
+        fraction = max(erf(sqrt(2) * mean / slope), 1e-3)
+        return float(CONSTANTS.rough_error * fraction**CONSTANTS.area_power)
 
     def error(self, cell: tuple[float, float]) -> float:
         """Return the relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
@@ -200,12 +198,10 @@ class GridRequirements:
     def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
         """Return the contributions (across, along) to :meth:`error`."""
         total = self.error(cell)
-        rough = [
-            (size / wave) ** CONSTANTS.rough_order
-            for size, wave in zip(cell, self.finest, strict=True)
-        ]
         if not self.is_rough:
             return total, 0.0
+        steps = zip(cell, self.finest, strict=True)
+        rough = [(size / wave) ** CONSTANTS.rough_order for size, wave in steps]
         return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
 
     def grid(self, error: float, period: float | None) -> Grid:
@@ -261,14 +257,9 @@ class GridRequirements:
         if not self.varies:
             return width
         repeats = {scales.period for scales in self.length_scales if scales.period}
-        unit = (
-            _common_period(repeats)
-            if repeats
-            else max(self.longest, width) / CONSTANTS.waves_per_period
-        )
-        return unit * max(
-            1, int(np.ceil(CONSTANTS.waves_per_period * self.longest / unit * (1 - 1e-12)))
-        )
+        waves = CONSTANTS.waves_per_period
+        unit = _common_period(repeats) if repeats else max(self.longest, width) / waves
+        return unit * max(1, int(np.ceil(waves * self.longest / unit * (1 - 1e-12))))
 
     def pressure_error(self, error: float) -> float:
         """Return the relative L1 error of the pressure to plan for where an `error` is requested.
@@ -330,20 +321,18 @@ class GridRequirements:
             f"width {readable(grid.extent[0])}: the contact is expected to end within "
             f"{self.half_width / a:.3g} half-widths of Hertz (a = {readable(a)}) from the axis."
         )
-        cell = (
-            f"{grid.cells[0]} x {grid.cells[1]} cells: {a / grid.cell_size[0]:.3g} in a half-width"
-        )
-        cell += (
-            f", {_cells_per_wave(grid, self.finest):.3g} in the finest wavelength" * self.is_rough
-        )
+        nx, ny = grid.cells
+        cell = f"{nx} x {ny} cells: {a / grid.cell_size[0]:.3g} in a half-width"
+        if self.is_rough:
+            steps = zip(self.finest, grid.cell_size, strict=True)
+            cell += f", {min(wave / step for wave, step in steps):.3g} in the finest wavelength"
         cell += f", for an error of {error:.1g}"
         is_for_slip = self.sticks and not self.varies
         cell += f"{', so small that they resolve where slip begins' * is_for_slip}."
+        dimension = "three-dimensional: the gap varies along the length."
         if not self.varies:
             dimension = "plane strain: nothing varies along the length, so one cell along suffices."
-        else:
-            dimension = "three-dimensional: the gap varies along the length."
-        if not self.varies and grid.cells[1] > 1:
+        if not self.varies and ny > 1:
             dimension = "three-dimensional as requested: nothing varies along the length; one cell along would suffice."
         if self.roller_length:
             padding = (
@@ -360,11 +349,9 @@ class GridRequirements:
     def _coating(self, coating: Layered, grid: Grid) -> str:
         """Return a sentence on the effect of a coating on the plan."""
         coating_modulus, substrate_compliance = 1 / coating.compliance, coating.substrate.compliance
-        substrate = (
-            f"{readable(1 / substrate_compliance, 'Pa', 3)}"
-            if substrate_compliance
-            else "infinite, a rigid substrate"
-        )
+        substrate = "infinite, a rigid substrate"
+        if substrate_compliance:
+            substrate = readable(1 / substrate_compliance, "Pa", 3)
         modulus = 1 / coating.compliance_at(self.hertz.half_width)
         return (
             f"coating {readable(coating.thickness)}: {coating.thickness / self.hertz.half_width:.3g} half-widths and "
@@ -467,11 +454,6 @@ def flat_grid(scales: LengthScales, period: float | None) -> Grid:
     return Grid(
         (round(scales.known_width / scales.spacing[0]), along), (scales.known_width, length)
     )
-
-
-def _cells_per_wave(grid: Grid, finest: tuple[float, float]) -> float:
-    """Return the number of cells in the finest wavelength, along the axis with the fewest."""
-    return min(wave / cell for wave, cell in zip(finest, grid.cell_size, strict=True))
 
 
 def _whole_parts(total: float, part: float) -> int | None:

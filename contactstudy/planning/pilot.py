@@ -1,6 +1,7 @@
 """Seconds of a contact in time, or of one that rolls: a pilot on coarse cells counts the steps, one solve is timed."""
 
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from time import process_time
 
@@ -132,17 +133,12 @@ def pilot(
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")
     if requirements.plastic is not None:
-        time_ratio = (
-            requirements.plastic.bytes(grid) / requirements.plastic.bytes(coarse)
-        ) ** CONSTANTS.plastic_power
+        bytes_of = requirements.plastic.bytes
+        time_ratio = (bytes_of(grid) / bytes_of(coarse)) ** CONSTANTS.plastic_power
     else:
+        problem_on = partial(requirements.narrow.problem, padding=padding)
         fine, on_pilot = (
-            timed(
-                lambda of_grid: requirements.narrow.problem(of_grid, padding),
-                each_grid,
-                CONSTANTS.tolerance,
-            )[1]
-            for each_grid in (grid, coarse)
+            timed(problem_on, cells, CONSTANTS.tolerance)[1] for cells in (grid, coarse)
         )
         time_ratio = (fine.setup + fine.solve) / (on_pilot.setup + on_pilot.solve)
     refinement_factor = CONSTANTS.refinement_cost if refines and ny == 1 else 1.0
@@ -187,10 +183,8 @@ def _seconds_and_solves(
         rolling.error_estimate()
         seconds = instants * (process_time() - begin)
         return seconds, instants * rolling.lagged.outer_iterations
-    times, error_factor = (
-        steps.instants_of(scene.load, getattr(scene.friction, "history", None)),
-        1.0,
-    )
+    error_factor = 1.0
+    times = steps.instants_of(scene.load, getattr(scene.friction, "history", None))
     while True:
         begin, reached, pairs = process_time(), 0.0, 0
 
@@ -210,7 +204,6 @@ def _seconds_and_solves(
                 error_factor *= CONSTANTS.error_step
                 continue
             factor = error_factor / max(reached, 1e-3)
-            return factor * (process_time() - begin), round(
-                factor * CONSTANTS.solves_per_double_step * pairs
-            )
+            solves = factor * CONSTANTS.solves_per_double_step * pairs
+            return factor * (process_time() - begin), round(solves)
         return error_factor * (process_time() - begin), round(error_factor * trajectory.steps)

@@ -200,10 +200,8 @@ class GridRefinement:
                     solutions.append(self._solve_on(halved(grid), start, self._loose))
                 options = self.options if is_last else self._loose
                 solution = self._solve_on(grid, solutions[-1].pressure, options)
-                if (
-                    widths < CONSTANTS.max_width_changes
-                    and (width := self._width(solution)) is not None
-                ):
+                width = self._width(solution) if widths < CONSTANTS.max_width_changes else None
+                if width is not None:
                     widths += 1
                     levels, solutions, start, grid = [], [], None, self._with_width(grid, width)
                     continue
@@ -221,10 +219,8 @@ class GridRefinement:
     @property
     def _loose(self) -> SolveOptions:
         """Options for grids that are not expected to meet the error."""
-        return replace(
-            self.options,
-            tolerance=max(self.options.tolerance, CONSTANTS.loose_tolerance * self.error),
-        )
+        tolerance = max(self.options.tolerance, CONSTANTS.loose_tolerance * self.error)
+        return replace(self.options, tolerance=tolerance)
 
     def _solve_on(self, grid: Grid, start: Array | None, options: SolveOptions) -> Solution:
         """Return the solution on `grid` from a pressure on another of the same extent."""
@@ -239,11 +235,9 @@ class GridRefinement:
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
         """Return the least cells (across, along) that resolve the surface."""
+        axes = zip(CONSTANTS.first_cells, extent, self.requirements.finest, strict=True)
         across, along = (
-            max(least, CONSTANTS.cells_per_wave * length / wave)
-            for least, length, wave in zip(
-                CONSTANTS.first_cells, extent, self.requirements.finest, strict=True
-            )
+            max(least, CONSTANTS.cells_per_wave * length / wave) for least, length, wave in axes
         )
         if self.requirements.roller_length:
             along = max(along, extent[1] / self.requirements.hertz.half_width)
@@ -259,16 +253,10 @@ class GridRefinement:
         if not 0 < roller < extent[1] * (1 - 1e-9):
             return Grid((nx, ny), extent)
         fraction = roller / extent[1]
-        longest = (
-            ceil(max(CONSTANTS.growth_without_bound * along, along + 2 / (1 - fraction)))
-            if fraction < 1
-            else ceil(CONSTANTS.growth_without_bound * along)
-        )
+        longest = ceil(max(CONSTANTS.growth_without_bound * along, along + 2 / (1 - fraction)))
         ny = min(
             range(ceil(along), min(longest, ceil(CONSTANTS.max_lengthening * along)) + 1),
-            key=lambda count: (
-                count * (1 + CONSTANTS.misfit_cost * _end_misfit(count, fraction) / self.error)
-            ),
+            key=lambda n: n * (1 + CONSTANTS.misfit_cost * _end_misfit(n, fraction) / self.error),
         )
         return Grid((nx, ny), extent)
 
@@ -303,14 +291,10 @@ class GridRefinement:
                 / self._allowed_error(last)
                 * (present / limit) ** self._order_in_cells(levels)
             )
-            limit = (
-                min(CONSTANTS.max_cells_out_of_reach, limit)
-                if CONSTANTS.out_of_reach < missed < inf
-                else limit
-            )
-            required_cells = _scaled(
-                required_cells, CONSTANTS.safety * limit / prod(required_cells)
-            )
+            if CONSTANTS.out_of_reach < missed < inf:
+                limit = min(CONSTANTS.max_cells_out_of_reach, limit)
+            factor = CONSTANTS.safety * limit / prod(required_cells)
+            required_cells = _scaled(required_cells, factor)
         axes = 1 if required_cells[1] == 1 else 2
         is_last = (prod(required_cells) / present) ** (1 / axes) <= CONSTANTS.max_cell_ratio
         if not is_last:
@@ -337,33 +321,23 @@ class GridRefinement:
         min_cells = self.min_cells(last.grid.extent)
         present = last.discretisation_error
         if present == inf:
-            return max(CONSTANTS.growth_without_bound * nx, min_cells[0]), max(
-                CONSTANTS.growth_without_bound * ny, min_cells[1]
-            ) if ny > 1 else 1.0
+            grown = [CONSTANTS.growth_without_bound * count for count in (nx, ny)]
+            return max(grown[0], min_cells[0]), max(grown[1], min_cells[1]) if ny > 1 else 1.0
         factor = present / (CONSTANTS.safety * self._allowed_error(last))
         if ny == 1:
             return max(nx * factor ** (1 / self.order(levels, 0)), CONSTANTS.min_growth * nx), 1.0
-        (across, along), (order_x, order_y) = (
-            last.fractions,
-            (self.order(levels, axis) for axis in (0, 1)),
-        )
+        order_x, order_y = (self.order(levels, axis) for axis in (0, 1))
         # least product of both counts under the sum of both errors: r_x times the error across is r_y times that along
-        remaining = [
-            1 / factor * order_y / (order_x + order_y),
-            1 / factor * order_x / (order_x + order_y),
-        ]
+        remaining = [1 / factor * order / (order_x + order_y) for order in (order_y, order_x)]
         counts = [
-            count * max(fraction / allowed, 1e-3) ** (1 / order)
+            max(count * max(fraction / allowed, 1e-3) ** (1 / order), 0.5 * count)
             for count, fraction, allowed, order in zip(
-                (nx, ny), (across, along), remaining, (order_x, order_y), strict=True
+                (nx, ny), last.fractions, remaining, (order_x, order_y), strict=True
             )
         ]
-        counts = [
-            max(count, half) for count, half in zip(counts, (0.5 * nx, 0.5 * ny), strict=True)
-        ]
-        grown = prod(counts) / (nx * ny)
-        if grown < CONSTANTS.min_growth:
-            counts = [count * (CONSTANTS.min_growth / grown) ** 0.5 for count in counts]
+        growth = prod(counts) / (nx * ny)
+        if growth < CONSTANTS.min_growth:
+            counts = [count * (CONSTANTS.min_growth / growth) ** 0.5 for count in counts]
         return max(counts[0], min_cells[0]), max(counts[1], min_cells[1])
 
     def order(self, levels: list[BoundedSolution], axis: int) -> float:
@@ -373,9 +347,7 @@ class GridRefinement:
         usual = BOUND.smooth_order if is_smooth else BOUND.step_order
         if len(levels) < 2 or levels[-1].grid.cells[1] == 1:
             return usual
-        (coarse, fine) = (
-            (level.cell_errors[axis], level.grid.cells[axis]) for level in levels[-2:]
-        )
+        coarse, fine = ((level.cell_errors[axis], level.grid.cells[axis]) for level in levels[-2:])
         if fine[1] < 1.2 * coarse[1] or not 0 < fine[0] < coarse[0]:
             return usual
         observed = log(coarse[0] / fine[0]) / log(fine[1] / coarse[1])
@@ -387,18 +359,15 @@ class GridRefinement:
         return orders[0] if levels[-1].grid.cells[1] == 1 else 1 / (1 / orders[0] + 1 / orders[1])
 
     def reason_not_met(self, levels: list[BoundedSolution]) -> str:
-        """Return why the error is not met; empty where the last grid meets it."""
+        """Return why the bound on the last grid is above the error."""
         last = levels[-1]
-        if last.bound <= self.error:
-            return ""
         if last.bound == inf:
             return " ".join(last.estimate.warnings)
         for cause, fraction in last.estimate.l1.by_cause.items():
             if cause in OTHER_CAUSES and fraction >= self.error:
                 return f"{OTHER_CAUSES[cause][0]} {100 * fraction:.2g} %: {OTHER_CAUSES[cause][1]}."
-        grown = (last.discretisation_error / self._allowed_error(last)) ** (
-            1 / self._order_in_cells(levels)
-        )
+        missed = last.discretisation_error / self._allowed_error(last)
+        grown = missed ** (1 / self._order_in_cells(levels))
         cells = f"{prod(last.grid.cells) * grown:.1g}"
         return f"the error needs about {cells} cells; at most {self.most_cells:,} are allowed."
 

@@ -169,10 +169,8 @@ class Wear:
     def check(self, scene: WearContact) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
         film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
-        turns, why = (
-            drives or scene.rolling is not None,
-            "Scene.friction" if drives else "Scene.rolling",
-        )
+        turns = drives or scene.rolling is not None
+        why = "Scene.friction" if drives else "Scene.rolling"
         if film is not None:
             if film.boundary is None:
                 raise InvalidInput(

@@ -111,10 +111,8 @@ class Aliases:
         """Yield the stress in each layer by strain in itself and in layers near to it, by short waves."""
         edges = self.volume.edges
         thicknesses = rounded(self.volume.thicknesses)
-        surface_depth, near = (
-            DEEP / 2 * max(self.volume.grid.cell_size),
-            NEAR * min(self.volume.grid.cell_size),
-        )
+        surface_depth = DEEP / 2 * max(self.volume.grid.cell_size)
+        near = NEAR * min(self.volume.grid.cell_size)
         single: dict[tuple[float, float], list[int]] = {}
         pairs: dict[tuple[int, float, float, float, float], list[int]] = {}
         for number, thickness in enumerate(thicknesses):

@@ -96,10 +96,8 @@ class LayerResponse:
         `coupling_contrast`. Source: that of the class; antiplane strain of the layer across the wave.
         """
         lam, kap, one_lam, one_kap = self._mismatch
-        cross, ratio = (
-            lam * one_kap + kap * one_lam,
-            (self.shear_ratio - 1) / (self.shear_ratio + 1),
-        )
+        cross = lam * one_kap + kap * one_lam
+        ratio = (self.shear_ratio - 1) / (self.shear_ratio + 1)
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
         antiplane = -2 * ratio**2 * t * u / ((1 - ratio) * (1 - ratio + ratio * u))
         h0, remainder = self.coupling_contrast, u * cross + kap * self._higher_order(k)

@@ -89,11 +89,8 @@ class StressWaves:
             s_tz = s_lt = np.zeros_like(size)
         else:
             part, transverse = (c, -s) if self.load == "across" else (s, c)
-            normal, shear, s_ll = (
-                1j * part * sheared[0],
-                part * sheared[1],
-                1j * part * sheared[2],
-            )
+            normal, shear = 1j * part * sheared[0], part * sheared[1]
+            s_ll = 1j * part * sheared[2]
             down, around = self.stress.antiplane(size)
             s_tz, s_lt = transverse * down, 1j * transverse * around
         s_tt = self.stress.poisson_ratio * (s_ll + normal)

@@ -210,9 +210,8 @@ def roll_repeatedly(
     assert rolling is not None
     assert rolling.passes is not None
     body = _single_yielding_body(scene)
-    problem = replace(scene, solids=instantaneous(scene.solids), rolling=None).problem(
-        grid, padding
-    )
+    elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
+    problem = elastic.problem(grid, padding)
     _check_grid(problem)
     length, cell = problem.scales.length, grid.cell_size[0]
     volume = Volume(grid, 0, grid.cells[0], layers(grid, length, INITIAL_DEPTH * length))
@@ -288,10 +287,9 @@ class _Rolling:
             steps.append(step)
             profiles.append(track.left_profile)
             if self.max_steps is None and len(profiles) > grid.cells[0] + self.lag:
-                change = _strain_change(profiles[-1 - self.lag].strain, track.left_profile.strain)
-                change = max(
-                    change, _strain_change(track.mean_strain_behind, track.left_profile.strain)
-                )
+                earlier, left = profiles[-1 - self.lag].strain, track.left_profile.strain
+                references = earlier, track.mean_strain_behind
+                change = max(_strain_change(reference, left) for reference in references)
                 if change < self.steady:
                     break
         statuses = [solution.status for solution, _ in steps]

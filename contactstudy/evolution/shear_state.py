@@ -87,8 +87,7 @@ class ShearState:
     def start(self, shape: tuple[int, int]) -> State:
         """Return no shear, slip or wear on `shape` cells (x, y)."""
         names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "misplaced"]
-        names += ["worn_depth"] * (self.wear > 0)
-        names += ["slip_iterate"] * (self.wear > 0)
+        names += ["worn_depth", "slip_iterate"] * (self.wear > 0)
         numbers = ["residual", "applications", *["slip_change"] * (self.wear > 0)]
         state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
         return state if self.creep is None else {**state, **self.creep.start((3, *shape))}
@@ -208,16 +207,13 @@ class ShearState:
         total_shear = np.asarray(shear + entering + locked.shear)
         deviation = np.hypot(*(total_shear - reference))
         enters = entering[0] != 0
-        beside = in_contact & np.any(
-            [np.roll(enters, step, axis) for axis in (0, 1) for step in (1, -1)], axis=0
-        )
-        gained_beside, entered, all_gained = (
-            np.abs(gained[of]).sum() for of in (beside, enters, ...)
-        )
-        relative = (
-            ERROR_OVER_DEVIATION * deviation[beside].sum() / gained_beside if gained_beside else 0.0
-        )
-        return total_shear, relative * entered / all_gained * np.abs(gained)
+        neighbours = [np.roll(enters, step, axis) for axis in (0, 1) for step in (1, -1)]
+        beside, sizes = in_contact & np.any(neighbours, axis=0), np.abs(gained)
+        gained_beside, entered, all_gained = (sizes[of].sum() for of in (beside, enters, ...))
+        relative = 0.0
+        if gained_beside:
+            relative = ERROR_OVER_DEVIATION * deviation[beside].sum() / gained_beside
+        return total_shear, relative * entered / all_gained * sizes
 
     def _half_cycles(self, step: Step) -> float:
         """Return the number of half cycles that a step stands for, at least 1."""

@@ -75,9 +75,8 @@ class Comparison:
         for name, ratio in self.quantities.items():
             lines += [f"{name}: {100 * ratio:+.3g} %"] * (abs(ratio) > ROUNDING)
         if self.time is not None:
-            lines.insert(
-                0, f"at {self.time:.6g} s, the instant of the highest pressure of the first"
-            )
+            instant = f"at {self.time:.6g} s, the instant of the highest pressure of the first"
+            lines.insert(0, instant)
         omitted = len(self.differing) - MAX_LISTED
         lines += [f"scenes differ in {text}" for text in self.differing[:MAX_LISTED]]
         return "\n".join(lines + [f"... and in {omitted} more keys"] * (omitted > 0))
@@ -136,9 +135,8 @@ def compare(a: Any, b: Any) -> Comparison:
         },
         {"x": ("x", centres[0], first["x"].attrs), "y": ("y", centres[1], first["y"].attrs)},
     )
-    means = _sums_over_larger_cells(
-        _sums_over_larger_cells(change * area, x, x_a, x_b), y, y_a, y_b, axis=1
-    )
+    means = _sums_over_larger_cells(change * area, x, x_a, x_b)
+    means = _sums_over_larger_cells(means, y, y_a, y_b, axis=1)
     return Comparison(
         l1=float(np.abs(means).sum()) / total,
         peak_pressure=float(p_b.max() / p_a.max() - 1),

@@ -64,29 +64,18 @@ def evolution_quantities(
         if name in frames[0]:
             values = [frame[name].value for frame in frames]
             number = values.index(extreme(values))
-            position = {"time": float(times[number])}
-            quantities[name] = replace(
-                frames[number][name], label=label, position=position, detail=""
-            )
-    reported = "peak_pressure", "contact_area", "approach", "central_film", "minimum_film"
-    moving = (
-        "traction_coefficient",
-        "stick_fraction",
-        "creepage",
-        "frictional_power",
-        "rolling_resistance",
-    )
+            position, found = {"time": float(times[number])}, frames[number][name]
+            quantities[name] = replace(found, label=label, position=position, detail="")
+    reported = ["peak_pressure", "contact_area", "approach", "central_film", "minimum_film"]
+    reported += ["friction_coefficient", "traction_coefficient", "stick_fraction", "creepage"]
+    reported += ["frictional_power", "rolling_resistance"]
     peak = frames[-1].get("peak_pressure")
     is_separated = peak is not None and peak.value == 0  # separated bodies have no approach
-    for name in (*reported, "friction_coefficient", *moving):
+    for name in reported:
         if name in frames[-1] and not (is_separated and name == "approach"):
             final = frames[-1][name]
-            quantities[f"final_{name}"] = replace(
-                final,
-                label=f"{final.label} at the end",
-                position=None,
-                detail="" if final.position else final.detail,
-            )
+            label, detail = f"{final.label} at the end", "" if final.position else final.detail
+            quantities[f"final_{name}"] = replace(final, label=label, position=None, detail=detail)
     if "worn_depth" in fields:
         worn, (area, period) = fields["worn_depth"].values, cell
         volume = float(worn.sum() * area * around)
@@ -95,9 +84,8 @@ def evolution_quantities(
         by_slip = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
         slips = "friction_energy" in fields or "frictional_power" in frames[-1]
         of_film = error if "central_film" in frames[-1] else by_load
-        quantities["worn_volume"] = with_bound(
-            per_length(volume, "m3", "worn volume", length, period), by_slip if slips else of_film
-        )
+        worn_volume = per_length(volume, "m3", "worn volume", length, period)
+        quantities["worn_volume"] = with_bound(worn_volume, by_slip if slips else of_film)
         deepest = Quantity(float(worn.max()), "m", "largest worn depth")
         quantities["largest_worn_depth"] = with_bound(deepest, by_slip if slips else error)
     if "friction_energy" in fields:
@@ -105,35 +93,23 @@ def evolution_quantities(
         dissipated = per_length(energy, "J", "energy lost to friction", length, cell[1])
         slid = float(fields["slip_distance"].values.max())
         quantities["friction_energy"] = replace(dissipated, bound=inf, reason=NO_BOUND_OF_SLIP)
-        quantities["largest_slip"] = Quantity(
-            slid, "m", "largest distance slipped", inf, NO_BOUND_OF_SLIP
-        )
+        label = "largest distance slipped"
+        quantities["largest_slip"] = Quantity(slid, "m", label, inf, NO_BOUND_OF_SLIP)
     if "residual_displacement" in fields:
-        residual = fields[
-            "residual_displacement"
-        ].values  # into the bodies, from the undeformed surface
-        for name, height, label in (
-            (
-                "dent_depth",
-                residual.max(),
-                "depth of the dent at the end, below the undeformed surface",
-            ),
-            (
-                "shoulder_height",
-                -residual.min(),
-                "height of its shoulders, above the undeformed surface",
-            ),
-        ):
-            quantities[name] = Quantity(float(height), "m", label, inf, NO_BOUND_OF_STRAIN)
+        # into the bodies, from the undeformed surface
+        residual, unbounded = fields["residual_displacement"].values, (inf, NO_BOUND_OF_STRAIN)
+        depth, height = float(residual.max()), float(-residual.min())
+        label = "depth of the dent at the end, below the undeformed surface"
+        quantities["dent_depth"] = Quantity(depth, "m", label, *unbounded)
+        label = "height of its shoulders, above the undeformed surface"
+        quantities["shoulder_height"] = Quantity(height, "m", label, *unbounded)
     for name, stress in plastic_fields.items():
         if name.startswith("residual_stress"):
             of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
             for end, extreme in (("highest", np.max), ("lowest", np.min)):
                 label = f"{end} residual stress{of}, across or along"
-                across_and_along = float(extreme(stress.values[-1, :2]))
-                quantities[f"{end}_{name}"] = Quantity(
-                    across_and_along, "Pa", label, inf, NO_BOUND_OF_STRAIN
-                )
+                value = float(extreme(stress.values[-1, :2]))
+                quantities[f"{end}_{name}"] = Quantity(value, "Pa", label, inf, NO_BOUND_OF_STRAIN)
     return quantities
 
 
@@ -157,16 +133,13 @@ def cycle_quantities(
     quantities = {"work_lost": Quantity(work, "J m-1", "net work of the load", error, reason)}
     if separation is not None:
         last_stable, first_unstable = separation
-        pull = Quantity(
-            -last_stable, "N m-1", "pull-off load", abs(last_stable - first_unstable), ""
-        )
-        quantities = {"pull_off": pull} | quantities
+        bound = abs(last_stable - first_unstable)
+        pull_off = Quantity(-last_stable, "N m-1", "pull-off load", bound, "")
+        quantities = {"pull_off": pull_off} | quantities
     if jump_in is not None:
         in_contact, separated = jump_in
-        label = "load at which contact jumps in"
-        quantities["jump_in"] = Quantity(
-            in_contact, "N m-1", label, abs(in_contact - separated), ""
-        )
+        label, bound = "load at which contact jumps in", abs(in_contact - separated)
+        quantities["jump_in"] = Quantity(in_contact, "N m-1", label, bound, "")
     return quantities
 
 
@@ -175,27 +148,17 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     stress = rolled.residual_stress[-1, 0]
     lowest = int(stress.argmin())
     depth = {"z": float(rolled.depths[lowest])}
+    compression = "lowest residual stress in the rolling direction"
+    strain = float(rolled.equivalent_plastic_strain[-1].max())
+    added = float(rolled.plastic_strain_increment[-1])
     displacement = float(rolled.forward_displacement[-1])
+    forward = "displacement of the surface against the rolling direction, by the last pass"
+    yielding = "largest plastic strain that the last pass adds"
     return {
         "lowest_residual_stress": Quantity(
-            float(stress[lowest]),
-            "Pa",
-            "lowest residual stress in the rolling direction",
-            position=depth,
+            float(stress[lowest]), "Pa", compression, position=depth
         ),
-        "equivalent_plastic_strain": Quantity(
-            float(rolled.equivalent_plastic_strain[-1].max()),
-            "1",
-            "largest equivalent plastic strain",
-        ),
-        "last_yielding": Quantity(
-            float(rolled.plastic_strain_increment[-1]),
-            "1",
-            "largest plastic strain that the last pass adds",
-        ),
-        "forward_displacement": Quantity(
-            displacement,
-            "m",
-            "displacement of the surface against the rolling direction, by the last pass",
-        ),
+        "equivalent_plastic_strain": Quantity(strain, "1", "largest equivalent plastic strain"),
+        "last_yielding": Quantity(added, "1", yielding),
+        "forward_displacement": Quantity(displacement, "m", forward),
     }

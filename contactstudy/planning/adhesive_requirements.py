@@ -59,19 +59,13 @@ def adhesive_requirements(
     assert adhesion is not None
     assert radius is not None
     scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
-    attraction_range = adhesion.range or scale / (
-        TABOR_VARYING if requirements.varies else TABOR_SMOOTH
-    )
+    tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
+    attraction_range = adhesion.range or scale / tabor
     strength = adhesion.work / attraction_range
     zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
     if grid is None:
-        grid = _grid(
-            requirements,
-            error,
-            period,
-            zone / ZONE_CELLS,
-            FADING_DISTANCE * sqrt(2 * radius * attraction_range),
-        )
+        fading_distance = FADING_DISTANCE * sqrt(2 * radius * attraction_range)
+        grid = _grid(requirements, error, period, zone / ZONE_CELLS, fading_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
@@ -83,9 +77,8 @@ def adhesive_requirements(
     if isinstance(load, ChangingLoad):
         solves = DEFAULT_INSTANTS
     pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
-    seconds = (
-        FORECAST.cost_ratio * solves * CostModel().seconds(grid, requirements.padding(), pairs)
-    )
+    of_a_solve = CostModel().seconds(grid, requirements.padding(), pairs)
+    seconds = FORECAST.cost_ratio * solves * of_a_solve
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."

@@ -99,9 +99,8 @@ class PlasticZone:
         volume = self.volume(grid)
         count, across, along = volume.shape
         if along == 1:
-            numbers = (across + 1) * (3 * count) ** 2 + CONSTANTS.strain_fields * 3 * prod(
-                volume.shape
-            )
+            operators = (across + 1) * (3 * count) ** 2
+            numbers = operators + CONSTANTS.strain_fields * 3 * prod(volume.shape)
         else:
             numbers = CONSTANTS.strain_fields_along * 5 * prod(volume.shape)
         return 8 * self.bodies * numbers
@@ -185,14 +184,11 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     duration = max(last - start, 0.0)
     softest = sum(_softest(body, duration) for body in scene.solids)
     hertz = elastic.hertz
-    half_width = 0.0
-    if hertz is not None:
-        half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi)
+    half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi) if hertz else 0.0
     fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
     if scene.rolls:
-        return TransientRequirements(
-            elastic, 2 * GRID.width_factor * half_width * 1.5, CONSTANTS.rolling_fields, ()
-        )
+        width = 2 * GRID.width_factor * half_width * 1.5
+        return TransientRequirements(elastic, width, CONSTANTS.rolling_fields, ())
     plastic = expected_plastic_zone(scene)
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.units import display_unit_of
-from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, name_axes, panels
 from contactstudy.io.pictures.interference import interference_colours
 
 # Half-width of an interferogram in Hertz's half-widths.
@@ -45,19 +45,10 @@ def _map(ax: Axes, dataset: xr.Dataset) -> None:
     length, length_unit = display_unit_of(dataset["y"], "m")
     width, across = display_unit_of(dataset["x"], "m")
     factor, pressure_unit = display_unit_of(pressure, "Pa")
-    mesh = ax.pcolormesh(
-        dataset["y"] / length,
-        dataset["x"] / width,
-        pressure / factor,
-        cmap="viridis",
-        shading="nearest",
-        rasterized=True,
-    )
-    ax.set(
-        xlabel=f"along [{length_unit}]",
-        ylabel=f"across [{across}]",
-        title=f"pressure [{pressure_unit}]",
-    )
+    x, y = dataset["x"] / width, dataset["y"] / length
+    look: Any = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
+    mesh = ax.pcolormesh(y, x, pressure / factor, **look)
+    name_axes(ax, f"along [{length_unit}]", f"across [{across}]", f"pressure [{pressure_unit}]")
     ax.grid(visible=False)
     ax.figure.colorbar(mesh, ax=ax)
 
@@ -70,11 +61,7 @@ def _along(ax: Axes, dataset: xr.Dataset) -> None:
     ax.plot(dataset["y"] / length, middle / factor, label="in the middle", **PRESSURE)
     if "hertz_peak_pressure" in dataset:
         ax.axhline(float(dataset["hertz_peak_pressure"]) / factor, **LAW_STYLE)
-    ax.set(
-        xlabel=f"along [{length_unit}]",
-        ylabel=f"pressure [{pressure_unit}]",
-        title="along the contact",
-    )
+    name_axes(ax, f"along [{length_unit}]", f"pressure [{pressure_unit}]", "along the contact")
 
 
 def _across(ax: Axes, dataset: xr.Dataset) -> None:
@@ -84,9 +71,8 @@ def _across(ax: Axes, dataset: xr.Dataset) -> None:
     style = PRESSURE
     if dataset.sizes["y"] > 1:
         band = pressure.min("y"), pressure.max("y")
-        ax.fill_between(
-            x, *band, color=style["color"], alpha=0.18, linewidth=0, label="lowest to highest"
-        )
+        look: Any = {"color": style["color"], "alpha": 0.18, "linewidth": 0}
+        ax.fill_between(x, *band, label="lowest to highest", **look)
     ax.plot(x, pressure.isel(y=dataset.sizes["y"] // 2), label="in the middle", **style)
     if "attraction" in dataset:
         attraction = -dataset["attraction"].isel(y=dataset.sizes["y"] // 2) / factor
@@ -95,11 +81,7 @@ def _across(ax: Axes, dataset: xr.Dataset) -> None:
         t = dataset["x"] / float(dataset["hertz_half_width"])
         hertz = float(dataset["hertz_peak_pressure"]) * np.sqrt(np.clip(1 - t**2, 0, None))
         ax.plot(x, hertz / factor, label="Hertz", **LAW_STYLE)
-    ax.set(
-        xlabel=f"across [{length_unit}]",
-        ylabel=f"pressure [{pressure_unit}]",
-        title="across the contact",
-    )
+    name_axes(ax, f"across [{length_unit}]", f"pressure [{pressure_unit}]", "across the contact")
 
 
 def _gap(ax: Axes, dataset: xr.Dataset) -> None:
@@ -107,7 +89,7 @@ def _gap(ax: Axes, dataset: xr.Dataset) -> None:
     middle = dataset.isel(y=dataset.sizes["y"] // 2)
     factor, height = display_unit_of(middle["gap"], "m")
     ax.plot(dataset["x"] / width, middle["gap"] / factor, **GAP)
-    ax.set(xlabel=f"across [{length_unit}]", ylabel=f"gap [{height}]", title="gap in the middle")
+    name_axes(ax, f"across [{length_unit}]", f"gap [{height}]", "gap in the middle")
 
 
 def _shear(ax: Axes, dataset: xr.Dataset) -> None:
@@ -116,14 +98,9 @@ def _shear(ax: Axes, dataset: xr.Dataset) -> None:
     factor, pressure_unit = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
     for name, direction, style in (("shear_x", "across", PRESSURE), ("shear_y", "along", GAP)):
         if middle[name].any():
-            ax.plot(
-                dataset["x"] / width, middle[name] / factor, label=f"shear {direction}", **style
-            )
-    ax.set(
-        xlabel=f"across [{length_unit}]",
-        ylabel=f"shear [{pressure_unit}]",
-        title="shear in the middle",
-    )
+            shear, label = middle[name] / factor, f"shear {direction}"
+            ax.plot(dataset["x"] / width, shear, label=label, **style)
+    name_axes(ax, f"across [{length_unit}]", f"shear [{pressure_unit}]", "shear in the middle")
 
 
 def _stress(ax: Axes, dataset: xr.Dataset) -> None:
@@ -135,13 +112,11 @@ def _stress(ax: Axes, dataset: xr.Dataset) -> None:
         ax.plot(dataset["x"] / width, middle.isel(z=0) / factor, **STRESS)
         ax.set(xlabel=f"across [{across}]", ylabel=f"von Mises [{pressure_unit}]")
     else:
-        filled = ax.contourf(
-            dataset["x"] / width, dataset["z"] / depth, middle / factor, 24, cmap="magma"
-        )
+        x, down = dataset["x"] / width, dataset["z"] / depth
+        filled = ax.contourf(x, down, middle / factor, 24, cmap="magma")
         z = dataset["z"].values
-        for bond in z[1:][
-            np.diff(z) < 1e-6 * z[-1]
-        ]:  # the bond of a coating, where depths stand twice
+        # the bond of a coating, where depths stand twice
+        for bond in z[1:][np.diff(z) < 1e-6 * z[-1]]:
             ax.axhline(bond / depth, color="white", linestyle="--", linewidth=0.8)
         ax.invert_yaxis()
         ax.figure.colorbar(filled, ax=ax)
@@ -164,10 +139,8 @@ def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
                 fields["y"] / length, fields["x"] / width, change, cmap="RdBu_r", vmin=-largest, vmax=largest,
                 shading="nearest", rasterized=True,
             )  # fmt: skip
-            axes[0].set(
-                xlabel=f"along [{along}]",
-                ylabel=f"across [{length_unit}]",
-                title=f"b - a [{pressure_unit}]",
+            name_axes(
+                axes[0], f"along [{along}]", f"across [{length_unit}]", f"b - a [{pressure_unit}]"
             )
             axes[0].grid(visible=False)
             figure.colorbar(mesh, ax=axes[0])
@@ -175,10 +148,11 @@ def comparison_picture(fields: xr.Dataset, at: tuple[float, float]) -> Figure:
         x = fields["x"] / width
         axes[-1].plot(x, section["a"] / factor, label="a", color="#0072B2")
         axes[-1].plot(x, section["b"] / factor, label="b", color="#D55E00", linestyle="--")
-        axes[-1].set(
-            xlabel=f"across [{length_unit}]",
-            ylabel=f"pressure [{pressure_unit}]",
-            title="where they differ most",
+        name_axes(
+            axes[-1],
+            f"across [{length_unit}]",
+            f"pressure [{pressure_unit}]",
+            "where they differ most",
         )
         add_legend(figure)
     return figure
@@ -205,9 +179,7 @@ def film_picture(
         width, length_unit = display_unit_of(contact["x"], "m")
         factor, height = display_unit_of(middle, "m")
         axes[1].semilogy(contact["x"] / width, middle / factor, **GAP)
-        axes[1].set(
-            xlabel=f"across [{length_unit}]", ylabel=f"film [{height}]", title="film in the middle"
-        )
+        name_axes(axes[1], f"across [{length_unit}]", f"film [{height}]", "film in the middle")
         if interference:
             _interferogram(axes[2], contact, refractive_index, wavelengths)
         elif mapped:
@@ -234,5 +206,5 @@ def _interferogram(
     )
     if len(y) == 1:
         ax.set_xticks([])
-    ax.set(xlabel=f"along [{along}]", ylabel=f"across [{across}]", title="film by interference")
+    name_axes(ax, f"along [{along}]", f"across [{across}]", "film by interference")
     ax.grid(visible=False)

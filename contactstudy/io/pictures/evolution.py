@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactstudy.domain.units import display_unit_of, readable
-from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, panels
+from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, name_axes, panels
 
 # Number of instants whose profiles are drawn.
 PROFILES = 6
@@ -90,9 +90,8 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
             label = f"pass {int(after['pass'])}"
             stress = after["residual_stress"].sel(component="xx") / factor
             axes[0].plot(stress, rolled["z"] / length, color=color, label=label)
-            axes[1].plot(
-                after["equivalent_plastic_strain"] * 100, rolled["z"] / length, color=color
-            )
+            strain = after["equivalent_plastic_strain"] * 100
+            axes[1].plot(strain, rolled["z"] / length, color=color)
         axes[0].set(xlabel=f"residual stress in the rolling direction [{pressure_unit}]")
         axes[1].set(xlabel="equivalent plastic strain [%]")
         for ax in axes:
@@ -112,9 +111,8 @@ def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -
         instant = middle.isel(time=number)
         label = f"{float(instant['time']):.3g} s"
         ax.plot(evolved["x"] / length, instant / scale[0], color=color, label=label)
-    ax.set(
-        xlabel=f"across [{length_unit}]", ylabel=f"{evolved[name].attrs['long_name']} [{scale[1]}]"
-    )
+    label = evolved[name].attrs["long_name"]
+    ax.set(xlabel=f"across [{length_unit}]", ylabel=f"{label} [{scale[1]}]")
     ax.legend(**BESIDE)
 
 
@@ -156,9 +154,8 @@ def _shear(ax: Axes, evolved: xr.Dataset) -> None:
 
 
 def _dent(ax: Axes, evolved: xr.Dataset) -> None:
-    name = "residual_displacement"
-    scale = display_unit_of(abs(evolved[name]), "m")
-    _lines(ax, evolved, name, scale)
+    scale = display_unit_of(abs(evolved["residual_displacement"]), "m")
+    _lines(ax, evolved, "residual_displacement", scale)
     ax.set_ylabel(f"residual displacement [{scale[1]}], into the bodies")
     ax.invert_yaxis()
 
@@ -196,10 +193,11 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
         values = stress.sel(component=component) / factor
         ax.plot(values, evolved[depth] / length, color=color, label=direction)
     of = str(evolved[STRAIN + name.removeprefix(STRESS)].attrs["long_name"]).partition(" of ")[2]
-    ax.set(
-        xlabel=f"residual stress below the middle, tension positive [{pressure_unit}]",
-        ylabel=f"depth [{length_unit}]",
-        title=f"residual stress{of and f' of {of}'} at the end",
+    name_axes(
+        ax,
+        f"residual stress below the middle, tension positive [{pressure_unit}]",
+        f"depth [{length_unit}]",
+        f"residual stress{of and f' of {of}'} at the end",
     )
     ax.invert_yaxis()
     ax.legend(**BESIDE)
@@ -221,11 +219,7 @@ def _map(ax: Axes, evolved: xr.Dataset) -> None:
         shading="nearest" if distinct.sum() > 1 else "auto",
         rasterized=True,
     )
-    ax.set(
-        xlabel="time [s]",
-        ylabel=f"across [{length_unit}]",
-        title=f"mean pressure [{pressure_unit}]",
-    )
+    name_axes(ax, "time [s]", f"across [{length_unit}]", f"mean pressure [{pressure_unit}]")
     if distinct.sum() > 1:
         ax.set_xlim(time[0], time[-1])
     ax.figure.colorbar(mesh, ax=ax)
@@ -254,7 +248,7 @@ def _loop(ax: Axes, evolved: xr.Dataset) -> None:
     factor, length_unit = display_unit_of(approach, "m")
     ax.plot(approach / factor, load, ".-", color="#0072B2")
     ax.axhline(0.0, **LAW_STYLE)
-    ax.set(xlabel=f"approach [{length_unit}]", ylabel="load [N/m]", title="approach and separation")
+    name_axes(ax, f"approach [{length_unit}]", "load [N/m]", "approach and separation")
 
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:
@@ -264,9 +258,8 @@ def _errors(ax: Axes, evolved: xr.Dataset) -> None:
         shown = np.isfinite(values) & (values > 0)
         if shown.any():
             label = evolved[name].attrs["long_name"]
-            ax.semilogy(
-                evolved["time"].values[shown], values[shown], ".-", color=color, label=label
-            )
+            time = evolved["time"].values[shown]
+            ax.semilogy(time, values[shown], ".-", color=color, label=label)
     ax.set(xlabel="time [s]", ylabel="relative error")
     if ax.get_legend_handles_labels()[0]:
         ax.set_ylim(bottom=max(ax.get_ylim()[0], ax.get_ylim()[1] * 10.0**-DECADES))

@@ -47,6 +47,11 @@ def panels(
     return figure, axes[:count]
 
 
+def name_axes(ax: Axes, across: str, up: str, title: str) -> None:
+    """Name both axes, and the panel by its title."""
+    ax.set(xlabel=across, ylabel=up, title=title)
+
+
 def add_legend(figure: Figure) -> None:
     """Add one legend for all panels, outside them, and label logarithmic axes so that labels do not overlap.
 

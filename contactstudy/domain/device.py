@@ -244,8 +244,7 @@ class Gpu:
             count = _cupy().cuda.runtime.getDeviceCount()
         except ImportError as missing:
             raise InvalidInput(
-                f"Gpu needs CuPy, which cannot be imported ({missing}): "
-                "pip install 'contactstudy[gpu]', or give Cpu()."
+                f"Gpu needs CuPy, which cannot be imported ({missing}): pip install 'contactstudy[gpu]', or give Cpu()."
             ) from missing
         except _cupy().cuda.runtime.CUDARuntimeError as failed:
             raise InvalidInput(

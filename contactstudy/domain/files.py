@@ -197,8 +197,7 @@ def locked(path: Path, log: Callable[[str], object]) -> Iterator[None]:
         descriptor = _acquire(path, log)
     except OSError as error:
         raise InvalidInput(
-            f"Lock {str(path)!r} cannot be taken ({reason(error, path)}): remove it or give another folder "
-            "with --out."
+            f"Lock {str(path)!r} cannot be taken ({reason(error, path)}): remove it or give another folder with --out."
         ) from None
     try:
         yield

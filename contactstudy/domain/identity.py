@@ -179,8 +179,7 @@ ARRAYS = (np.ndarray, np.ma.MaskedArray, np.memmap, np.matrix, np.recarray)
 def _unknown(value: object) -> InvalidInput:
     """Return the error for an object that is not hashable by value."""
     return InvalidInput(
-        f"A case holds {value!r}, which is not hashable by value: make its class a "
-        "frozen dataclass."
+        f"A case holds {value!r}, which is not hashable by value: make its class a frozen dataclass."
     )
 
 

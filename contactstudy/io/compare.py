@@ -231,8 +231,7 @@ def _labelled(name: str, contact: Any) -> xr.Dataset:
         or contact["pressure"].dims not in (("x", "y"), ("time", "x", "y"))
     ):
         raise InvalidInput(
-            f"compare.{name} is {type(contact).__name__} without a pressure over (x, y): give an answer or its "
-            "dataset."
+            f"compare.{name} is {type(contact).__name__} without a pressure over (x, y): give an answer or its dataset."
         )
     return contact
 

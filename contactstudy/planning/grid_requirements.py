@@ -386,8 +386,7 @@ class GridRequirements:
             if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
                     f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not resolve the "
-                    f"finest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} "
-                    "or more."
+                    f"finest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} or more."
                 )
         if fault := self.period_fault(grid.length):
             messages.append(fault)

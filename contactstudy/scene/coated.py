@@ -55,8 +55,7 @@ class CoatedHalfSpace:
         set_fields(self, thickness=in_range("CoatedHalfSpace.thickness", self.thickness, remedy))
         if math.isinf(self.coating.youngs_modulus):
             raise InvalidInput(
-                "CoatedHalfSpace.coating is rigid: give it a finite Young's modulus, or a rigid HalfSpace "
-                "as the body."
+                "CoatedHalfSpace.coating is rigid: give it a finite Young's modulus, or a rigid HalfSpace as the body."
             )
         if (ratio := self._layer.shear_ratio) > LARGEST_RATIO:
             raise InvalidInput(

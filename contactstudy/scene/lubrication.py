@@ -496,8 +496,7 @@ class Lubrication:
     def __post_init__(self) -> None:
         if not isinstance(self.lubricant, Lubricant):
             raise InvalidInput(
-                f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., "
-                "pressure_viscosity=...)."
+                f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., pressure_viscosity=...)."
             )
         speed = self.mean_speed
         if not isinstance(speed, ChangingSpeed):

@@ -94,8 +94,7 @@ def read(
             return _topography(f"path {name!r}", channel.topography(**lacking))
     except topography.Exceptions.ReadFileError as unreadable:
         raise InvalidInput(
-            f"path is {name!r}: give a file in a format that SurfaceTopography reads, or numbers in rows as npy or "
-            "csv."
+            f"path is {name!r}: give a file in a format that SurfaceTopography reads, or numbers in rows as npy or csv."
         ) from unreadable
 
 

@@ -152,22 +152,18 @@ def error_estimate(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
         )
     if solution.status.is_failure:
-        no_bound = ErrorParts(0.0, 0.0, inf)
-        return ErrorEstimate(
-            no_bound, no_bound, no_bound, no_bound, warnings=(f"No bound: {solution.status}",)
-        )
+        unknown = ErrorParts(0.0, 0.0, inf)
+        reason = f"No bound: {solution.status}"
+        return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(reason,))
     if not solution.pressure.any():
-        no_contact = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
-        return ErrorEstimate(
-            no_contact, no_contact, no_contact, no_contact, warnings=(no_contact.reason,)
-        )
+        unknown = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
+        return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
     peak_images, l1_images = 0.0, 0.0
     if problem.source is None or not problem.source.ends_along:
         peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings)
     peak_residual, l1_residual = residual_errors(solution)
-    if (
-        solution.adhesion is not None
-    ):  # the change of the attraction that counts as much as this residual
+    # the change of the attraction that counts as much as this residual
+    if solution.adhesion is not None:
         l1_residual += CONSTANTS.change_of_attraction * solution.residual
     # the heights on several grids have the same waves
     with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
@@ -250,6 +246,7 @@ def _cells(
         changes = change_between_grids(solution, coarse)
     isolated = _has_isolated_cells(pressure)
     hidden_error = CONSTANTS.hidden_error * inside.hidden_load
+    hidden_area = _relative_loss(CONSTANTS.hidden_error * inside.area_loss)
     l1 = CONSTANTS.max_l1 if isolated else min(CONSTANTS.max_l1, max(l1, changes.l1, hidden_error))
     reason = ""
     if at_hardness:  # the peak pressure is the hardness
@@ -262,11 +259,7 @@ def _cells(
         DiscretisationErrors(
             l1,
             peak,
-            max(
-                area,
-                changes.contact_area,
-                _relative_loss(CONSTANTS.hidden_error * inside.area_loss),
-            ),
+            max(area, changes.contact_area, hidden_area),
             _gap_error(solution, l1, changes.mean_gap, inside.mean_height),
             warnings=(reason,) if reason else (),
         )
@@ -408,9 +401,7 @@ def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
     """
     if problem.source is None or not problem.source.ends_along:
         return False
-    return bool(
-        max(pressure[:, 0].max(), pressure[:, -1].max()) > CONSTANTS.end_over_peak * pressure.max()
-    )
+    return bool(pressure[:, [0, -1]].max() > CONSTANTS.end_over_peak * pressure.max())
 
 
 def _has_isolated_cells(pressure: np.ndarray) -> bool:

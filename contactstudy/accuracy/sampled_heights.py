@@ -131,13 +131,11 @@ class SampledHeights:
         sums = np.cumsum(with_ends(self._outward, points // 2, wraps=self.wraps), axis=0)
         around = np.concatenate([sums[points - 1 : points], sums[points:] - sums[:-points]])
         apex = pairs.argmax(axis=1)[:, None]
-        about = np.take_along_axis(around[: len(all_pairs)].reshape(pairs.shape), apex, axis=1)[
-            :, 0
-        ]
+        around = around[: len(all_pairs)].reshape(pairs.shape)
+        about = np.take_along_axis(around, apex, axis=1)[:, 0]
         fraction = np.divide(strongest, about, out=np.ones_like(about), where=about > 0)
-        power = np.maximum(
-            np.log(np.maximum(fraction, 1 / points)) / log(2 / points), CONSTANTS.min_power
-        )
+        power = np.log(np.maximum(fraction, 1 / points)) / log(2 / points)
+        power = np.maximum(power, CONSTANTS.min_power)
         # an apex bends more than all about it; where a bend begins, half of the window is straight
         highest = ndimage.maximum_filter1d(all_pairs, points + 1, axis=0, mode="nearest")
         window_peak = np.take_along_axis(highest.reshape(pairs.shape), apex, axis=1)[:, 0]

@@ -102,9 +102,8 @@ class Answer:
         if not (why or isfinite(bound)):
             why = next(iter(self.error.warnings), "")
         elif not (why or self.met):
-            why = (
-                f"most of it is by {REMEDIES[max(parts.by_cause, key=parts.by_cause.__getitem__)]}"
-            )
+            cause = max(parts.by_cause, key=parts.by_cause.__getitem__)
+            why = f"most of it is by {REMEDIES[cause]}"
         verdict = "met" if self.met else "not met"
         return f"{100 * self.requested:g} % {verdict}: {reached}{f'; {why}' * bool(why)}"
 

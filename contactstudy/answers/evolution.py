@@ -40,7 +40,10 @@ NO_BOUND_OF_PASSES = (
     "No bound: the discretisation error of repeated rolling is not estimated. It is of first order in the cell width: "
     "solve again with half the cell width and compare."
 )
-NO_BOUND_OF_STATES = "No bound: area, gap, approach and stress of a contact that has crept, worn or yielded are not estimated."
+NO_BOUND_OF_STATES = (
+    "No bound: area, gap, approach and stress of a contact that has crept, worn or yielded "
+    "are not estimated."
+)
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )

@@ -118,12 +118,8 @@ def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volum
 def union(first_volume: Volume, second_volume: Volume) -> Volume:
     """Return the smallest volume that holds two volumes; their layers are equal as far as both reach."""
     edges = max(first_volume.edges, second_volume.edges, key=len)
-    return Volume(
-        first_volume.grid,
-        min(first_volume.first, second_volume.first),
-        max(first_volume.last, second_volume.last),
-        edges,
-    )
+    first = min(first_volume.first, second_volume.first)
+    return Volume(first_volume.grid, first, max(first_volume.last, second_volume.last), edges)
 
 
 def embedded(field: Array, first: int, volume: Volume) -> Array:
@@ -234,9 +230,8 @@ class PlasticState:
             # first, because the state of a continued integration may be in larger volumes
             first, _ = self._in_volumes(state if guess is None else guess)
             strains, equivalents = self._in_volumes(state)
-            bodies = YieldingBodies(
-                tuple(self.operators), tuple(body.hardening for body in self.bodies)
-            )
+            laws = tuple(body.hardening for body in self.bodies)
+            bodies = YieldingBodies(tuple(self.operators), laws)
             before, equivalent = bodies.concatenated(strains), bodies.concatenated(equivalents)
             solve_under = partial(
                 solve_elastoplastic_step, bodies, contact, self._tangent, before, equivalent, tolerance,
@@ -299,11 +294,8 @@ class PlasticState:
             last, shear = shear, self._stress_of_friction(bodies, step.solution)
             change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))
             outer_iterations += 1
-            if (
-                change <= tolerance
-                or outer_iterations == MAX_OUTER_ITERATIONS
-                or not np.isfinite(change)
-            ):
+            is_last = outer_iterations == MAX_OUTER_ITERATIONS or not np.isfinite(change)
+            if change <= tolerance or is_last:
                 break
         residual = max(step.residual, change)
         return replace(step, contacts=tuple(contacts), residual=residual)
@@ -311,9 +303,8 @@ class PlasticState:
     def _stress_of_friction(self, bodies: YieldingBodies, solution: Solution) -> Array:
         """Return the stress (C, cells) [Pa] by the shear of a contact."""
         parts = zip(self.bodies, self.operators, strict=True)
-        return bodies.concatenated(
-            [self._stress_of_shear(body, part, solution) for body, part in parts]
-        )
+        stresses = [self._stress_of_shear(body, part, solution) for body, part in parts]
+        return bodies.concatenated(stresses)
 
     def _stress_of_shear(
         self, body: YieldingBody, operator: EigenstrainOperator, solution: Solution
@@ -331,11 +322,8 @@ class PlasticState:
         strains, _ = self._in_volumes(state)
         parts = zip(self.operators, strains, strict=True)
         # of the surface, into the bodies
-        displacement = np.asarray(
-            sum(operator.residual_displacement(strain) for operator, strain in parts)
-        )
-        long_name = "residual displacement"
-        return {"residual_displacement": Field(("x", "y"), displacement, "m", long_name)}
+        sunk = np.asarray(sum(operator.residual_displacement(strain) for operator, strain in parts))
+        return {"residual_displacement": Field(("x", "y"), sunk, "m", "residual displacement")}
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step multiplied the plastic strain since the last step without plastic flow."""
@@ -370,14 +358,8 @@ class PlasticState:
         """
         for state in states:
             self._in_volumes(state)  # volumes grow to hold every state
-        fields: dict[str, Field] = {
-            "component": Field(
-                ("component",),
-                np.array(list(COMPONENTS)),
-                "1",
-                "x across, y along, z into the body",
-            )
-        }
+        names, axes = np.array(list(COMPONENTS)), "x across, y along, z into the body"
+        fields = {"component": Field(("component",), names, "1", axes)}
         for number, body in enumerate(self.bodies):
             suffix = f"_{body.place}" if len(self.bodies) > 1 else ""
             place = suffix or f"_{body.place}" * bool(self.elastic.problem.outputs)

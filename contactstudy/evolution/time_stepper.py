@@ -150,9 +150,8 @@ class TimeStepper:
     @property
     def all_state_variables(self) -> tuple[AnyStateVariable, ...]:
         """Every state variable of the scene, in the order of an instant's states."""
-        return (
-            self.state_variables if self.coupled is None else (*self.state_variables, self.coupled)
-        )
+        coupled = () if self.coupled is None else (self.coupled,)
+        return (*self.state_variables, *coupled)
 
     @property
     def is_first_order(self) -> bool:
@@ -193,9 +192,8 @@ class TimeStepper:
         solutions: list[Solution] = []
         first = instant.load
         for increment in range(1, increments + 1):
-            target = (
-                load if increment == increments else first + (load - first) * increment / increments
-            )
+            between = first + (load - first) * increment / increments
+            target = load if increment == increments else between
             instant, increment_solutions = self.advance(instant, instant.time, target, max_halvings)
             solutions += increment_solutions
         return instant, solutions
@@ -258,9 +256,8 @@ class TimeStepper:
             problem = self._problem_at_end(instant, step)
             last = solutions[-1].pressure if solutions else instant.pressure
             if self.coupled is not None:
-                solution, state = self._coupled_step(
-                    self.coupled, instant.states[-1], problem, last
-                )
+                before = instant.states[-1]
+                solution, state = self._coupled_step(self.coupled, before, problem, last)
                 coupled = (state,)
             else:
                 solution = solved_or_unloaded(self.options, problem, last)

@@ -70,26 +70,17 @@ def contact_quantities(
     length = roller_length(posed if isinstance(posed, PosedScene) else None)
     area = float(np.count_nonzero(touching) * grid.cell_area)
     total = float(pressure.sum() * grid.cell_area)
-    peak, peak_position = _largest(pressure, {"x": grid.x, "y": grid.y})
+    coordinates = {"x": grid.x, "y": grid.y}
+    peak, place = _largest(pressure, coordinates)
     half_width = _half_width(touching, grid.cell_size[0])
     solved = ErrorParts(residual=solution.residual)
     width_note = (
         "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     )
-    quantities = {
-        "peak_pressure": with_bound(
-            Quantity(
-                peak,
-                "Pa",
-                "peak pressure",
-                position=peak_position,
-                detail=_mirrored(pressure, grid.y, peak_position),
-            ),
-            estimate.peak_pressure,
-            fallback_reasons,
-        )
-    }
-    coordinates = {"x": grid.x, "y": grid.y}
+    again = _mirrored(pressure, grid.y, place)
+    highest = Quantity(peak, "Pa", "peak pressure", position=place, detail=again)
+    highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
+    quantities = {"peak_pressure": highest}
     quantities |= _of_stress(scene, derived, coordinates, estimate)
     if rolling is not None:
         quantities |= _of_rolling(rolling, estimate)
@@ -101,25 +92,17 @@ def contact_quantities(
             quantities |= _of_cycle(solution, solution.traction, estimate, length)
     if solution.adhesion is not None:
         quantities |= _of_adhesion(solution, solution.adhesion, estimate)
+    in_contact = per_length(area, "m2", "contact area", length, grid.length)
+    mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
+    of_mean = estimate.contact_area
+    if solution.adhesion is not None and solution.adhesion.regularised:
+        of_mean = estimate.peak_pressure
+    gap_left = Quantity(solution.mean_gap, "m", "mean gap", detail=width_note)
     quantities |= {
-        "contact_area": with_bound(
-            per_length(area, "m2", "contact area", length, grid.length),
-            estimate.contact_area,
-            fallback_reasons,
-        ),
+        "contact_area": with_bound(in_contact, estimate.contact_area, fallback_reasons),
         "half_width": Quantity(half_width, "m", "outermost half-width", grid.cell_size[0], ""),
-        "mean_pressure": with_bound(
-            Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact"),
-            estimate.peak_pressure
-            if solution.adhesion is not None and solution.adhesion.regularised
-            else estimate.contact_area,
-            fallback_reasons,
-        ),
-        "mean_gap": with_bound(
-            Quantity(solution.mean_gap, "m", "mean gap", detail=width_note),
-            estimate.mean_gap,
-            fallback_reasons,
-        ),
+        "mean_pressure": with_bound(mean, of_mean, fallback_reasons),
+        "mean_gap": with_bound(gap_left, estimate.mean_gap, fallback_reasons),
         "approach": _approach(solution, estimate),
     }
     if scene is not None and scene.hardness < inf:
@@ -204,17 +187,12 @@ def _of_traction(
     slides_freely = getattr(friction, "displacements", None) is not None
     if not (isinstance(traction, RollingTraction) or friction is None or slides_freely):
         coefficient = with_bound(coefficient, ErrorParts(residual=solution.residual))  # given
-    stick = Quantity(
-        float(np.count_nonzero(traction.stick) / touching) if touching else 0.0,
-        "1",
-        "fraction of the contact that sticks",
-    )
+    sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
+    stick = Quantity(sticking, "1", "fraction of the contact that sticks")
     area = estimate.contact_area
     if area is not None and isfinite(area.total) and touching:
-        bound = (
-            np.count_nonzero(_at_stick_slip_border(solution, traction)) / touching
-            + area.total * stick.value
-        )
+        at_border = np.count_nonzero(_at_stick_slip_border(solution, traction)) / touching
+        bound = at_border + area.total * stick.value
         stick = replace(stick, bound=bound, reason="")
     return {"traction_coefficient": coefficient, "stick_fraction": stick}
 
@@ -250,9 +228,8 @@ def _of_cycle(
     grid = solution.problem.grid
     energy = float(traction.energy.sum() * grid.cell_area)
     dissipated = per_length(energy, "J", "energy lost per cycle", length, grid.length)
-    largest_slip = Quantity(
-        float(traction.slip_distance.max()), "m", "largest distance slipped in a cycle"
-    )
+    slid = float(traction.slip_distance.max())
+    largest_slip = Quantity(slid, "m", "largest distance slipped in a cycle")
     slipping = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
     border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slipping))
     slip_zone_cells = np.count_nonzero(slipping) / border if border else 0.0
@@ -276,16 +253,14 @@ def _of_creepage(
     """Return what tractive rolling adds to the numbers of a traction: creepage, and power with its bound."""
     total = float(traction.power.sum() * grid.cell_area)
     power = per_length(total, "W", "frictional power", length, grid.length)
-    of_power = traction.errors.power / total if total else 0.0
+    by_cells = traction.power_outside_contact + (traction.errors.power / total if total else 0.0)
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
     of_creepage = 0.0 if traction.creepage_given else traction.errors.creepage
     if isfinite(of_creepage):
         creepage = replace(creepage, bound=of_creepage, reason="")
     return {
         "creepage": creepage,
-        "frictional_power": with_bound(
-            power, ErrorParts(discretisation=traction.power_outside_contact + of_power)
-        ),
+        "frictional_power": with_bound(power, ErrorParts(discretisation=by_cells)),
     }
 
 
@@ -315,10 +290,8 @@ def _of_stress(
     is_given = any(isinstance(getattr(output, "depths", None), tuple) for output in scene.outputs)
     where = " at the depths given" if is_given else ""
     stress = derived["von_mises"]
-    axes = {
-        **coordinates,
-        **{axis: derived[axis].values for axis in stress.dimensions if axis in derived},
-    }
+    axes = dict(coordinates)
+    axes |= {axis: derived[axis].values for axis in stress.dimensions if axis in derived}
     largest, position = _largest(stress.values, axes, stress.dimensions)
     fallback_reasons = estimate.warnings
     value = Quantity(largest, "Pa", f"largest von Mises stress{where}", position=position)

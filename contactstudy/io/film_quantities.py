@@ -61,9 +61,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
             temperatures.reduction, "1", "film with a heated inlet over the isothermal one"
         )
     errors = dict(estimate)
-    if (
-        "friction_coefficient" in errors
-    ):  # the loss by sliding is that of the friction, at a known speed
+    # the loss by sliding is that of the friction, at a known speed
+    if "friction_coefficient" in errors:
         errors["sliding_loss"] = errors["friction_coefficient"]
     return {
         name: with_bound(quantity, errors.get(name), fallback_reasons)

@@ -8,6 +8,7 @@ from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.shapes.shape import length_scales_of
 
 NO_ESTIMATE = "No bound: no estimate of its error is known."
 FORMULA = "No bound: the value is that of a formula."
@@ -94,11 +95,8 @@ def roller_length(posed: PosedScene | None) -> float | None:
         length = scene.load.length
         is_period = length != posed.grid.length and scene.repeats(posed.padding)
         return None if is_period else length
-    length_scales = (
-        shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
-    )
-    lengths = [scales.roller for scales in length_scales if 0 < scales.roller < inf]
-    return min(lengths, default=None)
+    lengths = (scales.roller for scales in length_scales_of(scene.shapes))
+    return min((length for length in lengths if 0 < length < inf), default=None)
 
 
 def per_length(

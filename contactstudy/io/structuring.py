@@ -184,9 +184,8 @@ class _Structure:
         def read(value: object, _: Any) -> Any:
             if not isinstance(value, Mapping):
                 raise InvalidInput(f"it is {value!r}: give a table.")
-            if (
-                value.get("kind") == target.__name__
-            ):  # the kind may be given although there is only one
+            # the kind may be given although there is only one
+            if value.get("kind") == target.__name__:
                 value = {key: entry for key, entry in value.items() if key != "kind"}
             names = {field.name for field in fields(target)}
             unknown = set(value) - names

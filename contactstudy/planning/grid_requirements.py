@@ -22,7 +22,7 @@ from contactstudy.domain.units import readable
 from contactstudy.scene.bodies import Layered
 from contactstudy.scene.load import TotalLoad
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.shapes.shape import LengthScales, length_scales_of
 
 
 @dataclass(frozen=True)
@@ -414,9 +414,7 @@ def grid_requirements(scene: Scene) -> GridRequirements:
                 f"Scene.shapes[{number}] is {shape!r}, which has no length scales: give it "
                 "`length_scales`, or choose the grid yourself."
             )
-    length_scales = tuple(
-        shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
-    )
+    length_scales = tuple(length_scales_of(scene.shapes))
     if isinstance(scene.load, TotalLoad) and any(scales.roller for scales in length_scales):
         length_scales += (LengthScales(roller=scene.load.length or inf),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
@@ -431,9 +429,7 @@ def grid_requirements(scene: Scene) -> GridRequirements:
 
 def measured_length_scales(scene: Scene) -> LengthScales | None:
     """Return the length scales of the first measured surface of `scene` that has a size of its own; None without one."""
-    length_scales = (
-        shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
-    )
+    length_scales = length_scales_of(scene.shapes)
     return next((scales for scales in length_scales if scales.spacing is not None), None)
 
 

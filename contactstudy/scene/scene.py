@@ -41,7 +41,7 @@ from contactstudy.scene.bodies import (
 )
 from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
 from contactstudy.scene.resulting_load import Approach, PullOff
-from contactstudy.scene.shapes.shape import LengthScales, Shape, gap_of
+from contactstudy.scene.shapes.shape import Shape, gap_of, length_scales_of
 
 AnyLoad = ConstantLoad | ChangingLoad | Approach | PullOff
 
@@ -88,7 +88,7 @@ class ShapesSource:
     @property
     def finest(self) -> tuple[float, float]:
         """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
-        length_scales = _length_scales(self.shapes)
+        length_scales = length_scales_of(self.shapes)
         across, along = zip((inf, inf), *(scales.finest for scales in length_scales), strict=True)
         return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
 
@@ -143,12 +143,7 @@ def with_extent_of(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
 
 def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
     """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
-    return any(0 < scales.roller <= grid.length * (1 + 1e-9) for scales in _length_scales(shapes))
-
-
-def _length_scales(shapes: tuple[Shape, ...]) -> list[LengthScales]:
-    """Return the length scales of the shapes that name theirs."""
-    return [shape.length_scales for shape in shapes if hasattr(shape, "length_scales")]
+    return any(0 < scales.roller <= grid.length * (1 + 1e-9) for scales in length_scales_of(shapes))
 
 
 # Least approach over the width of the grid, for the scales of a scene without another scale.
@@ -251,7 +246,7 @@ class Scene:
             if hasattr(self.load, "check_compressive"):
                 self.load.check_compressive()
         if isinstance(self.load, TotalLoad) and self.load.length is None:
-            lengths = [d.roller for d in _length_scales(self.shapes) if 0 < d.roller < inf]
+            lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
             if not lengths:
                 raise InvalidInput(
                     "Scene.load is a TotalLoad, and no shape has the length of a roller: give "
@@ -268,9 +263,7 @@ class Scene:
             )
         if not isinstance(self.load, Approach):
             return
-        conflicting = (
-            "Scene.lubrication" if self.lubrication is not None else self.time_dependent_field
-        )
+        conflicting = self.time_dependent_field if self.lubrication is None else "Scene.lubrication"
         if self.rolling is not None:
             conflicting = "Scene.rolling"
         if self.hardness != inf:
@@ -333,9 +326,8 @@ class Scene:
         largest = self.load.largest
         if isinstance(self.load, Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.radius, self.contact_modulus)
-        return (
-            largest if self.adhesion is None else max(largest, self.adhesion.reference_load(self))
-        )
+        adhesion = self.adhesion
+        return largest if adhesion is None else max(largest, adhesion.reference_load(self))
 
     @property
     def contact_modulus(self) -> float:

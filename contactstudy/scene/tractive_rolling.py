@@ -26,6 +26,7 @@ from contactstudy.scene.friction import (
 from contactstudy.scene.inelastic import rolling_bodies
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.motion import check_slow
+from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
 
@@ -157,19 +158,14 @@ class TractiveRolling:
     @staticmethod
     def _has_moving_roughness(scene: FrictionContext) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
-        length_scales = [
-            shape.length_scales for shape in scene.shapes if hasattr(shape, "length_scales")
-        ]
-        return any(not isinf(scales.finest[0]) for scales in length_scales)
+        return any(not isinf(scales.finest[0]) for scales in length_scales_of(scene.shapes))
 
     def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
         if not are_similar(scene.solids):
             sentence += ", and again with the pressure under this shear until neither changes"
-        return f"{sentence}." + (
-            f" {STATIONARY_HEIGHTS}" if self._has_moving_roughness(scene) else ""
-        )
+        return f"{sentence}." + f" {STATIONARY_HEIGHTS}" * self._has_moving_roughness(scene)
 
 
 def _response(

@@ -1,5 +1,6 @@
 """Shapes of the undeformed gap; the shapes of a scene add up."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf
 from typing import Protocol, runtime_checkable
@@ -88,3 +89,8 @@ def gap_of(shape: Shape, grid: Grid) -> Array:
     if not np.isfinite(total) and (undefined := np.count_nonzero(~np.isfinite(gap))):
         raise InvalidInput(f"{name} is not finite at {undefined} points: {remedy}, all finite.")
     return gap
+
+
+def length_scales_of(shapes: Iterable[Shape]) -> list[LengthScales]:
+    """Return the length scales of the shapes that name theirs."""
+    return [shape.length_scales for shape in shapes if hasattr(shape, "length_scales")]

@@ -96,7 +96,7 @@ def active_set(
 
 @exact
 def add_entering(
-    pressure: Array, height: Array, extended: Array, step_length: float, limit: float, contact: Array,
+    pressure: Array, height: Array, extended: Array, step_length: float, limit: float, active: Array,
     active_gap: Array, results: Array,
 ) -> None:  # fmt: skip
     """Add to an active set the cells that enter it after a step, and for each row write their number.
@@ -110,7 +110,7 @@ def add_entering(
             loaded, expected = pressure[i, j], height[i, j] - step_length * extended[i, j]
             leaves = ((loaded == 0) & (expected < 0)) | ((loaded >= limit) & (expected > 0))
             count += 1 if leaves else 0
-            contact[i, j] = 1.0 if leaves else contact[i, j]
+            active[i, j] = 1.0 if leaves else active[i, j]
             active_gap[i, j] = height[i, j] if leaves else active_gap[i, j]
         results[i, 0] = count
 
@@ -274,31 +274,31 @@ def block_means(field: Array, means: Array, begin: int, end: int) -> None:
 
 @exact
 def block_means_transposed(
-    blocks: Array, block_contact: Array, contact: Array, pressure: Array, begin: int, end: int
+    blocks: Array, block_active: Array, active: Array, pressure: Array, begin: int, end: int
 ) -> None:
-    """Add to the pressure of each cell in contact its part of the pressure of its block, in place.
+    """Add to the pressure of each cell in the active set its part of the pressure of its block, in place.
 
-    `contact` is 1 in the contact and 0 elsewhere, where the pressure becomes zero; `block_contact` are its block means.
+    `active` is 1 in the active set and 0 elsewhere, where the pressure becomes zero; `block_active` are its block means.
     """
     columns = blocks.shape[1]
     line = np.empty(2 * columns, dtype=pressure.dtype)
     for k in range(begin, end):
         for m in range(columns):
-            fraction = blocks[k, m] / (4 * block_contact[k, m]) if block_contact[k, m] > 0 else 0.0
+            fraction = blocks[k, m] / (4 * block_active[k, m]) if block_active[k, m] > 0 else 0.0
             line[2 * m] = fraction
             line[2 * m + 1] = fraction
         for i in (2 * k, 2 * k + 1):
             for j in range(2 * columns):
-                pressure[i, j] = (pressure[i, j] + line[j]) * contact[i, j]
+                pressure[i, j] = (pressure[i, j] + line[j]) * active[i, j]
 
 
 @exact
 def interpolated_outside(
-    blocks: Array, contact: Array, displacement: Array, extended: Array, begin: int, end: int
+    blocks: Array, active: Array, displacement: Array, extended: Array, begin: int, end: int
 ) -> None:
-    """Write the displacement of the contact, and elsewhere that of blocks, linear between their middles.
+    """Write the displacement of the active set, and elsewhere that of blocks, linear between their middles.
 
-    `contact` is 1 in the contact and 0 elsewhere; `displacement` is zero outside it.
+    `active` is 1 in the active set and 0 elsewhere; `displacement` is zero outside it.
     """
     rows, columns = blocks.shape
     full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
@@ -315,14 +315,14 @@ def interpolated_outside(
             line[2 * m] = middle + least * near[m]
             line[2 * m + 1] = middle + least * near[m + 2]
         for j in range(2 * columns):
-            extended[i, j] = line[j] * (full - contact[i, j]) + displacement[i, j]
+            extended[i, j] = line[j] * (full - active[i, j]) + displacement[i, j]
 
 
 @exact
 def interpolated_outside_transposed(
-    pressure: Array, contact: Array, blocks: Array, begin: int, end: int
+    pressure: Array, active: Array, blocks: Array, begin: int, end: int
 ) -> None:
-    """Gather the pressure outside the contact to blocks: the transpose of :func:`interpolated_outside`."""
+    """Gather the pressure outside the active set to blocks: the transpose of :func:`interpolated_outside`."""
     rows, columns = blocks.shape
     full, most, least = blocks.dtype.type(1), blocks.dtype.type(0.75), blocks.dtype.type(0.25)
     line = np.zeros(2 * columns + 2, dtype=pressure.dtype)  # and its periodic neighbours
@@ -330,10 +330,10 @@ def interpolated_outside_transposed(
         first, last = 2 * k, 2 * k + 1
         above, below = (first - 1) % (2 * rows), (last + 1) % (2 * rows)
         for j in range(2 * columns):
-            inner = (full - contact[first, j]) * pressure[first, j]
-            inner += (full - contact[last, j]) * pressure[last, j]
-            outer = (full - contact[above, j]) * pressure[above, j]
-            outer += (full - contact[below, j]) * pressure[below, j]
+            inner = (full - active[first, j]) * pressure[first, j]
+            inner += (full - active[last, j]) * pressure[last, j]
+            outer = (full - active[above, j]) * pressure[above, j]
+            outer += (full - active[below, j]) * pressure[below, j]
             line[j + 1] = most * inner + least * outer
         line[0], line[2 * columns + 1] = line[2 * columns], line[1]
         for m in range(columns):

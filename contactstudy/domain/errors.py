@@ -71,7 +71,7 @@ class ErrorEstimate:
     flash_temperature, film_temperature
         Errors of the temperatures of a film, as the model has them; None for a film of one temperature.
     rolling_resistance
-        Error of the rolling resistance; None where nothing rolls.
+        Error of the coefficient of rolling resistance; None where nothing rolls.
     load, pull_off
         Errors of the load at a given approach, and of the load of separation; None where they are not sought.
     warnings

@@ -1,4 +1,4 @@
-"""Preconditioner of a contact problem: a pressure on the contact from its displacement.
+"""Preconditioner of a contact problem: a pressure on the active set, the contact, from its displacement.
 
 1. A displacement ``u`` known on the contact is extended to all cells with nearly the least energy, as a harmonic
    function would be, here for a nonlocal operator: by a normalised convolution.
@@ -65,31 +65,31 @@ class ExactInverse:
         Displacement of each cell under a unit pressure on each cell (cells, cells).
     """
 
-    cost = 0.0
+    cells_transformed = 0.0
 
     def __init__(self, compliance: Array) -> None:
         self.compliance, self.real = compliance, compliance.dtype
 
-    def extension(self, contact: Array) -> "ExactExtension":
-        """Return the map from the displacement of a `contact` (x, 1) to that of all cells."""
-        return ExactExtension(contact, self.compliance)
+    def extension(self, active: Array) -> "ExactExtension":
+        """Return the map from the displacement of an `active` set (x, 1) to that of all cells."""
+        return ExactExtension(active, self.compliance)
 
 
 class ExactExtension:
-    """Extension of a contact within one row: the displacement under the pressure that makes that of the contact."""
+    """Extension of an active set within one row: the displacement under the pressure that makes that of the set."""
 
-    def __init__(self, contact: Array, compliance: Array) -> None:
-        self.contact, self._cells = contact, np.flatnonzero(contact)
-        of_contact = compliance[self._cells]
-        self._inverse = np.linalg.inv(of_contact[:, self._cells])
-        self._extended = of_contact.T @ self._inverse
+    def __init__(self, active: Array, compliance: Array) -> None:
+        self.active, self._cells = active, np.flatnonzero(active)
+        of_set = compliance[self._cells]
+        self._inverse = np.linalg.inv(of_set[:, self._cells])
+        self._extended = of_set.T @ self._inverse
 
     def __call__(self, displacement: Array) -> Array:
-        """Return a `displacement` (x, 1), which is zero outside the contact, extended to all cells."""
+        """Return a `displacement` (x, 1), which is zero outside the set, extended to all cells."""
         return self._extended @ displacement[self._cells]
 
     def pressure(self, extended: Array) -> Array:
-        """Return the pressure (x, 1) on the contact that makes an `extended` displacement."""
+        """Return the pressure (x, 1) on the set that makes an `extended` displacement."""
         pressure = np.zeros_like(extended)
         pressure[self._cells] = self._inverse @ extended[self._cells]
         return pressure
@@ -99,7 +99,7 @@ class SpectralInverse:
     """Preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
     The mean over the grid is mapped to zero. Source: Vollebregt (2014), eq. 20, there on the padded grid and with zeros
-    outside the contact.
+    outside the set.
 
     Parameters
     ----------
@@ -135,22 +135,24 @@ class SpectralInverse:
         self._coarser, self._transformed = self._on_blocks(spectrum), 0
 
     @property
-    def cost(self) -> float:
+    def cells_transformed(self) -> float:
         """Number of cells transformed so far."""
-        return self._transformed + (self._coarser.cost if self._coarser is not None else 0.0)
+        return self._transformed + (
+            self._coarser.cells_transformed if self._coarser is not None else 0.0
+        )
 
-    def extension(self, contact: Array) -> "CoveringExtension":
-        """Return the map from the displacement of a `contact` (x, y) to that of all cells."""
+    def extension(self, active: Array) -> "CoveringExtension":
+        """Return the map from the displacement of an `active` set (x, y) to that of all cells."""
         if self._coarser is not None:
-            return BlockExtension(contact, self._coarser, self.pressure)
-        width = hole_width(contact)
+            return BlockExtension(active, self._coarser, self.pressure)
+        width = hole_width(active)
         if not width:
-            return CoveringExtension(contact, self.pressure)
+            return CoveringExtension(active, self.pressure)
         width = 2.0 ** round(log2(CONSTANTS.holes * width))
         if width != self._smoothing[0]:
             stretch = width * np.pi / self._stiffest
             self._smoothing = width, 1 / arrays().sqrt(1 + stretch * self._inverse)
-        return SmoothedExtension(contact, self._smoothed, self.pressure)
+        return SmoothedExtension(active, self._smoothed, self.pressure)
 
     def pressure(self, displacement: Array) -> Array:
         """Return the pressure on all cells that makes a `displacement` (x, y) of all cells, both periodic."""
@@ -180,47 +182,47 @@ class SpectralInverse:
 
 
 class CoveringExtension:
-    """Extension of a contact that holds a part of every cell: the displacement of that part is that of the whole cell.
+    """Extension of a set with a part of every cell: the displacement of that part is that of the whole cell.
 
     `pressure` is the map from a displacement of all cells to their pressure.
     """
 
-    def __init__(self, contact: Array, pressure: Callable[[Array], Array]) -> None:
-        self.contact, self._pressure = contact, pressure
+    def __init__(self, active: Array, pressure: Callable[[Array], Array]) -> None:
+        self.active, self._pressure = active, pressure
 
     def __call__(self, displacement: Array) -> Array:
         """Return the `displacement` (x, y), which is weighted by the fractions, divided by them."""
-        return displacement / self.contact
+        return displacement / self.active
 
     def transposed(self, pressure: Array) -> Array:
         """Return the `pressure` (x, y): the transposed map, for a displacement weighted by the fractions."""
         return pressure
 
     def pressure(self, extended: Array) -> Array:
-        """Return the pressure (x, y) on the contact that makes an `extended` displacement."""
+        """Return the pressure (x, y) on the set that makes an `extended` displacement."""
         return self.transposed(self._pressure(extended))
 
 
 class SmoothedExtension(CoveringExtension):
-    """Extension by the weighted mean of the contact's displacement; `smoothed` is a symmetric, positive convolution."""
+    """Extension by the weighted mean of the set's displacement; `smoothed` is a symmetric, positive convolution."""
 
     def __init__(
-        self, contact: Array, smoothed: Callable[[Array], Array], pressure: Callable[[Array], Array]
+        self, active: Array, smoothed: Callable[[Array], Array], pressure: Callable[[Array], Array]
     ) -> None:
-        super().__init__(contact, pressure)
+        super().__init__(active, pressure)
         xp = arrays()
         self._smoothed = smoothed
-        weights = smoothed(contact)
-        least = CONSTANTS.noise * float(xp.finfo(contact.dtype).eps) * float(xp.max(weights))
+        weights = smoothed(active)
+        least = CONSTANTS.noise * float(xp.finfo(active.dtype).eps) * float(xp.max(weights))
 
-        def invert(contact: Array, weights: Array) -> None:
-            weights[...] = (1 - contact) / xp.maximum(weights, least)
+        def invert(active: Array, weights: Array) -> None:
+            weights[...] = (1 - active) / xp.maximum(weights, least)
 
-        in_blocks(invert, contact, weights)
+        in_blocks(invert, active, weights)
         self._outside = weights
 
     def __call__(self, displacement: Array) -> Array:
-        """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
+        """Return a `displacement` (x, y), which is zero outside the set, extended to all cells."""
         extended = self._smoothed(displacement)
 
         def combine(extended: Array, outside: Array, displacement: Array) -> None:
@@ -231,46 +233,46 @@ class SmoothedExtension(CoveringExtension):
         return extended
 
     def transposed(self, pressure: Array) -> Array:
-        """Restrict a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
+        """Restrict a `pressure` (x, y) on all cells to those of the set, in place: the transposed map."""
         gathered = self._smoothed(pressure * self._outside)
 
-        def combine(pressure: Array, gathered: Array, contact: Array) -> None:
+        def combine(pressure: Array, gathered: Array, active: Array) -> None:
             pressure += gathered
-            pressure *= contact
+            pressure *= active
 
-        in_blocks(combine, pressure, gathered, self.contact)
+        in_blocks(combine, pressure, gathered, self.active)
         return pressure
 
 
 class BlockExtension(CoveringExtension):
     """Extension by way of blocks of 2 x 2 cells, whose means are extended and interpolated linearly.
 
-    A block belongs to the contact by the fraction of its cells that do. The blocks are periodic.
+    A block belongs to the set by the fraction of its cells that do. The blocks are periodic.
     """
 
     def __init__(
-        self, contact: Array, coarser: SpectralInverse, pressure: Callable[[Array], Array]
+        self, active: Array, coarser: SpectralInverse, pressure: Callable[[Array], Array]
     ) -> None:
-        super().__init__(contact, pressure)
-        self._loops = compiled_loops(contact.shape)
-        self._block_contact = self._means(contact)
-        self._extension = coarser.extension(self._block_contact)
+        super().__init__(active, pressure)
+        self._loops = compiled_loops(active.shape)
+        self._block_active = self._means(active)
+        self._extension = coarser.extension(self._block_active)
 
     def __call__(self, displacement: Array) -> Array:
-        """Return a `displacement` (x, y), which is zero outside the contact, extended to all cells."""
+        """Return a `displacement` (x, y), which is zero outside the set, extended to all cells."""
         blocks = self._extension(self._means(displacement))
         extended = np.empty_like(displacement)
         self._in_parts(
-            self._loops.interpolated_outside, blocks, self.contact, displacement, extended
+            self._loops.interpolated_outside, blocks, self.active, displacement, extended
         )
         return extended
 
     def transposed(self, pressure: Array) -> Array:
-        """Restrict a `pressure` (x, y) on all cells to those of the contact, in place: the transposed map."""
+        """Restrict a `pressure` (x, y) on all cells to those of the set, in place: the transposed map."""
         blocks = self._blocks(pressure)
-        self._in_parts(self._loops.interpolated_outside_transposed, pressure, self.contact, blocks)
+        self._in_parts(self._loops.interpolated_outside_transposed, pressure, self.active, blocks)
         blocks = self._extension.transposed(blocks)
-        weights = self._block_contact, self.contact
+        weights = self._block_active, self.active
         self._in_parts(self._loops.block_means_transposed, blocks, *weights, pressure)
         return pressure
 
@@ -286,19 +288,19 @@ class BlockExtension(CoveringExtension):
 
     def _in_parts(self, loop: Callable[..., None], *arguments: Any) -> None:
         """Run a compiled `loop` over rows of blocks, each of two rows of cells, some for each thread."""
-        rows, columns = self.contact.shape
+        rows, columns = self.active.shape
         in_threads(lambda part: loop(*arguments, part.start, part.stop), (rows // 2, 2 * columns))
 
 
-def hole_width(contact: Array) -> float:
-    """Return the mean number of cells between two cells of a `contact` (x, y) along a row or column.
+def hole_width(active: Array) -> float:
+    """Return the mean number of cells between two cells of an `active` set (x, y) along a row or column.
 
-    It is 0 where no cell of the contact has a neighbour outside.
+    It is 0 where no cell of the set has a neighbour outside.
     """
-    xp, inside = arrays(), contact > 0
+    xp, inside = arrays(), active > 0
     ends = int(xp.count_nonzero(inside[1:, :] != inside[:-1, :]))
     ends += int(xp.count_nonzero(inside[:, 1:] != inside[:, :-1]))
-    outside = contact.size - int(xp.count_nonzero(inside))
+    outside = active.size - int(xp.count_nonzero(inside))
     return 2 * outside / ends if ends else 0.0
 
 

@@ -128,8 +128,8 @@ class Convolution:
         return {name: value for name, value in self.__dict__.items() if name != "_work_arrays"}
 
     @property
-    def cost(self) -> float:
-        """Number of cells of the padded grid."""
+    def transform_size(self) -> float:
+        """Number of cells of the padded grid, transformed in one application."""
         return float(self.padded[0] * self.padded[1])
 
     @property
@@ -144,7 +144,7 @@ class Convolution:
         if py % 2 == 0 and py > 1:
             stored_once += xp.sum(self.spectrum[:, -1])
         total = 2 * xp.sum(self.spectrum) - stored_once - self.spectrum[0, 0]
-        return float(total / self.cost)
+        return float(total / self.transform_size)
 
     def energy_of_product(self, across: Array, along: Array) -> float:
         """Return the sum of pressure times displacement under the pressure ``across[:, None] * along``.
@@ -155,7 +155,9 @@ class Convolution:
         of_x, of_y = np.abs(fft.fft(across, px)) ** 2, np.abs(fft.rfft(along, py)) ** 2
         of_y[1 : (py + 1) // 2] *= 2  # stored once
         waves = np.flatnonzero(of_y > NEGLIGIBLE_ENERGY * of_y.max())
-        return float(np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.cost)
+        return float(
+            np.einsum("x,xy,y", of_x, self.spectrum[:, waves], of_y[waves]) / self.transform_size
+        )
 
     def scaled(self, factor: float, precision: Precision) -> "Convolution":
         """Return this operator times `factor`, in `precision`, on the device in use.

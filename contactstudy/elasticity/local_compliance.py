@@ -33,9 +33,9 @@ class WithWinklerLayer:
         return displacement
 
     @property
-    def cost(self) -> float:
-        """Number of cells transformed in one application."""
-        return self.convolution.cost
+    def transform_size(self) -> float:
+        """Number of cells of the padded grid, transformed in one application."""
+        return self.convolution.transform_size
 
     @property
     def self_compliance(self) -> float:

@@ -65,7 +65,9 @@ class SteadyRolling:
 
     @cached_property
     def resistance(self) -> float:
-        """Force against the motion over the load, the power lost in the bodies over speed and load.
+        """Coefficient of rolling resistance: the force against the motion over the load.
+
+        It is the power lost in the bodies over speed and load.
 
         A pressure that is constant in each cell does the work ``p (u(x + dx / 2) - u(x - dx / 2))`` in a length rolled,
         of which only the displacement that is antisymmetric across loses any. That displacement is computed on finer
@@ -97,7 +99,7 @@ class SteadyRolling:
 
     @property
     def resistance_error(self) -> float:
-        """Upper estimate of the relative error of the resistance; infinite without a coarser grid to compare with.
+        """Upper estimate of its relative error; infinite without a coarser grid to compare with.
 
         It is the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the change
         may be small by chance.
@@ -119,7 +121,7 @@ class SteadyRolling:
         return error_estimate(self.solution, coarse=coarse)
 
     def error_estimate(self) -> ErrorEstimate:
-        """Return the estimated errors of the contact and of its rolling resistance."""
+        """Return the estimated errors of the contact and of its coefficient of rolling resistance."""
         resistance = ErrorParts(discretisation=self.resistance_error)
         return replace(self._pressure_errors, rolling_resistance=resistance)
 

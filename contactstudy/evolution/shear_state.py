@@ -50,7 +50,8 @@ class ShearState:
     response
         Displacement under shear.
     forces, displacements
-        Tangential force [N/m] or rigid displacement [m] over time, along x; the other one is None.
+        Tangential force [N/m] on the first body, or rigid displacement [m] of the second against the first, over time
+        and along x; the other one is None.
     period
         Duration of a cycle [s]; infinite if each force is followed once.
     least_eigenvalue

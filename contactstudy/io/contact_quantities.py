@@ -265,8 +265,8 @@ def _of_creepage(
 
 
 def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:
-    """Return the rolling resistance over the load, and the distance of the pressure's centroid from the axis."""
-    resistance = Quantity(rolling.resistance, "1", "rolling resistance over load")
+    """Return the coefficient of rolling resistance, and the distance of the pressure's centroid from the axis."""
+    resistance = Quantity(rolling.resistance, "1", "coefficient of rolling resistance")
     return {
         "rolling_resistance": with_bound(
             resistance, estimate.rolling_resistance, estimate.warnings

@@ -210,7 +210,7 @@ def _traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Var
         "stick": _plane(stick, "1", "1 where the bodies stick, 0 elsewhere"),
     }
     if isinstance(traction, FrettingTraction):
-        displacement = "rigid displacement of the first body along x after each step"
+        displacement = "rigid displacement of the second against the first body along x"
         forces = labelled("step", traction.forces, "N", "tangential force after each step")
         return variables | {
             "slip_distance": _plane(traction.slip_distance, "m", "distance slipped in a cycle"),

@@ -58,7 +58,7 @@ def evolution_quantities(
         ("friction_coefficient", max, "largest friction force over load in time"),
         ("traction_coefficient", max, "largest tangential force over load in time"),
         ("frictional_power", max, "largest frictional power in time"),
-        ("rolling_resistance", max, "largest rolling resistance in time"),
+        ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
     )
     for name, extreme, label in extremes:
         if name in frames[0]:

@@ -37,8 +37,8 @@ CONSTANTS = WinklerConstants()
 class BareProblem:
     """Dimensionless contact problem: find the pressure p within a constraint, under a given load or approach.
 
-    It has ``gap = undeformed_gap + operator(p) - approach``, ``p gap = 0`` and ``gap >= 0``. Cells at an upper limit of
-    the constraint have ``gap <= 0``. This is what a :class:`~contactstudy.Solver` sees.
+    It has ``gap = undeformed_gap + operator(p) - approach``, with ``gap >= 0`` where p = 0, ``gap = 0`` between its
+    limits, and ``gap <= 0`` where it is at an upper one. This is what a :class:`~contactstudy.Solver` sees.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class BareProblem:
     constraint
         Limits of the pressure of each cell.
     control
-        The load, which is the sum of the pressure, or the approach.
+        The load over the area of a cell, which is the sum of the pressure, or the approach.
     aspect_ratio
         Length of a cell over its width.
     chosen_operations
@@ -69,7 +69,7 @@ class BareProblem:
         return self.chosen_operations or operations_for(self.constraint, self.undeformed_gap.shape)
 
     def uniform(self) -> Array:
-        """Return the uniform pressure (x, y) with the prescribed load, or none under a prescribed approach."""
+        """Return the uniform pressure (x, y) with the prescribed load, or zero under a prescribed approach."""
         gap = self.undeformed_gap
         return arrays().full_like(gap, self.control.uniform(prod(gap.shape)))
 
@@ -101,7 +101,7 @@ class BareProblem:
         return self.control.project(trial, self.constraint)
 
     def residual(self, pressure: Array, gap: Gap) -> float:
-        """Return the dimensionless residual: the largest of complementarity, penetration and error of the load.
+        """Return the dimensionless residual: the largest of the gap's violation and the error of the load.
 
         `gap` is the gap under `pressure`. See :func:`~contactstudy.solve`.
         """

@@ -27,9 +27,9 @@ class Gap:
     approach
         Approach of the bodies.
     violation
-        The larger of complementarity and penetration, see :meth:`Constraint.violation`.
+        Largest violation of the complementarity conditions, see :meth:`Constraint.violation`.
     load
-        Sum of the pressure.
+        Load over the area of a cell: the sum of the pressure.
     largest_displacement
         Largest absolute value of the displacement.
     """
@@ -109,9 +109,11 @@ class Constraint(Protocol):
         """Return 1 for cells at a limit that should leave it by the `height` of their gap, and 0 for the others."""
 
     def violation(self, pressure: Array, height: Array, load: float) -> float:
-        """Return the larger of complementarity and penetration, in units of the gap scale.
+        """Return the largest violation of the complementarity conditions, in units of the gap scale.
 
-        `height` is that of the gap (x, y), `load` the sum of `pressure`. See :func:`~contactstudy.solve`.
+        It is the largest of the mean gap of free cells weighted by pressure, the penetration of cells without pressure,
+        and the open gap of cells at an upper limit. `height` is that of the gap (x, y), `load` the sum of `pressure`.
+        See :func:`~contactstudy.solve`.
         """
 
 
@@ -381,7 +383,7 @@ class PrescribedLoad:
     def project(self, trial: Array, constraint: Constraint) -> Array:
         """Project a `trial` pressure in L2 onto those within the limits of `constraint` with this load, in place.
 
-        A step against the gap that ends there lowers the energy.
+        A step against the gap that ends there is along a direction of descent.
         """
         return constraint.project(trial, self.total)
 
@@ -405,11 +407,11 @@ class PrescribedApproach:
         return self
 
     def is_met_by(self, constraint: Constraint, cells: int) -> bool:
-        """Return True: every pressure meets the condition."""
+        """Return True: any approach can be prescribed."""
         return True
 
     def uniform(self, cells: int) -> float:
-        """Return 0: no pressure meets the condition too."""
+        """Return 0: zero pressure is admissible."""
         return 0.0
 
     def clip_and_scale(self, trial: Array, constraint: Constraint) -> Array:
@@ -429,5 +431,5 @@ class PrescribedApproach:
         return 0.0
 
 
-# What closes the problem: the load, which is the sum of the pressure, or the approach.
+# What closes the problem: the load over the area of a cell, which is the sum of the pressure, or the approach.
 Control = PrescribedLoad | PrescribedApproach

@@ -62,7 +62,7 @@ class TrialSums(NamedTuple):
     load
         Sum of the pressure.
     slope
-        Slope of the energy along the step, before a limit cuts the pressure off.
+        Slope of the complementary energy along the step, before a limit cuts the pressure off.
     loaded, largest
         Number of cells with pressure, and the largest pressure; nan from array operations, which leave tension in
         place.
@@ -159,7 +159,7 @@ class ArrayOperations:
         return cells, active_gap
 
     def add_entering(
-        self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
+        self, pressure: Array, height: Array, extended: Array, step_length: float, active: Array,
         active_gap: Array,
     ) -> bool:  # fmt: skip
         """Add to an active set the cells that enter it after a step, and return whether there are any.
@@ -169,16 +169,16 @@ class ArrayOperations:
         """
 
         def add(
-            contact: Array, active_gap: Array, pressure: Array, height: Array, extended: Array
+            active: Array, active_gap: Array, pressure: Array, height: Array, extended: Array
         ) -> bool:
             released = self.constraint.to_release(pressure, height - step_length * extended)
             leaves = bool(arrays().any(released))
             if leaves:
-                contact[...] = contact + released
+                active[...] = active + released
                 active_gap[...] = active_gap + height * released
             return leaves
 
-        return any(in_blocks(add, contact, active_gap, pressure, height, extended))
+        return any(in_blocks(add, active, active_gap, pressure, height, extended))
 
     def direction_sums(self, cells: Array, preconditioned: Array) -> tuple[float, ...]:
         """Return the number of `cells`, and the sum of the `preconditioned` residual."""
@@ -209,29 +209,34 @@ class ArrayOperations:
         return ConjugacySums(*sums(of_block, *fields))
 
     def trial(
-        self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
+        self,
+        pressure: Array,
+        height: Array,
+        direction: Direction,
+        step_length: float,
+        buffer: Array,
     ) -> TrialSums:
-        """Write the pressure one step ahead over the pressure before the last `step`."""
+        """Write the trial pressure, one step ahead, over that before the last step, which the `buffer` holds."""
         preconditioned, active, shift, beta = direction
 
         def take_step(
-            step: Array, preconditioned: Array, active: Array, pressure: Array, height: Array
+            buffer: Array, preconditioned: Array, active: Array, pressure: Array, height: Array
         ) -> tuple[float, ...]:
             if beta:
-                step -= pressure  # the last step, reversed
-                step *= -beta
-                step -= preconditioned
-                step += shift
+                buffer -= pressure  # the last step, reversed
+                buffer *= -beta
+                buffer -= preconditioned
+                buffer += shift
             else:
-                step[...] = shift - preconditioned
-            step *= active
+                buffer[...] = shift - preconditioned
+            buffer *= active
             if step_length != 1:
-                step *= step_length
-            slope = dot(height, step)
-            step += pressure
-            return float(self.constraint.exceeded_by(step)), float(arrays().sum(step)), slope
+                buffer *= step_length
+            slope = dot(height, buffer)
+            buffer += pressure
+            return float(self.constraint.exceeded_by(buffer)), float(arrays().sum(buffer)), slope
 
-        cut, load, slope = sums(take_step, step, preconditioned, active, pressure, height)
+        cut, load, slope = sums(take_step, buffer, preconditioned, active, pressure, height)
         return TrialSums(cut > 0, load, slope)
 
     def project_to_load(
@@ -240,13 +245,14 @@ class ArrayOperations:
     ) -> float:  # fmt: skip
         """Cut a trial pressure off at the limits and shift its `cells` to meet the `control`, in place.
 
-        `trial_sums` are those of the trial. Returns the slope of the energy along the step from `pressure`.
+        `trial_sums` are those of the trial. Returns the slope of the complementary energy along
+        the step from `pressure`.
         """
         control.project_to_load(trial, cells, self.constraint)
         return self.slope(trial, pressure, height)
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
-        """Return how fast the energy grows along the step to `trial`."""
+        """Return the slope of the complementary energy along the step to `trial`."""
         fields = trial, pressure, height
         return sum(in_blocks(lambda after, before, gap: dot(gap, after - before), *fields))
 
@@ -315,11 +321,11 @@ class CompiledOperations(ArrayOperations):
         return cells, active_gap
 
     def add_entering(
-        self, pressure: Array, height: Array, extended: Array, step_length: float, contact: Array,
+        self, pressure: Array, height: Array, extended: Array, step_length: float, active: Array,
         active_gap: Array,
     ) -> bool:  # fmt: skip
         """Add to an active set the cells that enter it after a step, as :meth:`ArrayOperations.add_entering` does."""
-        fields = pressure, height, extended, step_length, self._limit, contact, active_gap
+        fields = pressure, height, extended, step_length, self._limit, active, active_gap
         return bool(_rows(self._loops.add_entering, *fields, results=1).any())
 
     def direction_sums(self, cells: Array, preconditioned: Array) -> tuple[float, ...]:
@@ -334,10 +340,15 @@ class CompiledOperations(ArrayOperations):
         return ConjugacySums(*rows.sum(axis=1).tolist())
 
     def trial(
-        self, pressure: Array, height: Array, direction: Direction, step_length: float, step: Array
+        self,
+        pressure: Array,
+        height: Array,
+        direction: Direction,
+        step_length: float,
+        buffer: Array,
     ) -> TrialSums:
-        """Write the pressure one step ahead, without tension, over the pressure before the last `step`."""
-        fields = pressure, height, *direction, step_length, self._limit, step
+        """Write the trial pressure without tension, as :meth:`ArrayOperations.trial` does."""
+        fields = pressure, height, *direction, step_length, self._limit, buffer
         sums = _rows(self._loops.trial, *fields, results=5)
         cut, load, loaded, slope = sums[:4].sum(axis=1).tolist()
         return TrialSums(cut > 0, load, slope, loaded, float(sums[4].max()))

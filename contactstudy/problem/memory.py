@@ -63,7 +63,7 @@ def refuse_solve(problem: Problem, precision: Precision) -> None:
         If the memory left is too small.
     """
     fields = (SOLVE_FIELDS - GAP) * problem.undeformed_gap.size
-    padded = (TRANSFORM_PAIR - SPECTRUM) * problem.operator.cost
+    padded = (TRANSFORM_PAIR - SPECTRUM) * problem.operator.transform_size
     _refuse(problem.grid, precision.bytes * (fields + padded), " more")
 
 

@@ -12,8 +12,8 @@ class Extension(Protocol):
     """Linear map from the displacement (x, y) of some cells, zero elsewhere, to that of all cells."""
 
     @property
-    def contact(self) -> Array:
-        """The given cells (x, y): 1, others 0."""
+    def active(self) -> Array:
+        """The active set (x, y), the given cells: 1, others 0."""
 
     def __call__(self, displacement: Array) -> Array:
         """Return the `displacement` extended to all cells."""
@@ -33,25 +33,25 @@ class ApproximateInverse(Protocol):
         """Type of the numbers in all fields that the map takes and returns."""
 
     @property
-    def cost(self) -> float:
+    def cells_transformed(self) -> float:
         """Number of cells transformed so far."""
 
-    def extension(self, contact: Array) -> Extension:
-        """Return the extension from the cells of a `contact` (x, y), which is 1 there and 0 elsewhere."""
+    def extension(self, active: Array) -> Extension:
+        """Return the extension from the cells of an `active` set (x, y), which is 1 there and 0 elsewhere."""
 
 
 class Operator(Protocol):
     """Symmetric linear map from pressure to displacement, both (x, y)."""
 
     @property
-    def cost(self) -> float:
-        """Number of cells transformed in one application."""
+    def transform_size(self) -> float:
+        """Number of cells of the padded grid, transformed in one application."""
 
     @property
     def self_compliance(self) -> float:
-        """Displacement of a cell under its own unit pressure, above the mean of all cells.
+        """Displacement of a cell under its own unit pressure less the mean of all cells, which is above zero.
 
-        It does not depend on a rigid shift, which a balanced load cannot tell, and is above zero.
+        It does not change with a constant in the operator, which has no effect under pressures of zero sum.
         """
 
     @property

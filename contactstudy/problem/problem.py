@@ -107,15 +107,16 @@ class AdhesionLaw(Protocol):
     def solve(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
         """Return the Solution of a `problem` with its attraction, by SolveOptions, from a pressure [Pa]."""
 
-    def continued(self, traction: Array) -> "AdhesionLaw":
-        """Return the law for a contact that comes from a state with this `traction` (x, y) [Pa]."""
+    def continued(self, attraction: Array) -> "AdhesionLaw":
+        """Return the law for a contact that comes from a state with this `attraction` (x, y) [Pa]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Contact problem in SI units: find the pressure p with ``p gap = 0`` and ``gap >= 0``.
+    """Contact problem in SI units: find the pressure p within a constraint, under a given load or approach.
 
-    It has ``gap = undeformed_gap + operator(p) - approach``. Fields are (x, y).
+    It has ``gap = undeformed_gap + operator(p) - approach``, with ``gap >= 0`` where p = 0, ``gap = 0`` between its
+    limits, and ``gap <= 0`` where it is at an upper one. Fields are (x, y).
 
     Parameters
     ----------
@@ -128,7 +129,7 @@ class Problem:
     constraint
         Limits of the pressure of each cell.
     control
-        The load, which is the sum of the pressure, or the approach.
+        The load over the area of a cell, which is the sum of the pressure, or the approach.
     scales
         Units that the solver works in.
     open_edges, open_ends

@@ -1,18 +1,19 @@
-"""Adhesion: a cohesive traction that falls with the gap, frozen in each contact without adhesion and updated after it.
+"""Adhesion: an attraction that falls with the gap, frozen in each contact without adhesion and updated after it.
 
-With the pressure p, the cohesive traction t and the undeformed gap h the contact is
+With the pressure p, the attraction (cohesive traction) t and the undeformed gap h the contact is
 
     g = h + K (p - t) - approach >= 0,  p >= 0,  p g = 0,  t = sigma(g),
 
 under the load ``sum(p - t)`` or at a given approach. The method is the convex-concave procedure. The energy is convex
-in the displacements but for the work of adhesion, which is concave where sigma falls with the gap. An outer iteration
-freezes t, solves the contact with the heights ``h - K t`` under the load ``L + sum(t)``, and takes ``t = sigma(g)``:
-the concave part is replaced by its tangent, so that the energy never rises. Anderson's (1965) mixing of the last
-tractions accelerates it; a mixture that raises the energy by more than the change that it leaves is rejected.
+in the displacements but for that of the surfaces, minus the remaining work of separation, which is concave where
+sigma falls with the gap. An outer iteration freezes t, solves the contact with the heights ``h - K t`` under the load
+``L + sum(t)``, and takes ``t = sigma(g)``: the concave part is replaced by its tangent, so that the energy never rises.
+Anderson's (1965) mixing of the last attractions accelerates it; a mixture that raises the energy by more than the
+change that it leaves is rejected.
 
-Without mixing the iteration is monotone in the traction that it starts from. From zero traction it rises to the least
-adhesive state, the approach (jump-in) branch; from the largest traction everywhere it falls to the most adhesive one,
-the separation branch.
+Without mixing the iteration is monotone in the attraction that it starts from. From zero it rises to the least adhesive
+state, the approach (jump-in) branch; from the largest attraction everywhere it falls to the most adhesive one, the
+separation branch.
 
 Source: Tao & Hoai An (1997), Acta Math. Vietnam. 22, 289 (difference of convex functions).
 """
@@ -47,16 +48,16 @@ class AdhesionConstants:
     Attributes
     ----------
     change_in_tolerances
-        Relative change of the traction in the last outer iteration, in tolerances of the contact. A tenth of it takes up
-        to 14 % more convolutions.
+        Relative change of the attraction in the last outer iteration, in tolerances of the contact. A tenth of it takes
+        up to 14 % more convolutions.
     max_inner_error
         Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of
-        the last change of the traction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
+        the last change of the attraction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
     plain_iterations
         Outer iterations before the first mixture, and after the first rejected one. From 0 to 4 convolutions change by
         0.6 to 1.3 times, with no best value.
     negligible
-        Fraction of the tolerance by which a traction may change load and heights without another solve, so that a
+        Fraction of the tolerance by which an attraction may change load and heights without another solve, so that a
         negligible adhesion costs one solve.
     edge
         Traction at an open edge over the largest, above which the attraction that is cut off there matters.
@@ -64,7 +65,7 @@ class AdhesionConstants:
         Iterations of each load in a pull-off over those of a solve: just beyond the last stable load the bodies detach
         slowly.
     load_step
-        Step of the load over the sum of the traction, until a load is unstable.
+        Step of the load over the sum of the attraction, until a load is unstable.
     """
 
     change_in_tolerances: float = 1e3
@@ -79,7 +80,7 @@ class AdhesionConstants:
 CONSTANTS = AdhesionConstants()
 
 
-# Solves a problem without adhesion together with a state beside it: from the frozen traction (x, y) [Pa] that its
+# Solves a problem without adhesion together with a state beside it: from the frozen attraction (x, y) [Pa] that its
 # heights contain, options, and a pressure (x, y) [Pa] to begin with.
 InnerSolve = Callable[[Problem, Array, SolveOptions, Array | None], CoupledSolution]
 
@@ -100,10 +101,10 @@ class AdhesiveSolver:
         Tabor's parameter, or None without a curved shape.
     regularised
         Whether the range was chosen for the grid, in place of the JKR limit of short ranges.
-    traction
+    attraction
         Traction (x, y) [Pa] of the state before, for a history that is continued.
     depth
-        Number of tractions before the last that enter a mixture; 0 mixes none, and solves each contact to its
+        Number of attractions before the last that enter a mixture; 0 mixes none, and solves each contact to its
         tolerance.
     """
 
@@ -112,12 +113,12 @@ class AdhesiveSolver:
     cells_in_zone: float
     tabor: float | None = None
     regularised: bool = False
-    traction: Array | None = None
+    attraction: Array | None = None
     depth: int = 5
 
-    def continued(self, traction: Array) -> "AdhesiveSolver":
-        """Return this solver for a contact that comes from a state with this `traction` (x, y) [Pa]."""
-        return replace(self, branch=Branch.CONTINUED, traction=traction)
+    def continued(self, attraction: Array) -> "AdhesiveSolver":
+        """Return this solver for a contact that comes from a state with this `attraction` (x, y) [Pa]."""
+        return replace(self, branch=Branch.CONTINUED, attraction=attraction)
 
     def after(self, solution: Solution) -> "AdhesiveSolver":
         """Return this solver for a contact that comes from the state of `solution`."""
@@ -144,13 +145,13 @@ class AdhesiveSolver:
     ) -> tuple[Solution, Any]:
         """Return the solution of :meth:`solve`, and the state that `inner` found beside it; None if it found none.
 
-        `inner` solves for each contact under a frozen traction together with such a state.
+        `inner` solves for each contact under a frozen attraction together with such a state.
         """
         shape = problem.undeformed_gap.shape
         first = {
             Branch.FROM_AFAR: 0.0,
             Branch.FROM_FULL_CONTACT: self.law.strength,
-            Branch.CONTINUED: self.traction,
+            Branch.CONTINUED: self.attraction,
         }[self.branch]
         iteration = OuterIteration(problem, self, options, on, inner)
         solution = iteration.solution(np.broadcast_to(np.asarray(first), shape), start)
@@ -175,7 +176,7 @@ class PullOffSearch:
     solver: AdhesiveSolver
     error: float
 
-    def continued(self, traction: Array) -> "PullOffSearch":
+    def continued(self, attraction: Array) -> "PullOffSearch":
         """Return this search, which begins with the load of its problem in any case."""
         return self
 
@@ -220,18 +221,18 @@ EQUILIBRIUM = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_ED
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Contact under a frozen `traction` (x, y) [Pa].
+    """Contact under a frozen `attraction` (x, y) [Pa].
 
-    `traction_displacement` (x, y) [m] is the displacement of the surface by it, `updated` the traction (x, y) [Pa] at
-    its gap, `change` the distance to that over its sum, `energy` [J] that of the bodies, the load and the work
-    of adhesion, and `cohesion` [J] the last alone. A state `beside` the contact has added `added_gap` (x, y) [m] to it.
+    `attraction_displacement` (x, y) [m] is the displacement of the surface by it, `updated` the attraction (x, y) [Pa]
+    at its gap, `change` the distance to that over its sum, `energy` [J] that of the bodies, the load and the surfaces,
+    and `cohesion` [J] the remaining work of separation. A state `beside` the contact has added `added_gap` (x, y) [m].
     """
 
     contact: Solution
     beside: Any
     added_gap: Array
-    traction: Array
-    traction_displacement: Array
+    attraction: Array
+    attraction_displacement: Array
     updated: Array
     change: float
     energy: float
@@ -244,7 +245,7 @@ class _State:
 
 @dataclass(eq=False)
 class OuterIteration:
-    """Outer iteration over the traction of one problem, its counts, and the `state` that was found beside it."""
+    """Outer iteration over the attraction of one problem, its counts, and the `state` that was found beside it."""
 
     problem: Problem
     solver: AdhesiveSolver
@@ -257,8 +258,8 @@ class OuterIteration:
     convolutions: float = 0.0
     energies: list[float] = field(default_factory=list)
 
-    def solution(self, traction: Array, start: Array | None) -> Solution:
-        """Return the solution that the iteration from a `traction` (x, y) [Pa] leads to.
+    def solution(self, attraction: Array, start: Array | None) -> Solution:
+        """Return the solution that the iteration from an `attraction` (x, y) [Pa] leads to.
 
         The contact begins with the pressure `start` (x, y) [Pa].
         """
@@ -268,22 +269,22 @@ class OuterIteration:
         plain_left = plain_after_rejection = CONSTANTS.plain_iterations
         is_mixture, pressure, last = False, start, None
         while True:
-            load = self._contact_load(traction)
+            load = self._contact_load(attraction)
             if load <= 0 and not is_mixture:
                 return self._detached()
-            displacement = self.problem.operator(traction)
+            displacement = self.problem.operator(attraction)
             self.convolutions += 1
-            if last is not None and self._is_negligible(traction, displacement, last):
+            if last is not None and self._is_negligible(attraction, displacement, last):
                 return self._ended(replace(last, change=0.0))
             state = (
-                self._frozen(traction, displacement, load, pressure, gap_error)
+                self._frozen(attraction, displacement, load, pressure, gap_error)
                 if load > 0
                 else None
             )
             if state is not None and not np.isfinite(state.contact.residual):
                 return self._ended(state)
             if is_mixture and last is not None and (state is None or not last.accepts(state)):
-                traction, is_mixture = last.updated, False
+                attraction, is_mixture = last.updated, False
                 mixing.restart()
                 plain_left, plain_after_rejection = plain_after_rejection, 2 * plain_after_rejection
                 continue
@@ -294,30 +295,30 @@ class OuterIteration:
             is_exact = self._inner_tolerance(gap_error) <= self.options.tolerance
             if (converged and is_exact) or self._limit_reached():
                 return self._ended(state)
-            if converged:  # the same traction once more, to the tolerance of the contact
+            if converged:  # the same attraction once more, to the tolerance of the contact
                 gap_error = 0.0
                 continue
             gap_error = min(max(state.change, tolerance) / 10, loosest)
-            mixing.record(state.traction, state.updated - state.traction)
+            mixing.record(state.attraction, state.updated - state.attraction)
             plain_left -= 1
-            is_mixture, traction = plain_left < 0 and mixing.mixes, state.updated
+            is_mixture, attraction = plain_left < 0 and mixing.mixes, state.updated
             if is_mixture:
-                traction = np.clip(mixing.mixture(), 0, self.solver.law.strength)
+                attraction = np.clip(mixing.mixture(), 0, self.solver.law.strength)
 
     def _is_weak(self) -> bool:
-        """Return whether the largest traction everywhere is below the tolerance of the load."""
+        """Return whether the largest attraction everywhere is below the tolerance of the load."""
         control = self.problem.control
         largest = self.solver.law.strength * self.problem.undeformed_gap.size
         return (
             isinstance(control, PrescribedLoad) and largest < self.options.tolerance * control.total
         )
 
-    def _contact_load(self, traction: Array) -> float:
+    def _contact_load(self, attraction: Array) -> float:
         """Return the load of the pressure alone, over the area of a cell [Pa]; infinite under a given approach."""
         control = self.problem.control
         if not isinstance(control, PrescribedLoad):
             return inf
-        return control.total + float(traction.sum())
+        return control.total + float(attraction.sum())
 
     def _inner_tolerance(self, gap_error: float) -> float:
         """Return the dimensionless tolerance of a contact for an error of its gap, a fraction of the range."""
@@ -328,24 +329,24 @@ class OuterIteration:
         """Return whether all iterations together have reached their limit."""
         return self.iterations + self.count > self.options.max_iterations
 
-    def _is_negligible(self, traction: Array, displacement: Array, last: _State) -> bool:
-        """Return whether the step from the `last` state to a `traction` is far below the tolerance of the contact."""
+    def _is_negligible(self, attraction: Array, displacement: Array, last: _State) -> bool:
+        """Return whether the step from the `last` state to an `attraction` is far below the tolerance of the contact."""
         problem, allowed = self.problem, CONSTANTS.negligible * self.options.tolerance
-        change = float(np.abs(displacement - last.traction_displacement).max())
-        added = float(np.abs(traction - last.traction).sum())
+        change = float(np.abs(displacement - last.attraction_displacement).max())
+        added = float(np.abs(attraction - last.attraction).sum())
         is_exact = last.contact.residual <= self.options.tolerance
         load = float(last.contact.pressure.sum())
         return is_exact and change <= allowed * problem.scales.gap and added <= allowed * load
 
     def _frozen(
         self,
-        traction: Array,
+        attraction: Array,
         displacement: Array,
         load: float,
         start: Array | None,
         gap_error: float,
     ) -> _State:
-        """Return the contact under a frozen `traction`, which displaces the surface by `displacement`."""
+        """Return the contact under a frozen `attraction`, which displaces the surface by `displacement`."""
         problem, law = self.problem, self.solver.law
         control = problem.control if load == inf else PrescribedLoad(load)
         frozen = replace(
@@ -358,29 +359,29 @@ class OuterIteration:
         if self.inner is None:
             coupled = CoupledSolution(solve_contact(frozen, options, start, self.on))
         else:
-            coupled = self.inner(frozen, traction, options, start)
+            coupled = self.inner(frozen, attraction, options, start)
         contact = coupled.solution
         self.count += 1
         self.iterations += contact.iterations
         self.convolutions += contact.convolutions
         updated = law.traction(contact.gap)
         total = float(updated.sum())
-        change = float(np.abs(updated - traction).sum())
+        change = float(np.abs(updated - attraction).sum())
         area = problem.grid.cell_area
         cohesion = area * float(law.remaining_work(contact.gap).sum())
-        net = contact.pressure - traction
+        net = contact.pressure - attraction
         energy = (
             area * dot(net, contact.displacement - displacement) / 2 - cohesion + coupled.energy
         )
         if load != inf:
-            energy -= area * (load - float(traction.sum())) * contact.approach
+            energy -= area * (load - float(attraction.sum())) * contact.approach
         relative = change / total if total else change
         added_gap = contact.problem.undeformed_gap - frozen.undeformed_gap
         return _State(
             contact,
             coupled.state,
             added_gap,
-            traction,
+            attraction,
             displacement,
             updated,
             relative,
@@ -398,21 +399,21 @@ class OuterIteration:
             status = Status.ITERATION_LIMIT
         elif status is Status.CONVERGED and not contact.pressure.any():
             status = Status.DETACHED
-        elif status is Status.CONVERGED and self._edge_fraction(state.traction) > CONSTANTS.edge:
+        elif status is Status.CONVERGED and self._edge_fraction(state.attraction) > CONSTANTS.edge:
             status = Status.ATTRACTION_AT_EDGE
         return replace(
             contact,
             problem=replace(self.problem, undeformed_gap=gap),
-            displacement=contact.displacement - state.traction_displacement,
+            displacement=contact.displacement - state.attraction_displacement,
             status=status,
             iterations=self.iterations,
             convolutions=self.convolutions,
             residual=residual,
-            adhesion=self._part(state.traction, tuple(self.energies)),
+            adhesion=self._part(state.attraction, tuple(self.energies)),
         )
 
     def _detached(self) -> Solution:
-        """Return the bodies far apart: no traction carries the load."""
+        """Return the bodies far apart: no attraction carries the load."""
         problem = self.problem
         zero = np.zeros_like(problem.undeformed_gap)
         return Solution(
@@ -428,11 +429,11 @@ class OuterIteration:
             adhesion=self._part(zero, (0.0,)),
         )
 
-    def _part(self, traction: Array, energies: tuple[float, ...]) -> AdhesiveTraction:
+    def _part(self, attraction: Array, energies: tuple[float, ...]) -> AdhesiveTraction:
         """Return the part of a solution that adhesion adds."""
         solver = self.solver
         return AdhesiveTraction(
-            attraction=traction,
+            attraction=attraction,
             branch=solver.branch.value,
             energies=energies,
             cells_in_zone=solver.cells_in_zone,
@@ -442,9 +443,9 @@ class OuterIteration:
             range=solver.law.range,
         )
 
-    def _edge_fraction(self, traction: Array) -> float:
-        """Return the largest traction in the cells at open edges, over the largest of all."""
-        lines = [traction[ix] for ix in self.problem.open_edges]
-        lines += [traction[:, iy] for iy in self.problem.open_ends]
-        largest = float(traction.max())
+    def _edge_fraction(self, attraction: Array) -> float:
+        """Return the largest attraction in the cells at open edges, over the largest of all."""
+        lines = [attraction[ix] for ix in self.problem.open_edges]
+        lines += [attraction[:, iy] for iy in self.problem.open_ends]
+        largest = float(attraction.max())
         return max((float(line.max()) for line in lines), default=0.0) / largest if largest else 0.0

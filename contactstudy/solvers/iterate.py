@@ -16,7 +16,7 @@ class Iterate:
     approach
         Approach of the bodies, counted from the reference height of the problem.
     residual
-        Largest of complementarity, penetration and error of the load.
+        Largest violation of the complementarity conditions, or error of the load, see :func:`~contactstudy.solve`.
     iterations
         Number of iterations.
     convolutions

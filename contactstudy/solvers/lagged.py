@@ -128,9 +128,9 @@ def solve_by_substitution(
 ) -> Solution:
     """Return the solution of a problem with a displacement that follows from its own pressure, by substitution.
 
-    It converges where the map is a contraction, as that of friction is. Each outer iteration adds the displacement of
-    the one before to the gap, until that changes the gap in the contact by less than the tolerance; the status is
-    :attr:`~contactstudy.Status.NOT_CONVERGED` where it does not.
+    It converges where the map is a contraction, as that of friction below 1 is between elastic bodies. Each outer
+    iteration adds the displacement of the one before to the gap, until that changes the gap in the contact by less than
+    the tolerance; the status is :attr:`~contactstudy.Status.NOT_CONVERGED` where it does not.
 
     Parameters
     ----------

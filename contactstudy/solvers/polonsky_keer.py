@@ -15,7 +15,7 @@ class PolonskyKeer:
     Source: Polonsky & Keer (1999), Wear 231, sect. 3, whose steps are numbered in the code. An iteration takes two
     convolutions. Additions: an upper limit of the pressure, a prescribed approach, a restart where the direction is not
     one of descent, the step of a Winkler foundation for a single cell, and a projected gradient step where scaling to
-    the load has turned the step uphill.
+    the load leaves no direction of descent.
 
     Parameters
     ----------
@@ -83,6 +83,6 @@ class PolonskyKeer:
             delta = 1.0 if xp.all(trial == pressure) else 0.0
             # 6. the load
             pressure = problem.clip_and_scale(trial)
-            # addition: the projected gradient step where that one leads uphill
+            # addition: the projected gradient step where that one is no direction of descent
             if inner(gap.height, pressure - before) >= 0:
                 delta, pressure = 0.0, problem.project(before - step * gap.height)

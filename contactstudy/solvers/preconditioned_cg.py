@@ -20,8 +20,8 @@ class DescentConstants:
     Attributes
     ----------
     least_fraction
-        A step that a limit cut off is taken in whole where the energy is least beyond this fraction of it: the whole
-        step then lowers the energy too.
+        A step that a limit cut off is taken in whole where the complementary energy is least beyond this fraction of it:
+        the whole step then lowers that energy too.
     longest, shortest
         Limits of the trial step length. The preconditioner is stiffer than the contact, not softer, so that steps
         beyond 1 overshoot; the lower limit keeps rounding from shortening all further steps.
@@ -61,7 +61,7 @@ class PressureStep:
 
 @dataclass(frozen=True)
 class Trial:
-    """Trial pressure (x, y), the `slope` of the energy along the step to it, and whether a limit `cut` the step off."""
+    """Trial pressure (x, y), `slope` of the complementary energy along the step to it, and whether limits `cut` it."""
 
     pressure: Array
     slope: float
@@ -98,7 +98,7 @@ class ContactState:
     def advance(self, trial: Trial) -> float:
         """Take the step to the `trial` up to its best point, and return that point as a fraction of the step.
 
-        The energy is quadratic along the step: one convolution gives its minimum.
+        The complementary energy is quadratic along the step: one convolution gives its minimum.
         """
         operations = self.problem.operations
         displacement = self.problem.operator(trial.pressure)
@@ -115,9 +115,9 @@ class ContactState:
         return best
 
     def _fraction(self, trial: Trial, best: float) -> float:
-        """Return the fraction of a step to take: `best`, that of least energy, unless limits are in the way."""
+        """Return the fraction of a step to take: `best`, of least complementary energy, unless limits are in the way."""
         if trial.cut:
-            # cut cells have zero pressure; beyond the whole step they would have tension
+            # cut cells are at a limit of their pressure, and would be beyond it after more than the whole step
             return 1.0 if best > CONSTANTS.least_fraction else best
         # not up to the first limit beyond it: rounding would decide which of many cells reaches it
         operations = self.problem.operations
@@ -159,7 +159,10 @@ class ContactPreconditioner:
     @property
     def convolutions(self) -> float:
         """Number of convolutions that cost as much as all preconditioning so far."""
-        return self._inverse.cost / self._problem.operator.cost + self._convolutions
+        return (
+            self._inverse.cells_transformed / self._problem.operator.transform_size
+            + self._convolutions
+        )
 
     def rigid_pressure(self, active: Array, height: Array) -> float:
         """Return the uniform pressure on `active` cells that closes the mean of their gap, of this `height`.
@@ -181,12 +184,12 @@ class ContactPreconditioner:
         is slightly too high over a wide region.
         """
         operations = self._problem.operations
-        contact, gap_of_set = operations.active_set(pressure, gap.height, self._inverse.real)
-        if self._extension is None or not equal(self._extension.contact, contact):
+        active, gap_of_set = operations.active_set(pressure, gap.height, self._inverse.real)
+        if self._extension is None or not equal(self._extension.active, active):
             self._extension = None  # free it before the next one is made
-            self._extension = self._inverse.extension(contact)
-        cells = self._extension.contact
-        del contact
+            self._extension = self._inverse.extension(active)
+        cells = self._extension.active
+        del active
         extended = self._extension(gap_of_set)
         entered = operations.add_entering(
             pressure, gap.height, extended, step_length, cells, gap_of_set
@@ -262,7 +265,10 @@ def _shift_and_beta(
 
 
 def projected_gradient_step(state: ContactState, trial: Array) -> Trial:
-    """Return the projected gradient step, against the gap, which always lowers the energy; `trial` is overwritten."""
+    """Return the projected gradient step, against the gap; `trial` is overwritten.
+
+    Its direction is always one of descent. Source: Nocedal & Wright (2006), sect. 16.7.
+    """
     problem, pressure, height = state.problem, state.pressure, state.gap.height
     trial[...] = pressure - height / problem.operator.self_compliance
     problem.project(trial)
@@ -281,8 +287,8 @@ class PreconditionedCG:
     3. take a direction against it, conjugate to the last step where the active set is the same;
     4. take a trial pressure one trial length along it, projected to the load; a projected gradient step where that is
        not a descent direction after projection, which also quarters the trial length;
-    5. search the line exactly: the convolution of the trial gives the energy along the whole step. The trial length is
-       multiplied by the fraction of the step at which the energy is least, within 0.1 and 1; at first it is 1.
+    5. search the line exactly: the convolution of the trial gives the complementary energy along it. The trial length is
+       multiplied by the fraction of the step at which that is least, within 0.1 and 1; at first it is 1.
 
     Source: active sets Hintermueller, Ito & Kunisch (2002), here with one step of the inner iteration to each set;
     preconditioner Vollebregt (2014); conjugacy Hestenes & Stiefel (1952), eq. 3:1.
@@ -345,7 +351,10 @@ class PreconditionedCG:
         blocks = [n // m for n, m in zip(shape, last.pressure.shape, strict=True)]
         xp = arrays()
         fine = xp.repeat(xp.repeat(last.pressure, blocks[1], axis=1), blocks[0], axis=0)
-        return fine, last.convolutions * coarse.operator.cost / problem.operator.cost
+        return (
+            fine,
+            last.convolutions * coarse.operator.transform_size / problem.operator.transform_size,
+        )
 
     def _descend(
         self,

@@ -40,8 +40,8 @@ class Status(Enum):
         "give a larger hardness, a smaller load or a larger width"
     )
     NOT_CONVERGED = (
-        "pressure, and the plastic strain or shear that follows from it, did not converge together to the tolerance: "
-        "the residual says how far; give shorter steps in load, or a larger tolerance"
+        "pressure and the displacement, plastic strain or shear that depends on it did not converge together: "
+        "the residual says how far; give a larger tolerance or, where a load is applied in steps, shorter steps"
     )
     SHEAR_BEYOND_YIELD = (
         "no equilibrium: friction is larger than the yield stress in shear of a body that does not harden, which flows "
@@ -60,8 +60,8 @@ class Status(Enum):
         "smallest film, which may be more than 10 % off: give more cells across"
     )
     SEVERAL_FILMS = (
-        "converged, but the film equation has another solution at the same speed, as ridges are higher than the film "
-        "can follow: this is the one reached from the start given, or from a cold start, give more cells across"
+        "converged, but the Reynolds equation has another steady solution at the same speed, as the roughness is higher "
+        "than the film, and the initial guess decides which one is found: give more cells across"
     )
     YIELD_AT_EDGE = (
         "converged, but plastic strain reaches the edge of the width and is cut off there: "

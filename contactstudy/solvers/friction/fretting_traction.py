@@ -19,7 +19,7 @@ class FrettingTraction(TangentialTraction):
     forces
         Tangential forces (steps + 1,) [N] on the grid, starting from 0 N.
     rigid_displacement
-        Rigid displacement along x (steps + 1,) [m] of the first body against the second, from 0 m on.
+        Rigid displacement along x (steps + 1,) [m] of the second body against the first, from 0 m on.
     shears
         Shear after each force (step, component, x, y) [Pa].
     slip_distance

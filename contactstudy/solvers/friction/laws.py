@@ -15,8 +15,8 @@ from contactstudy.solvers.lagged import solve_by_substitution
 from contactstudy.solvers.solution import Solution, Status, TangentialTraction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Outer iterations between pressure and shear: errors fall by at least 1.7 from one to the next where both bodies are
-# elastic and friction is below 1.
+# Outer iterations between pressure and shear: errors fall by a factor of at least 1.7 from one to the next where both
+# bodies are elastic and friction is below 1.
 MAX_SLIDING_ITERATIONS = 200
 
 

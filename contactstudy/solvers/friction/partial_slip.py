@@ -1,7 +1,8 @@
 """One step of partial slip: the shear of a contact at rest after a change of the tangential force or displacement.
 
-A step from the shear r to q slips by ``s = A (q - r) - d``, with the displacement ``A q`` under shear and a rigid one d.
-Coulomb's law, ``|q| <= mu p`` with s opposed to q on the rim and 0 inside, makes q the shear of least energy
+A step from the shear r to q on the first body slips by ``s = A (q - r) - d``, the slip of the first against the second
+body, with the displacement ``A q`` under shear and the rigid one d of the second against the first body. Coulomb's law,
+``|q| <= mu p`` with s opposed to q on the rim and 0 inside, makes q the shear of least complementary energy
 ``1/2 (q - r) A (q - r)`` among those with the resultant that is asked for, or less ``d sum(q)`` under a given d.
 
 Source: Kalker (1990), ch. 4; Mindlin & Deresiewicz (1953).
@@ -29,7 +30,8 @@ class SlipStep:
     slip
         Slip (component, x, y) [m] of the first against the second body in this step, zero outside the contact.
     rigid
-        Rigid displacement (2,) [m] of the first against the second body in this step.
+        Rigid displacement (2,) [m] of the second against the first body in this step: a positive one makes a positive
+        shear.
     stick
         Cells (x, y) in contact that stick.
     residual
@@ -81,7 +83,7 @@ def slip_step(
         Sum of the shear (2,) [Pa] over all cells, smaller in magnitude than that of the limits. Exactly one of
         `total` and `rigid` is given.
     rigid
-        Rigid displacement (2,) [m] of the first against the second body in this step. Above a limit the contact
+        Rigid displacement (2,) [m] of the second against the first body in this step. Above a limit the contact
         slides fully.
     start
         Shear (component, x, y) [Pa] to begin with; None begins with the reference.

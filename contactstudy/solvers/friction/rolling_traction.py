@@ -31,11 +31,11 @@ class Creepage:
     spin: float
 
     def on(self, grid: Grid) -> Array:
-        """Return the rigid slip (component, x, y) in the cells of `grid`."""
-        rigid = np.empty((2, *grid.cells))
-        rigid[0] = self.longitudinal - self.spin * grid.y
-        rigid[1] = self.lateral + self.spin * grid.x[:, None]
-        return rigid
+        """Return the creepage (component, x, y), spin included, in the cells of `grid`."""
+        creepage = np.empty((2, *grid.cells))
+        creepage[0] = self.longitudinal - self.spin * grid.y
+        creepage[1] = self.lateral + self.spin * grid.x[:, None]
+        return creepage
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,7 @@ class QuasiStaticSlip:
         return self._response(shear)
 
     def approximate_inverse(self, slip: Array) -> Array:
-        """Return `slip` divided by the spectra of A on a grid that wraps: half the work, for a few applications more."""
+        """Return `slip` divided by the spectra of A on the unpadded, periodic grid: a circulant preconditioner."""
         return _filtered(slip, self._inverse)
 
 
@@ -93,6 +93,6 @@ def _inverses(response: ShearResponse) -> list[Array]:
 
 
 def _filtered(field: Array, factors: list[Array]) -> Array:
-    """Return a `field` (component, x, y) whose waves on a grid that wraps are multiplied by the `factors`."""
+    """Return a `field` (component, x, y) whose waves on the unpadded, periodic grid are multiplied by the `factors`."""
     pairs = zip(field, factors, strict=True)
     return np.stack([TRANSFORMS.filtered(component, factor, None) for component, factor in pairs])

@@ -51,7 +51,10 @@ STICK_EDGE_CELLS = 0.4
 
 @dataclass(frozen=True, eq=False)
 class ShearPressureCoupling:
-    """Normal displacement by shear [m/Pa], along both axes: odd, and the reverse for displacement by pressure."""
+    """Normal displacement by shear along both axes [m/Pa], odd in x or y.
+
+    By reciprocity the tangential displacement by pressure is minus this.
+    """
 
     across: GeneralConvolution
     along: GeneralConvolution

@@ -20,10 +20,11 @@ REDUCTION, MAX_PRODUCTS = 1e-2, 200
 
 @dataclass(frozen=True, eq=False)
 class ContactStiffness:
-    """Stiffness ``-dp/dgap`` of the cells in contact under a fixed load.
+    """Stiffness ``-dp/dgap`` of a contact under a fixed load, with no cell at an upper limit of its pressure.
 
     It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
-    contact is. `contact` (x, y) is 1 in the cells in contact, those at a hardness too, and 0 elsewhere.
+    contact is. `contact` (x, y) is 1 in the cells in contact and 0 elsewhere. It includes cells at a hardness, for which
+    this is an approximation: their pressure stays as it is.
     """
 
     bare: BareProblem

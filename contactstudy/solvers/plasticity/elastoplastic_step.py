@@ -198,7 +198,7 @@ def _mapped_state(
 
 
 def _contact_energy(solution: Solution, cell_area: float) -> float:
-    """Return the energy of the contact [J], ``1/2 p K p + p h`` with the undeformed gap h."""
+    """Return the complementary energy of the contact [J], ``1/2 p K p + p h`` with the undeformed gap h."""
     heights = solution.problem.undeformed_gap + solution.displacement / 2
     return float(np.einsum("xy,xy->", solution.pressure, heights)) * cell_area
 

@@ -193,9 +193,9 @@ class ShearState:
         neighbouring cells.
         """
         reference, in_contact = locked_shear(shear, before, after, slope), before > 0
-        if self.alike or slope == 0 or not in_contact.any():
-            return reference, np.zeros_like(after)
         gained = slope * (after - before)
+        if self.alike or not in_contact.any() or not gained.any():
+            return reference, np.zeros_like(after)
         entering = np.stack([np.where(in_contact, 0.0, gained), np.zeros_like(gained)])
         locked = slip_step(
             self.response,

@@ -126,7 +126,7 @@ def main() -> None:
     netcdf.replacing = replacing  # type: ignore[assignment]
     options = RunOptions(workers=int(workers), repeats=1, scheduler=scheduler)
     run(study(kill), Path(out), options=options)
-    page.draw(study(kill), Drawing(figure), Path(out))
+    page.draw_figures(study(kill), Drawing(figure), Path(out))
 
 
 if __name__ == "__main__":

@@ -75,7 +75,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
         (["run", "paddin"], "Study 'paddin' is not known: did you mean 'padding', or give a .py file."),
         (
             ["run", "padding", "--perid", "1"],
-            "Parameter 'perid' is not one of study 'padding': did you mean 'period'.",
+            "Axis 'perid' is not one of study 'padding': did you mean 'period'.",
         ),
         (["run", "padding", "--period", "0"], "period is 0.0: give a period above 0 half-widths."),
         (
@@ -84,7 +84,7 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
         ),
         (["run", "padding", "--grid", "1"], "grid is 1: give at least 2 cells across the width."),
         (["run", "padding", "--grid"], "Axis 'grid' has no values: write --grid VALUES."),
-        (["run", "padding", "extra"], "Argument 'extra' is not expected: write --axis values."),
+        (["run", "padding", "extra"], "Argument 'extra' is not expected: write --AXIS VALUES."),
         (
             ["run", "padding", "--out", "/dev/null/x"],
             "Output folder '/dev/null/x' cannot be written to (Not a directory): give another with --out.",

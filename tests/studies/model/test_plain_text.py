@@ -32,7 +32,7 @@ def test_control_characters_are_not_stored(text: str, storable: bool) -> None:  
     [
         ("a" * 250, ""), ("a" * 251, "at most 250 bytes"), ("é" * 125, ""), ("é" * 126, "at most 250 bytes"),
         ("_a", ""), ("éa", ""), ("-a", "starts with a letter"), (" a", "starts with a letter"),
-        ("a ", "ends without a space"), ("a/b", "a group"), ("", "one letter"), (3, "is text"),
+        ("a ", "ends without a space"), ("a/b", "a group"), ("", "one letter"), (3, "give text"),
         ("a\x07", "printable"), ("e\u0301", "composed form"),
     ],
 )  # fmt: skip

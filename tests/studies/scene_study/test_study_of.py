@@ -100,7 +100,7 @@ def test_one_rough_surface_and_one_grid_for_all_loads(rough: Path) -> None:
     np.testing.assert_allclose(last, 2 * first, rtol=1e-12)
     said = " ".join(study.notes)
     assert "planned once for 6 points" in said
-    assert "random surfaces are fixed" in said
+    assert "random surfaces have the extent" in said
 
 
 def test_a_finer_grid_shows_the_same_surface(rough: Path) -> None:

@@ -287,9 +287,9 @@ class _Rolling:
             steps.append(step)
             profiles.append(track.left_profile)
             if self.max_steps is None and len(profiles) > grid.cells[0] + self.lag:
-                earlier, left = profiles[-1 - self.lag].strain, track.left_profile.strain
-                references = earlier, track.mean_strain_behind
-                change = max(_strain_change(reference, left) for reference in references)
+                strain = track.left_profile.strain
+                references = profiles[-1 - self.lag].strain, track.mean_strain_behind
+                change = max(_strain_change(reference, strain) for reference in references)
                 if change < self.steady:
                     break
         statuses = [solution.status for solution, _ in steps]

@@ -77,8 +77,8 @@ def contact_quantities(
     width_note = (
         "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     )
-    again = _mirrored(pressure, grid.y, place)
-    highest = Quantity(peak, "Pa", "peak pressure", position=place, detail=again)
+    mirrored = _mirrored(pressure, grid.y, place)
+    highest = Quantity(peak, "Pa", "peak pressure", position=place, detail=mirrored)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
     quantities = {"peak_pressure": highest}
     quantities |= _of_stress(scene, derived, coordinates, estimate)

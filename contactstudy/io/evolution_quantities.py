@@ -64,8 +64,10 @@ def evolution_quantities(
         if name in frames[0]:
             values = [frame[name].value for frame in frames]
             number = values.index(extreme(values))
-            position, found = {"time": float(times[number])}, frames[number][name]
-            quantities[name] = replace(found, label=label, position=position, detail="")
+            position = {"time": float(times[number])}
+            quantities[name] = replace(
+                frames[number][name], label=label, position=position, detail=""
+            )
     reported = ["peak_pressure", "contact_area", "approach", "central_film", "minimum_film"]
     reported += ["friction_coefficient", "traction_coefficient", "stick_fraction", "creepage"]
     reported += ["frictional_power", "rolling_resistance"]

@@ -240,8 +240,8 @@ def _integrate(
                 failed or (step is None and step_error > error)
             ) and trial > TUNING.min_step * cell_passage:
                 # by the safety at least: a step that misses its error by a little would be tried for ever
-                kept = TUNING.safety * (error / step_error) ** (1 / 3) if not failed else 0.0
-                length = trial * max(TUNING.shrink, kept)
+                factor = TUNING.safety * (error / step_error) ** (1 / 3) if not failed else 0.0
+                length = trial * max(TUNING.shrink, factor)
                 continue
             stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
             if progress is not None:

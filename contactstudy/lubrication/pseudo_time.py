@@ -299,7 +299,7 @@ def _step_of_active_sets(
     load_residual = last.linear.equation.load_residual(film)
     # near the answer every cell counts
     allowed = controls.allowed_set_changes * min(1.0, last.residual) * film.film.size
-    seen = [next_active]
+    tried = [next_active]
     for _ in range(controls.max_active_set_iterations):
         active = next_active
         change = solver.step(linear, film, active, load_residual)
@@ -309,9 +309,9 @@ def _step_of_active_sets(
             break
         next_active = _corrected_active_sets(last, active, change)
         converged = active.changes(next_active) <= allowed
-        if converged or not all(earlier.changes(next_active) for earlier in seen):  # or a cycle
+        if converged or not all(earlier.changes(next_active) for earlier in tried):  # or a cycle
             break
-        seen.append(next_active)
+        tried.append(next_active)
     change = _within_total_pressure(film, active, change)
     return _ActiveSetStep(change, active, next_active, converged, iterations)
 

@@ -251,8 +251,8 @@ class Comparison:
             if not candidates:
                 return None
             best = min(candidates, key=_by_error)
-            own = (item for item in candidates if item.label == self.boundary_label)
-            nearest = min(own, key=_by_error, default=best)
+            at_boundary = (item for item in candidates if item.label == self.boundary_label)
+            nearest = min(at_boundary, key=_by_error, default=best)
             # below the reference's own bound errors are equal
             if nearest.error <= best.error + self.reference_bound:
                 best = nearest

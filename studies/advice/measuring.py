@@ -292,7 +292,9 @@ class _Measurement:
         if self.subject.exact is not None and self.subject.unit[1] > 1:
             line = replace(self.subject, unit=(self.subject.unit[0], 1))
             candidates.insert(0, (line, cs.ExactPeriodicity(), LINE))
-        times = {level.multiple: own.time for level, own in zip(levels, own_settings, strict=True)}
+        times = {
+            level.multiple: item.time for level, item in zip(levels, own_settings, strict=True)
+        }
         outside = [level for level in levels if level not in levels[near]]
         untimed: list[str] = []
         for part in (levels[near], outside):

@@ -120,9 +120,9 @@ def _fields(comparison: Comparison, verdict: Verdict) -> dict[str, Any]:
         "reference_bound": comparison.reference_bound,
         "best": _setting(comparison, verdict.best),
         "alternatives": [
-            _setting(comparison, other.measured)
-            | {"time_ratio": other.ratio, "p_value": other.p, "is_as_fast": other.is_as_fast}
-            for other in verdict.alternatives
+            _setting(comparison, rival.measured)
+            | {"time_ratio": rival.ratio, "p_value": rival.p, "is_as_fast": rival.is_as_fast}
+            for rival in verdict.alternatives
         ],
         "notes": list(comparison.notes),
     }

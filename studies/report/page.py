@@ -223,6 +223,6 @@ def _with_claims_beside_the_paper(sections: Sequence[Section]) -> Sequence[Secti
 def _others(chapter: Chapter, out: Path) -> Sequence[tuple[Chapter, bool]]:
     """Return all other chapters and the studies in no chapter, each with whether its page is there."""
     shown = {part.name for entry in CHAPTERS.values() for part in entry.parts}
-    others = [entry for entry in CHAPTERS.values() if entry != chapter]
-    others += [chapter_of_study(name) for name in BUILT_IN if name not in shown]
-    return [(entry, (out / entry.page).is_file()) for entry in others]
+    chapters = [entry for entry in CHAPTERS.values() if entry != chapter]
+    chapters += [chapter_of_study(name) for name in BUILT_IN if name not in shown]
+    return [(entry, (out / entry.page).is_file()) for entry in chapters]

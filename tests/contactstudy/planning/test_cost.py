@@ -62,7 +62,7 @@ def test_points_are_those_of_the_operator(
     cells: tuple[int, int], padding: cs.Padding | tuple[cs.Padding, cs.Padding]
 ) -> None:
     grid = cs.Grid(cells, (1.0, 1.0))
-    assert padded_points(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).cost
+    assert padded_points(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).transform_size
 
 
 def grid(*ranges: tuple[float, float]) -> np.ndarray:

@@ -73,6 +73,7 @@ def test_without_creepage_a_drive_does_not_wear() -> None:
     assert not worn(cs.solve(scene, GRID, ACROSS_FREE, times=(0.0, 1e3))).any()
 
 
+@pytest.mark.whole
 def test_a_roller_that_creeps_wears_evenly_too() -> None:
     body = cs.ViscoelasticHalfSpace(105e9, 0.3, ((105e9, 1e-4),))
     scene = replace(ROLLER, solids=(body, body))

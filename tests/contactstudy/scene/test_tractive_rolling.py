@@ -489,7 +489,9 @@ def driven(
     return cs.solve(scene, cs.Grid(cells, (3.2 * A, 3.2e-4)), ACROSS_FREE)
 
 
-@pytest.mark.parametrize("other", [None, cs.HalfSpace(inf, 0.3)])
+@pytest.mark.parametrize(
+    "other", [None, pytest.param(cs.HalfSpace(inf, 0.3), marks=pytest.mark.whole)]
+)
 @pytest.mark.parametrize(("time", "modulus"), [(1e-13, 105e9), (1e4, 210e9)])
 def test_bodies_that_creep_fast_or_slowly_drive_like_elastic_ones(
     time: float, modulus: float, other: cs.HalfSpace | None
@@ -504,6 +506,7 @@ def test_bodies_that_creep_fast_or_slowly_drive_like_elastic_ones(
     assert np.abs(found.traction.shear - elastic.traction.shear).max() < 1e-5 * largest
 
 
+@pytest.mark.whole
 def test_creeping_bodies_that_roll_back_are_those_in_a_mirror() -> None:
     body = creeping(1e-4)
     forth = driven((body, body), (48, 8))

@@ -59,7 +59,7 @@ from .scene.lubrication import (
     Roelands,
     SpeedHistory,
 )
-from .scene.motion import Rolling, RollingPressure, Wear
+from .scene.motion import Rolling, RollingPressure
 from .scene.resulting_load import Approach, PullOff
 from .scene.scene import Output, Scene
 from .scene.shapes.moving_shape import MovingShape
@@ -80,6 +80,7 @@ from .scene.surfaces.preparation import (
     Window,
 )
 from .scene.tractive_rolling import TractiveRolling
+from .scene.wear import Wear
 from .scene_file import SceneFile, read_scene, write_scene
 from .solvers.iterate import Iterate
 from .solvers.polonsky_keer import PolonskyKeer

@@ -43,7 +43,7 @@ from contactstudy.scene.lubrication import (
     SpeedHistory,
     ViscosityLaw,
 )
-from contactstudy.scene.motion import Rolling, Wear
+from contactstudy.scene.motion import Rolling
 from contactstudy.scene.resulting_load import Approach, PullOff
 from contactstudy.scene.scene import Output
 from contactstudy.scene.shapes.moving_shape import MovingShape
@@ -73,6 +73,7 @@ from contactstudy.scene.surfaces.preparation import (
     Window,
 )
 from contactstudy.scene.tractive_rolling import TractiveRolling
+from contactstudy.scene.wear import Wear
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solve import SolveOptions, Solver

@@ -35,7 +35,7 @@ from contactstudy.solvers.friction.laws import CiavarellaJaeger, FullSliding, Pa
 if TYPE_CHECKING:
     from contactstudy.analytic import HertzLine
     from contactstudy.scene.adhesion import Adhesion
-    from contactstudy.scene.motion import Wear
+    from contactstudy.scene.wear import Wear
 
 
 # Instants at which a force is compared with the friction limit under a load that changes.

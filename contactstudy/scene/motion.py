@@ -1,26 +1,25 @@
-"""Relative motion of the bodies: steady rolling, and sliding that wears them."""
+"""Rolling of the bodies: steady, or repeated over one that yields."""
 
 from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 from math import inf
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
-    body_index,
     in_range_from_zero,
     positive,
     set_fields,
     suggest_fields,
     whole_number,
 )
-from contactstudy.domain.units import Metres, MetresPerSecond, Number, PerPascal
+from contactstudy.domain.units import Metres, MetresPerSecond, Number
 from contactstudy.scene.load import ChangingLoad, PiecewiseLinear
 
 if TYPE_CHECKING:
-    from contactstudy.scene.lubrication import Lubrication
+    pass
 
 
 class RollingPressure(Enum):
@@ -103,99 +102,3 @@ def check_slow(name: str, speed: float, load: ChangingLoad, hertz: HertzLine | N
             f"its widths: rolling is steady under a load that changes over {MIN_WIDTHS:g} or more, give slower changes, "
             "or a higher speed."
         )
-
-
-class WearContact(Protocol):
-    """Properties of a scene that wear reads."""
-
-    @property
-    def load(self) -> object:
-        """Load of the scene."""
-
-    @property
-    def rolling(self) -> Rolling | None:
-        """Rolling, or None."""
-
-    @property
-    def friction(self) -> object | None:
-        """Friction, or None."""
-
-    @property
-    def lubrication(self) -> "Lubrication | None":
-        """Film, or None."""
-
-
-@suggest_fields
-@dataclass(frozen=True)
-class Wear:
-    """Sliding wear after Archard (1953), ``dw/ds = coefficient p``.
-
-    Both bodies together lose a depth w [m] along a sliding distance s [m], under the pressure p; on a boundary film
-    under the pressure of asperities. A body that turns through the contact wears alike all round, so that only its
-    profile along the length changes. A scene with wear changes in time; see :func:`~contactstudy.solve`.
-
-    Parameters
-    ----------
-    coefficient
-        Specific wear rate k [1/Pa], the wear coefficient over the hardness, at least zero.
-    speed
-        Sliding speed [m/s], at least zero, so that ``ds = speed dt``; zero where slip or a film gives the sliding.
-    body
-        Index (0 or 1) of the wearing body in ``Scene.solids``; the contact is the same for either.
-    circumference
-        Circumference [m] of the wearing body where it rolls through the contact; None where it does not.
-
-    Raises
-    ------
-    InvalidInput
-        If a number is outside these limits; in a scene whose motion contradicts it, or whose bodies do not touch.
-    """
-
-    coefficient: PerPascal
-    speed: MetresPerSecond
-    body: int = 0
-    circumference: Metres | None = None
-
-    def __post_init__(self) -> None:
-        coefficient = in_range_from_zero(
-            "Wear.coefficient", self.coefficient, "give a coefficient of at least 0 1/Pa"
-        )
-        speed = in_range_from_zero("Wear.speed", self.speed, "give a speed of at least 0 m/s")
-        body = body_index("Wear.body", self.body)
-        set_fields(self, coefficient=coefficient, speed=speed, body=body)
-        if self.circumference is not None:
-            positive("Wear.circumference", self.circumference, "give a length above 0 m, or None")
-
-    def check(self, scene: WearContact) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
-        film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
-        turns = drives or scene.rolling is not None
-        why = "Scene.friction" if drives else "Scene.rolling"
-        if film is not None:
-            if film.boundary is None:
-                raise InvalidInput(
-                    "Scene.wear together with a film that has no boundary film: it keeps the bodies apart, so that "
-                    "nothing wears, give Lubrication.boundary, or leave wear out."
-                )
-            turns, why = film.contact_speeds[self.body] != 0, "Scene.lubrication"
-        if turns != (self.circumference is not None):
-            problem = (
-                f"None, and the wearing body turns by {why}, so that it wears alike all round: give its circumference"
-                if turns
-                else f"{self.circumference!r}, and the wearing body does not turn: leave it out"
-            )
-            raise InvalidInput(f"Wear.circumference is {problem}.")
-        if self.speed != 0 and (film is not None or drives):
-            raise InvalidInput(
-                f"Wear.speed is {self.speed!r} together with {why}, which gives the sliding: give a speed of 0 m/s."
-            )
-        if (turns or film is not None) and isinstance(scene.load, ChangingLoad):
-            raise InvalidInput(
-                f"Scene.load changes in time together with Scene.wear and {why}: wear is followed from one steady "
-                "contact to the next, give a LineLoad."
-            )
-
-    @property
-    def rate(self) -> float:
-        """Worn depth per pressure and time [m/(Pa s)]."""
-        return self.coefficient * self.speed

@@ -49,7 +49,8 @@ if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
     from contactstudy.scene.friction import Friction
     from contactstudy.scene.lubrication import Lubrication
-    from contactstudy.scene.motion import Rolling, Wear
+    from contactstudy.scene.motion import Rolling
+    from contactstudy.scene.wear import Wear
     from contactstudy.solvers.adhesion import AdhesiveSolver
 
 
@@ -286,7 +287,7 @@ class Scene:
     def _check_effects(self) -> None:
         """Check wear, rolling, friction and lubrication; their modules are imported only where one is given."""
         if self.wear is not None:
-            from contactstudy.scene.motion import Wear
+            from contactstudy.scene.wear import Wear
 
             _instance("Scene.wear", self.wear, Wear, "give a Wear, or None")
         if self.rolling is not None:

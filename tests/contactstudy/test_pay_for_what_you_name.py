@@ -127,7 +127,7 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
         contactstudy.elasticity.kernels.layer_response contactstudy.elasticity.kernels.traction contactstudy.evolution
         contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
         contactstudy.scene.adhesion contactstudy.scene.coated contactstudy.scene.friction contactstudy.scene.motion
-        contactstudy.scene.inelastic contactstudy.scene.stress contactstudy.solvers.adhesion
+        contactstudy.scene.wear contactstudy.scene.inelastic contactstudy.scene.stress contactstudy.solvers.adhesion
         contactstudy.solvers.friction.laws contactstudy.solvers.plasticity""",
     ),
     (

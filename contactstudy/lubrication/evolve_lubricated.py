@@ -236,17 +236,16 @@ def _integrate(
             iterations += advanced.last.iterations
             linear_iterations += advanced.last.linear_iterations
             failed = not advanced.last.converged(tolerance)
+            factor = TUNING.safety * (error / step_error) ** (1 / 3) if step_error > 0 else 1.0
             if (
                 failed or (step is None and step_error > error)
             ) and trial > TUNING.min_step * cell_passage:
                 # by the safety at least: a step that misses its error by a little would be tried for ever
-                factor = TUNING.safety * (error / step_error) ** (1 / 3) if not failed else 0.0
-                length = trial * max(TUNING.shrink, factor)
+                length = trial * max(TUNING.shrink, 0.0 if failed else factor)
                 continue
             stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
             if progress is not None:
                 progress(stepper.time, instants[-1])
-            factor = TUNING.safety * (error / step_error) ** (1 / 3) if step_error > 0 else 1.0
             grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
             # a step shortened to end at an instant does not limit the next one
             length = step or max(grown, length if trial < length else 0.0)

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import pi
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,31 +14,17 @@ from tests.contactstudy.evolution.creeping import (
     LOAD,
     RIGID,
     SOLID,
+    evolved,
     half_width,
     held_pressure,
     rolling_cylinder,
 )
 
 EXACT = cs.ExactPeriodicity()
-NONE = cs.StepError.NONE
 
 
 def line(cells: int, width: float = 0.9) -> cs.Grid:
     return cs.Grid((cells, 1), (width, 1.0))
-
-
-def evolved(
-    scene: cs.Scene,
-    grid: cs.Grid,
-    times: Any,
-    *,
-    padding: Any = EXACT,
-    tolerance: float = 1e-8,
-    **more: Any,
-) -> Trajectory:
-    """By the given steps alone, whose error is not asked for."""
-    options = cs.SolveOptions(tolerance)
-    return evolve(scene, grid, padding, times=times, options=options, step_error=NONE, **more)
 
 
 def width_of(frame: Trajectory, number: int = -1) -> float:

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from itertools import pairwise
 from math import exp, inf, log, pi
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +13,9 @@ from contactstudy.evolution.evolution import Trajectory
 from contactstudy.evolution.evolve import evolve
 from contactstudy.evolution.state_variables import explicit_limit
 from contactstudy.evolution.steps import Scheme
-from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
+from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, evolved, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
-NONE = cs.StepError.NONE
 ELASTIC = cs.HalfSpace(1.0, 0.0)
 WAVY = cs.Scene(
     cs.LineLoad(1.0),
@@ -28,20 +26,6 @@ WAVY = cs.Scene(
 CYLINDER = cs.Scene(
     cs.LineLoad(LOAD), (ELASTIC, RIGID), (cs.Cylinder(1.0),), wear=cs.Wear(1.0, 1.0)
 )
-
-
-def evolved(
-    scene: cs.Scene,
-    grid: cs.Grid,
-    times: Any,
-    *,
-    padding: Any = EXACT,
-    tolerance: float = 1e-8,
-    **more: Any,
-) -> Trajectory:
-    """By the given steps alone, whose error is not asked for."""
-    options = cs.SolveOptions(tolerance)
-    return evolve(scene, grid, padding, times=times, options=options, step_error=NONE, **more)
 
 
 def wave(evolution: Trajectory) -> Array:

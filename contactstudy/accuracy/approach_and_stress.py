@@ -5,8 +5,8 @@ from math import inf
 
 import numpy as np
 
+from contactstudy.accuracy.discretisation.coarser import FIRST_ORDER_MARGIN
 from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
-from contactstudy.accuracy.two_grids import FIRST_ORDER_MARGIN
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.solvers.solution import Solution, net_pressure

@@ -6,11 +6,11 @@ from math import inf, log, sqrt
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import change_between_grids, halved
-from contactstudy.accuracy.contact_edge import edge_error_of_means
-from contactstudy.accuracy.discretisation import around_contact, with_ends
+from contactstudy.accuracy.discretisation.cells import around_contact, with_ends
+from contactstudy.accuracy.discretisation.coarser import change_between_grids, halved
+from contactstudy.accuracy.discretisation.contact_edge import edge_error_of_means
+from contactstudy.accuracy.discretisation.subcell import SubgridHeights
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.subcell import SubgridHeights
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, axis_first

@@ -5,22 +5,27 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import (
+from contactstudy.accuracy.discretisation.cells import (
+    around_contact,
+    contact_area,
+    discretisation_errors,
+)
+from contactstudy.accuracy.discretisation.coarser import (
     DiscretisationErrors,
     change_between_grids,
     coarse_solution,
+    compare_grids,
 )
-from contactstudy.accuracy.discretisation import around_contact, contact_area, discretisation_errors
+from contactstudy.accuracy.discretisation.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
 from contactstudy.accuracy.image_errors import image_errors
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
-from contactstudy.accuracy.residual_errors import residual_errors
-from contactstudy.accuracy.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
-from contactstudy.accuracy.two_grids import (
+from contactstudy.accuracy.range_errors import (
     PEAK_WITHOUT_LIMIT,
-    compare_grids,
     pull_off_error,
     range_errors,
+    range_warning,
 )
+from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.checks import InvalidInput, NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import axis_first
@@ -105,9 +110,9 @@ def error_estimate(
     """Estimate the errors of `solution`.
 
     By cause: images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
-    (:mod:`~contactstudy.accuracy.residual_errors`), and the cells (:mod:`~contactstudy.accuracy.discretisation`,
-    :mod:`~contactstudy.accuracy.subcell`), to which the edges of a stiff coating add. Adhesion in the JKR limit adds its
-    range.
+    (:mod:`~contactstudy.accuracy.residual_errors`), and the cells (:mod:`~contactstudy.accuracy.discretisation`), to
+    which the edges of a stiff coating add. Adhesion in the JKR limit adds its range
+    (:mod:`~contactstudy.accuracy.range_errors`).
 
     Where heights and edges are smooth, the solution alone determines them. Otherwise the same contact is solved once
     more on cells of twice the size, with its heights sampled again, and the heights are examined inside the cells. The
@@ -121,7 +126,7 @@ def error_estimate(
         The solution.
     coarse
         The same contact on cells of twice the size, if at hand, see
-        :func:`~contactstudy.accuracy.coarser.coarse_solution`.
+        :func:`~contactstudy.accuracy.discretisation.coarser.coarse_solution`.
     heights
         The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
     confidence
@@ -217,7 +222,11 @@ def _cells(
     if solution.adhesion is not None or problem.control.approach is not None:
         errors = compare_grids(solution, coarse)
         load_is_result = problem.control.approach is not None or _is_pull_off(solution)
-        return errors if load_is_result else replace(errors, load=None)
+        return replace(
+            errors,
+            load=errors.load if load_is_result else None,
+            warnings=errors.warnings or range_warning(solution),
+        )
     heights = heights or SubgridHeights.from_problem(problem, confidence)
     if heights is None:
         return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS)

@@ -6,7 +6,7 @@ from functools import cached_property
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.accuracy.coarser import coarse_solution
+from contactstudy.accuracy.discretisation.coarser import coarse_solution
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.domain.checks import NotDefined

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from contactstudy.accuracy.discretisation.subcell import SubgridHeights
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.subcell import SubgridHeights
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array

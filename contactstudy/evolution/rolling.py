@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.discretisation.coarser import halved
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts

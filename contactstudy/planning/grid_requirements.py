@@ -6,8 +6,8 @@ from math import acosh, erf, inf, lcm, log2, sqrt
 
 import numpy as np
 
+from contactstudy.accuracy.discretisation.contact_edge import l1_factor, smooth_l1
 from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
-from contactstudy.accuracy.expected_error import l1_factor, smooth_l1
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput, NotDefined, positive
 from contactstudy.domain.grid import (

@@ -9,7 +9,7 @@ from scipy import fft
 
 from contactstudy.accuracy.bounded_solution import CONSTANTS as BOUND
 from contactstudy.accuracy.bounded_solution import BoundedSolution, bounded
-from contactstudy.accuracy.coarser import halved
+from contactstudy.accuracy.discretisation.coarser import halved
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array

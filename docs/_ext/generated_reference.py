@@ -61,11 +61,11 @@ ARRAYS = (
     "",
 )
 INNER = (
-    "accuracy.coarser.coarse_solution",
+    "accuracy.discretisation.coarser.coarse_solution",
     "accuracy.estimate.error_estimate",
     "answers.answer.Answer",
-    "accuracy.contact_edge.edge_error",
-    "accuracy.discretisation.discretisation_errors",
+    "accuracy.discretisation.contact_edge.edge_error",
+    "accuracy.discretisation.cells.discretisation_errors",
     "accuracy.image_errors.image_errors",
     "domain.device.Device",
     "domain.device.Namespace",

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.contact_edge import half_widths
+from contactstudy.accuracy.discretisation.contact_edge import half_widths
 from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coating import CoatingCoefficients

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.accuracy.discretisation import contact_perimeter
+from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.domain.fields import Array, inner
 from contactstudy.domain.units import readable
 from contactstudy.io.contact_quantities import approach_datum

@@ -8,7 +8,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
-from contactstudy.accuracy.coarser import coarse_solution
+from contactstudy.accuracy.discretisation.coarser import coarse_solution
 from contactstudy.accuracy.estimate import error_estimate
 from tests.conftest import LineContact
 

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.contact_edge import CONSTANTS, corrected_pressure, half_widths
+from contactstudy.accuracy.discretisation.contact_edge import (
+    CONSTANTS,
+    corrected_pressure,
+    half_widths,
+)
 from tests.conftest import STEEL, LineContact
 
 EXACT = cs.ExactPeriodicity()

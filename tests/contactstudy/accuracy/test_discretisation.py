@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.coarser import coarser_problem
-from contactstudy.accuracy.contact_edge import edge_error
-from contactstudy.accuracy.discretisation import discretisation_errors
+from contactstudy.accuracy.discretisation.cells import discretisation_errors
+from contactstudy.accuracy.discretisation.coarser import coarser_problem
+from contactstudy.accuracy.discretisation.contact_edge import edge_error
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()

@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 import contactstudy as cs
 from contactstudy.accuracy.bounded_solution import cell_errors
+from contactstudy.accuracy.discretisation.contact_edge import smooth_l1
 from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.accuracy.expected_error import smooth_l1
 from contactstudy.domain.fields import Array
 from contactstudy.scene.bodies import contact_modulus
 from tests.conftest import STEEL, LineContact

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.subcell import SubgridEffect, SubgridHeights, _modulus
+from contactstudy.accuracy.discretisation.subcell import SubgridEffect, SubgridHeights, _modulus
 from tests.conftest import LineContact
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.accuracy.two_grids import reduction_below_jkr
+from contactstudy.accuracy.range_errors import reduction_below_jkr
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
 # R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts

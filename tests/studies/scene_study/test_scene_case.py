@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 import studies
-from contactstudy.accuracy.discretisation import contact_perimeter
+from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from studies.engine.run import run
 from studies.scene_study.measures import measures
 from tests.studies.conftest import quiet

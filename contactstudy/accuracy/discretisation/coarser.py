@@ -16,6 +16,8 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 COARSE_TOLERANCE = 1e-4
 # That of one with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
+# Bound over the change from cells of twice the size, which is the error itself where errors fall like the cell.
+FIRST_ORDER_MARGIN = 1.5
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,30 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
         abs(areas[1] / areas[0] - 1),
         abs(gaps[1] / gaps[0] - 1) if gaps[0] else 0.0,
         abs(loads[0] - loads[1]) / abs(loads[0]) if loads[0] else inf,
+    )
+
+
+def compare_grids(solution: Solution, coarse: Solution | None) -> DiscretisationErrors:
+    """Return the errors of `solution`, with adhesion or at a given approach, by its change from cells of twice the size.
+
+    `coarse` is the solution on those; None solves for it. The errors are infinite where there is none, or where its
+    bodies do not touch.
+    """
+    attraction = None if solution.adhesion is None else solution.adhesion.attraction
+    coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
+    failed = coarse is None or coarse.status.is_failure
+    if coarse is None or failed or not coarse.pressure.any():
+        why = "there is no solution" if failed else "the bodies do not touch"
+        reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
+        return DiscretisationErrors.unbounded(reason, load=inf)
+    change = change_between_grids(solution, coarse)
+    assert change.load is not None
+    return DiscretisationErrors(
+        FIRST_ORDER_MARGIN * change.l1,
+        FIRST_ORDER_MARGIN * change.peak_pressure,
+        FIRST_ORDER_MARGIN * change.contact_area,
+        FIRST_ORDER_MARGIN * change.mean_gap,
+        FIRST_ORDER_MARGIN * change.load,
     )
 
 

@@ -13,8 +13,12 @@ from math import ceil, log, pi, prod
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation import around_contact, with_ends
-from contactstudy.accuracy.sampled_heights import SampledHeights, cubics, extended_by_two
+from contactstudy.accuracy.discretisation.cells import around_contact, with_ends
+from contactstudy.accuracy.discretisation.sampled_heights import (
+    SampledHeights,
+    cubics,
+    extended_by_two,
+)
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import BLOCK_CELLS, Array
 from contactstudy.domain.grid import Grid, axis_first, on_cells

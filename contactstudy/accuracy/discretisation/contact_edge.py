@@ -1,5 +1,4 @@
-"""Edges of a smooth contact on cells of constant pressure: their position and their error, by a law without free
-parameters.
+"""Edges of a smooth contact on cells of constant pressure: position and error, by a law without free parameters.
 
 Next to a straight edge, many cells from any other, the kernel is the half-plane's logarithm. In units of a cell, its
 coefficients ``K_j = -int ln|x| dx`` over cell j have the transform
@@ -14,7 +13,7 @@ found by the method of Wiener & Hopf (1931); the expansion in modes is derived i
 
 from dataclasses import dataclass
 from functools import cache
-from math import gamma
+from math import gamma, inf, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,9 @@ from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4
+# Factor of (dx / a)^2 in the L1 error of a smooth contact: what remains after the edges are corrected.
+SECOND_ORDER = 0.1
+MAX_CELL = 1e100  # half-widths: the square of a larger cell overflows
 
 
 @dataclass(frozen=True)
@@ -185,10 +187,23 @@ def edge_position(last: Array, inner: Array) -> Array:
     return np.asarray(np.where(inner > 0, position, sum(CONSTANTS.positions) / 2))
 
 
-def worst_edge_error() -> float:
-    """Return the largest L1 error of an edge over cell^1.5, where the pressure is the root of the distance from it."""
+def smooth_l1(cell: float) -> float:
+    """Return the largest relative L1 error of a smooth line contact, before it is solved, for a `cell` in half-widths.
+
+    It includes the part that remains after the edges are corrected.
+    """
+    if cell > MAX_CELL:
+        return inf
+    return float(l1_factor() * cell**1.5 + SECOND_ORDER * cell**2)
+
+
+def l1_factor() -> float:
+    """Return the largest relative L1 error of a smooth line contact over (dx / a)^1.5, from both edges.
+
+    Beside an edge the pressure is ``sqrt(2 d / a)`` times its peak, at the distance d.
+    """
     _, at_centres, of_means, _, _ = _edge_discretisations()
-    return float(np.maximum(at_centres, of_means).max())
+    return 2 * sqrt(2) * float(np.maximum(at_centres, of_means).max()) / (pi / 2)
 
 
 @cache

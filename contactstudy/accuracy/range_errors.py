@@ -1,18 +1,12 @@
-"""Errors of contacts that cells of twice the size show: with adhesion, or under a given approach."""
+"""Range errors: those by a range of the attraction that is chosen for the grid, in place of the JKR limit."""
 
 from bisect import bisect_left
 from math import inf, log, pi
 
 import numpy as np
 
-from contactstudy.accuracy.coarser import (
-    ADHESIVE_TOLERANCE,
-    DiscretisationErrors,
-    change_between_grids,
-    coarse_solution,
-    halved,
-)
-from contactstudy.accuracy.discretisation import contact_perimeter
+from contactstudy.accuracy.discretisation.cells import contact_perimeter
+from contactstudy.accuracy.discretisation.coarser import ADHESIVE_TOLERANCE, halved
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
@@ -37,30 +31,8 @@ PEAK_WITHOUT_LIMIT = (
     "No bound for the peak pressure: in the JKR limit the pressure grows without limit beside the "
     "attraction, give Adhesion.range."
 )
-# Errors fall in proportion to the cell, so that the change from cells of twice the size is the error of these.
-FIRST_ORDER_MARGIN = 1.5
 # The part of a pull-off load that coarse cells may add by trapping the edge of the contact, by the cells in the zone.
 TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
-
-
-def compare_grids(solution: Solution, coarse: Solution | None) -> DiscretisationErrors:
-    """Return the errors of `solution` by its change from cells of twice the size; infinite where these do not touch."""
-    attraction = None if solution.adhesion is None else solution.adhesion.attraction
-    coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
-    if coarse is None or coarse.status.is_failure or not coarse.pressure.any():
-        why = "there is no solution" if coarse is None else "the bodies do not touch"
-        reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
-        return DiscretisationErrors.unbounded(reason, load=inf)
-    changes = change_between_grids(solution, coarse)
-    assert changes.load is not None
-    return DiscretisationErrors(
-        FIRST_ORDER_MARGIN * changes.l1,
-        FIRST_ORDER_MARGIN * changes.peak_pressure,
-        FIRST_ORDER_MARGIN * changes.contact_area,
-        FIRST_ORDER_MARGIN * changes.mean_gap,
-        FIRST_ORDER_MARGIN * changes.load,
-        range_warning(solution),
-    )
 
 
 def range_errors(solution: Solution) -> tuple[float, float] | None:

@@ -6,7 +6,7 @@ from math import log, prod
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation import with_ends
+from contactstudy.accuracy.discretisation.cells import with_ends
 from contactstudy.domain.fields import Array, product
 
 

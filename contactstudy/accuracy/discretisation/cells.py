@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.contact_edge import edge_error, edge_position
+from contactstudy.accuracy.discretisation.contact_edge import edge_error, edge_position
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings, axis_first
 
@@ -71,10 +71,10 @@ def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[fl
 
     The maximum is off a cell's centre, above it by the parabola through three cells, and the cell's pressure is a
     24th of the second difference too high; the edges move both. In L1 each end of a row of touching cells adds its
-    :func:`~contactstudy.accuracy.contact_edge.edge_error`, and each cell within adds a 12th of its second difference:
-    for a wave q the cells' pressure is ``1 / sinc(q dx / 2)`` times its value at the centre, and the mean in the cell
-    sinc times it. Both axes are added, since an edge that crosses the cells has ends on both. Heights between the cell
-    centres are not included.
+    :func:`~contactstudy.accuracy.discretisation.contact_edge.edge_error`, and each cell within adds a 12th of its
+    second difference: for a wave q the cells' pressure is ``1 / sinc(q dx / 2)`` times its value at the centre, and the
+    mean in the cell sinc times it. Both axes are added, since an edge that crosses the cells has ends on both. Heights
+    between the cell centres are not included.
 
     Parameters
     ----------
@@ -130,8 +130,8 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """Return the relative error of the contact area, counted in touching cells, by where its edges lie in their cells.
 
     A cell counts as a whole; the pressures of the last two of a row give the edge of the smooth contact
-    (:mod:`~contactstudy.accuracy.contact_edge`). Each axis shows the whole error, so the larger of both counts. Infinite
-    where no area may remain.
+    (:mod:`~contactstudy.accuracy.discretisation.contact_edge`). Each axis shows the whole error, so the larger of both
+    counts. It is infinite where no area may remain.
 
     Parameters
     ----------

@@ -208,7 +208,7 @@ class SceneText:
         return key(canonical((*solved, file.plan_settings.period)))
 
     def subject(self, error: float = QUICK_ERROR) -> "ComparedScene":
-        """Return the scene on an extent, where the requested error matters little."""
+        """Return the scene on its extent, for a relative error; one below 0.2 gives the extent that 0.2 gives."""
         return compared_scene(self.file, self.name, self.text, error)
 
 
@@ -244,7 +244,7 @@ def compared_scene(
     Raises
     ------
     InvalidInput
-        If the scene has no width of its own and no grid, or is not a dry contact at rest.
+        If the scene has neither a width of its own nor a grid, searches its pull-off load, or attracts at short range.
     """
     scene = described.scene
     if isinstance(scene.load, cs.PullOff):

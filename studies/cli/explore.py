@@ -18,9 +18,9 @@ from studies.cli.options import out_option
 if TYPE_CHECKING:
     import xarray as xr
 
-# Values of a variable that a page holds; a finer contact is page_data by the means of blocks of cells.
+# Values of a variable that a page holds; a field of more cells is replaced by its means over blocks of cells.
 MAX_VALUES = 200_000
-# Variables shown first by the page of a study and of another file: the first of them that the file has.
+# Variables of which the page shows first the one that the file has: numbers of a study, fields of another file.
 NUMBERS = ("central_film", "peak_pressure", "largest_pressure")
 FIELDS = ("pressure", "film")
 # Ratio of the largest to the least value of an axis of a study above which it starts as logarithmic.

@@ -20,7 +20,7 @@ from contactstudy.domain.fields import Array
 from studies.model.axis import Axis, one_of
 from studies.model.case import dimensionless
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE
 
 A, P_H, MODULUS = HERTZ.half_width, HERTZ.peak_pressure, HERTZ.contact_modulus
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
@@ -33,7 +33,7 @@ PADDINGS: dict[str, cs.Paddings] = {
 SHAPES: dict[str, cs.Shape] = {
     "semi-periodic": cs.Cylinder(0.01),
     "free": cs.Sphere(0.02),
-    "periodic": cs.Roughness(rms=A * P_H / MODULUS, hurst=0.8, roll_off=A, cut_off=0.1 * A, seed=1),
+    "periodic": cs.Roughness(rms=HERTZ_HEIGHT, hurst=0.8, roll_off=A, cut_off=0.1 * A, seed=1),
 }
 WIDTH = 2.4  # half-widths, both ways
 TOLERANCE = 1e-10  # for an error of about 1e-7; the others are given 1e-8 of their own measures
@@ -50,7 +50,7 @@ class ProgramRun:
 
     @property
     def grid(self) -> cs.Grid:
-        """Return the grid, which is the same for every program."""
+        """Grid, the same for every program."""
         return cs.Grid(cells=(self.cells, self.cells), extent=(WIDTH * A, WIDTH * A))
 
     def problem(self) -> cs.Problem:
@@ -182,7 +182,7 @@ def _aspher(program_run: ProgramRun) -> Callable[[], Array]:
 
 
 def _heights(program_run: ProgramRun) -> Array:
-    """Return the heights towards the other body, shape (width, length) [m]."""
+    """Return the heights (x, y) towards the other body [m]."""
     gap = SHAPES[program_run.boundary].gap(program_run.grid)
     return np.ascontiguousarray(-gap * np.ones(program_run.grid.cells))
 

@@ -12,14 +12,14 @@ from contactstudy.domain.checks import whole_number
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, contact_fraction, dimensionless
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE
 
 SOLVERS: dict[str, cs.Solver] = {
     "preconditioned_cg": cs.PreconditionedCG(),
     "polonsky_keer": cs.PolonskyKeer(),
 }
-# heights over the gap scale p_H a / E*; the roughness leaves a third of Hertz's area in contact
-A, GAP = HERTZ.half_width, HERTZ.peak_pressure * HERTZ.half_width / HERTZ.contact_modulus
+# the roughness leaves a third of Hertz's area in contact
+A, GAP = HERTZ.half_width, HERTZ_HEIGHT
 SURFACES: dict[str, tuple[cs.Shape, ...]] = {
     "smooth": (),
     "wavy": (cs.Waviness(amplitude=0.3 * GAP, across=0.6 * A, along=0.6 * A),),

@@ -14,10 +14,10 @@ from contactstudy.domain.device import available_bytes
 from studies.model.plain_text import is_storable, name_problem, one_line
 
 Value = str | int | float
-# difference, over an axis' span and a number, below which two numbers are equal
+# largest difference of two equal numbers, relative to the axis' span and to the larger of them
 EQUAL_WITHIN = 1e-12
 MOST_POINTS = 1_000_000  # points of a study above which a user must confirm
-POINT_BYTES = 500  # least memory for a point
+POINT_BYTES = 500  # memory that a point takes at least, its key and its place in the table
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 # first:last, first:last:count or first:last:count:log

@@ -10,11 +10,10 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from studies.reference.dense_solver import answer, stated_error
-from studies.reference.line_contact import HERTZ, SCENE, STEEL
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE, STEEL
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
-# unit of heights: those that the smooth contact flattens
-GAP_SCALE = SCENE.scales(cs.Grid(cells=(2, 1), extent=(A, A))).gap
+GAP_SCALE = HERTZ_HEIGHT  # unit of heights
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
 PADDINGS: dict[str, cs.Padding | cs.Paddings] = {

@@ -302,7 +302,7 @@ def _varies(values: xr.DataArray) -> bool:
 
 
 def _spans_decade(values: xr.DataArray) -> bool:
-    """Return whether the values are above zero and std over more than a decade."""
+    """Return whether the values are above zero and span more than a decade."""
     finite = values.values[np.isfinite(values.values)].ravel()
     return bool(finite.size > 1 and finite.min() > 0 and finite.max() > 10 * finite.min())
 
@@ -327,7 +327,7 @@ def _scale(values: xr.DataArray) -> tuple[float, str]:
 
 
 def _scaled(values: xr.DataArray) -> tuple[xr.DataArray, str]:
-    """Return numbers in the unit in which the largest is short, and their label."""
+    """Return numbers in the unit in which the largest is read best, and the label of their axis."""
     size, unit = _scale(values)
     return values / size, _label(values, unit)
 

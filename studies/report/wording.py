@@ -55,7 +55,7 @@ def error_text(error: float, floor: float) -> str:
 
 
 def ratio_text(alternative: Alternative) -> str:
-    """Return how long a alternative takes beside the chosen setting, as a ratio and as a difference."""
+    """Return how long an alternative takes beside the chosen setting, as a ratio and as a difference."""
     extra_time = alternative.measured.time * (1 - 1 / alternative.ratio)
     difference = f"{seconds_text(abs(extra_time))} {'more' if extra_time > 0 else 'less'}"
     padding = padding_name(alternative.measured.label)

@@ -8,12 +8,11 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 MODULUS = SCENE.contact_modulus
-# Unit of heights, twice the height that the smooth contact flattens.
-GAP_SCALE = P_H * A / MODULUS
+GAP_SCALE = HERTZ_HEIGHT  # unit of heights
 # At points (x, y) [m], in Pa.
 Pressure = Callable[[Array, Array], Array]
 EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
@@ -34,7 +33,7 @@ class Truth:
 
 @dataclass(frozen=True)
 class Finer:
-    """Reference of the same scene on a grid ``factor`` times finer, with all images unless another padding is given."""
+    """Reference solution of the same scene on a grid ``factor`` times finer along each axis, with a ``padding``."""
 
     factor: tuple[int, int]
     padding: cs.Padding | cs.Paddings
@@ -63,7 +62,10 @@ class Finer:
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """A truth known in closed form: the mean ``pressure`` over ``points`` in each cell, and the others."""
+    """Closed-form reference: cell means of the ``pressure`` at ``points`` per axis of a cell, ``highest`` and ``area``.
+
+    Attributes are those of :class:`Truth`. The means are scaled to the load.
+    """
 
     pressure: Pressure
     highest: float
@@ -71,7 +73,7 @@ class ClosedForm:
     points: int = 64
 
     def __call__(self, case: "AccuracyCase") -> Truth:
-        """Sample inside the cells, which costs a fraction of a cell to the power 3/2 and less."""
+        """Return the truth on the cells of the case, with cell means by the midpoint rule."""
         (nx, ny), grid = case.grid.cells, case.grid
         along = 1 if ny == 1 else max(self.points // 8, 4)
         across = self.points if ny == 1 else along
@@ -85,7 +87,7 @@ class ClosedForm:
 
 @dataclass(frozen=True, eq=False)
 class AccuracyCase:
-    """A ``scene`` on a ``grid`` with a ``padding``, of a ``kind`` of surface, and its ``truth``."""
+    """A ``scene`` on a ``grid`` with a ``padding``, of a ``kind`` of surface, and the function that finds its truth."""
 
     kind: str
     scene: cs.Scene
@@ -94,7 +96,7 @@ class AccuracyCase:
     find_truth: Callable[["AccuracyCase"], Truth]
 
     def problem(self) -> cs.Problem:
-        """The problem of the scene on its grid."""
+        """Return the problem of the scene on its grid."""
         return self.scene.problem(self.grid, self.padding)
 
     def truth(self) -> Truth:

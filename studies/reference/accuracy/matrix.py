@@ -71,7 +71,7 @@ def grooves_across() -> Iterator[AccuracyCase]:
 
 
 def dimples() -> Iterator[AccuracyCase]:
-    """Return textured cases, from a few cells across a dimple on."""
+    """Yield dimples of every profile, shallow and deep, on coarse and fine grids."""
     for profile in PROFILES:
         for fraction in (0.4, 0.9):
             for depth in (0.1, 1.0):

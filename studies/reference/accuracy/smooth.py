@@ -144,7 +144,7 @@ def full() -> Iterator[AccuracyCase]:
 
 
 def yielding() -> Iterator[AccuracyCase]:
-    """Return cases whose cells are all at the hardness: a strip of a known width."""
+    """Yield contacts whose cells are all at the hardness: a strip of a known width."""
     for fraction in (0.3, 0.4, 0.5):
         half = SCENE.load.largest / (2 * fraction * P_H)
         for cells in (40, 101, 256):

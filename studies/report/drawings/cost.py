@@ -1,4 +1,4 @@
-"""Drawings of the studies of cost: solvers, speed, each effect, and other programs."""
+"""Drawings of the studies of cost: solvers, speed, and other programs."""
 
 from itertools import cycle, product
 
@@ -30,8 +30,8 @@ TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky &
 LINES = ("-", "--", ":", "-.")
 
 
-def _plot_over_cells(ax: Axes, dataset: xr.Dataset, variable: str, label: str) -> None:
-    """Label a panel over the number of cells, with the square of that number beside times."""
+def _label_over_cells(ax: Axes, dataset: xr.Dataset, variable: str, label: str) -> None:
+    """Label a panel over the number of cells, and draw a line that grows like its square beside times."""
     cells = dataset["grid"].values
     if variable == "solve_time":
         least = float(dataset[variable].isel(grid=0).min())
@@ -55,7 +55,7 @@ def _solvers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
                 style |= {"label": f"{title}, {surface}", "linestyle": line}
                 ax.plot(part["grid"], part[variable].sel(surface=surface), **style)
         ax.set_yscale("log")
-        _plot_over_cells(ax, dataset, variable, label)
+        _label_over_cells(ax, dataset, variable, label)
     return (captioned("solvers", fig, _solvers_caption(dataset)),)
 
 
@@ -139,7 +139,7 @@ def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             label = f"{name}{way}"
             ax.plot(dataset["grid"], curve, line, color=color, marker="o", label=label)
         ax.set(yscale="log") if variable == "solve_time" else ax.set_ylim(bottom=0)
-        _plot_over_cells(ax, dataset, variable, title)
+        _label_over_cells(ax, dataset, variable, title)
     return (captioned("speed", fig, _speed_caption(dataset)),)
 
 

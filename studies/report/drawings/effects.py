@@ -131,7 +131,7 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     deviation = float(abs(steel["stick"] - np.sqrt(1 - steel["fraction"])).max())
     return (
         Finding(
-            "Friction brings the highest stress to the surface at a coefficient of about 0.3; stick zone are "
+            "Friction brings the highest stress to the surface at a coefficient of about 0.3; stick zones are "
             "those of Cattaneo, but the superposition that gives them is inexact on rough surfaces.",
             f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_{{H}} without friction and "
             f"{float(high):.3f} p_{{H}} at a coefficient of {float(high['coefficient']):g}; it lies at the surface from "

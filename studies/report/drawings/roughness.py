@@ -59,7 +59,7 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
     return captioned(
         "shift",
         fig,
-        "Effect of roughness on a line contact with exact periodicity; lines are the mean over the surfaces, "
+        "Effect of roughness on a line contact with exact periodicity; lines are the median over the surfaces, "
         "bands their range. Heights are relative to a²/(2R). Lay is the correlation length across the contact over "
         "that along it (below 1 the lay runs along the length), H the Hurst exponent. The effective half-width "
         "is that of Hertz's pressure with the same second moment; the spread is the standard deviation of "

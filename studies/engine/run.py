@@ -18,7 +18,7 @@ from studies.engine.timing import take_times
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, OnFinished, Outcome, RunSettings, summary_messages
 from studies.model.study import Study
-from studies.store.loaded import shown
+from studies.store.fingerprint.modules import listed
 from studies.store.netcdf import check_kind, open_folder, read
 from studies.store.provenance import provenance
 from studies.store.request import Request
@@ -245,21 +245,21 @@ class _Run:
 
             DaskRun(*arguments, workers=workers, address=scheduler, log=self.log).run()
         else:
-            from studies.engine.executors import compute_here
+            from studies.engine.in_process import compute_here
 
             compute_here(*arguments, self.journal.begin)
 
     def _check_program(self, outcome: Outcome) -> None:
         """Refuse an outcome of another program on another machine; report that a file here has been edited meanwhile."""
-        changes = self.request.context.present.changes(outcome.loaded)
+        changes = self.request.context.modules.changes(outcome.loaded)
         if changes and outcome.worker:
             raise InvalidInput(
-                f"{shown(changes)} {'differs' if len(changes) == 1 else 'differ'} on worker {outcome.worker}, whose "
+                f"{listed(changes)} {'differs' if len(changes) == 1 else 'differ'} on worker {outcome.worker}, whose "
                 "results are not stored: install the same there, and run the same command again."
             )
         if changes and not self._has_warned:
             self.log(
-                f"{shown(changes)} changed since this program loaded it: the next run recomputes what depends on it"
+                f"{listed(changes)} changed since this program loaded it: the next run recomputes what depends on it"
             )
             self._has_warned = True
 

@@ -14,7 +14,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.files import open_descriptor, reason, replacing, set_aside
 from contactstudy.domain.identity import Tree, differences, text
 from studies.model.outcome import CaseStatus, Outcome, TimedRun
-from studies.store.loaded import digest, shown
+from studies.store.fingerprint.modules import digest, listed
 from studies.store.records import (
     START,
     CaseIdentity,
@@ -25,7 +25,7 @@ from studies.store.records import (
     encoded,
     encoded_variable,
     failure_of,
-    without_collection,
+    without_garbage_collection,
 )
 
 FORMAT = 7
@@ -203,7 +203,7 @@ class Journal:
             names = self._context.changes(self.programs[before.stamp])
             if before.state != identity.state:
                 names = ["the state of the case's classes", *names]
-            changes += [f"{shown(names)} changed"] if names else []
+            changes += [f"{listed(names)} changed"] if names else []
         return ", ".join(changes)
 
     @cached_property
@@ -291,7 +291,7 @@ class Journal:
                 f"Journal {str(self.path)!r} cannot be read ({reason(error)}): give another folder with --out."
             ) from None
 
-    @without_collection()
+    @without_garbage_collection()
     def _read_lines(self, file: Iterable[bytes]) -> None:
         """Take in every line of the file without a torn last one."""
         is_journal, is_foreign = True, False

@@ -17,7 +17,7 @@ import xarray as xr
 
 from contactstudy.domain.identity import Tree, differences
 from studies.model.outcome import CaseStatus, Failure, Outcome
-from studies.store.loaded import Present
+from studies.store.fingerprint.modules import CurrentModules
 
 Json = Any
 START = b'{"sum":"'
@@ -27,8 +27,8 @@ ENCODER = json.JSONEncoder(separators=(",", ":"))
 
 
 @contextmanager
-def without_collection() -> Iterator[None]:
-    """Collect no garbage in a block that makes many objects to last, a third of whose time it would take."""
+def without_garbage_collection() -> Iterator[None]:
+    """Disable garbage collection in a block that makes many lasting objects, where it would take a third of the time."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:
@@ -73,16 +73,24 @@ class Program:
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """Program of the present run, with which that of a stored case is compared: study part and modules."""
+    """Fingerprints of the present run, with which those of a stored case are compared.
+
+    Attributes
+    ----------
+    part
+        Digests of the study's part, as in :class:`Program`.
+    modules
+        What an import would load now.
+    """
 
     part: Mapping[str, str]
-    present: Present = field(default_factory=Present)
+    modules: CurrentModules = field(default_factory=CurrentModules)
 
     def changes(self, program: Program) -> list[str]:
         """Return the names of the parts and modules in which another program differs."""
         names = sorted(program.part.keys() | self.part.keys())
         differing = [name for name in names if program.part.get(name) != self.part.get(name)]
-        return differing + self.present.changes(program.loaded)
+        return differing + self.modules.changes(program.loaded)
 
 
 @dataclass(eq=False, slots=True)

@@ -15,10 +15,10 @@ from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
 from studies.model.plain_text import one_line
 from studies.model.study import Point, Study
-from studies.store.loaded import LOADED, digest, is_older
-from studies.store.records import CaseIdentity, Context, without_collection
-from studies.store.state import States
-from studies.store.study_part import numerical_part
+from studies.store.fingerprint.functions import States
+from studies.store.fingerprint.modules import RECORDER, digest, is_older
+from studies.store.fingerprint.numerical_part import numerical_part
+from studies.store.records import CaseIdentity, Context, without_garbage_collection
 
 SESSION = secrets.token_hex(8)
 CLASS = re.compile(r'"":"([^"]+)"')  # the name of a class in the JSON of a tree
@@ -46,7 +46,7 @@ class Request:
     context: Context
 
     @classmethod
-    @without_collection()
+    @without_garbage_collection()
     def of(cls, study: Study) -> "Request":
         """Return the request of a study; each distinct case is made once.
 
@@ -118,7 +118,7 @@ def study_part(study: Study, states: States) -> dict[str, str]:
         elif name == "__main__":
             part[name] = _script(getattr(module, "__file__", None))
         elif name in sent:
-            part[f"module {name}"] = LOADED.scan().get(f"module {name}", SESSION)
+            part[f"module {name}"] = RECORDER.scan().get(f"module {name}", SESSION)
     for name in study.depends:
         try:
             part[f"file {name}"] = digest((study.folder / name).read_bytes())
@@ -133,6 +133,6 @@ def _script(file: str | None) -> str:
     """Return a digest of the script that runs; at a prompt, or where it has been edited since, one of this process."""
     try:
         path = Path(file or "")
-        return digest(path.read_bytes()) if is_older(path, LOADED.started) else SESSION
+        return digest(path.read_bytes()) if is_older(path, RECORDER.started) else SESSION
     except OSError:
         return SESSION

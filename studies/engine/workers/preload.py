@@ -2,9 +2,9 @@
 
 from studies.engine.workers import worker
 from studies.engine.workers.compute import warm_up
-from studies.store.loaded import LOADED
+from studies.store.fingerprint.modules import RECORDER
 
 __all__ = ["worker"]
 
 warm_up()
-LOADED.scan()
+RECORDER.scan()

@@ -28,7 +28,7 @@ from studies.engine.workers.compute import deadline, timed_out
 from studies.engine.workers.leftovers import end_all
 from studies.engine.workers.worker import READING_STAGE, Answer, Batch, Task, main
 from studies.model.outcome import CaseStatus, Failure, Outcome, RunSettings
-from studies.store.loaded import LOADED, Record
+from studies.store.fingerprint.modules import RECORDER, Fingerprints
 
 START_TIMEOUT = 120.0  # seconds in which a new process must be ready
 RESTART_DELAY = 0.5  # seconds after which the process that forks others is started again
@@ -107,7 +107,7 @@ class Worker:
     def __init__(self, work: bytes) -> None:
         self.work = work
         self._process: Any = None
-        self._loaded: Record = LOADED.record
+        self._loaded: Fingerprints = RECORDER.record
         self.over = threading.Event()
         atexit.register(self.end)
 

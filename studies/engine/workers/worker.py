@@ -23,12 +23,12 @@ from studies.engine.workers.compute import compute, failed, timed, warm_up
 from studies.engine.workers.interpreter_state import InterpreterState
 from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
 from studies.model.outcome import Outcome, RunSettings
-from studies.store.loaded import LOADED, Record
+from studies.store.fingerprint.modules import RECORDER, Fingerprints
 
 IDLE_TIMEOUT = 120.0  # seconds without a request after which it ends
 BATCH_SECONDS = 0.25  # seconds of work after which no further case of a batch is begun
 READING_STAGE = "reading"  # stage of the failure of several cases that cannot be unpickled together
-Answer = tuple[int, int, Outcome | None, bool, Record | None]
+Answer = tuple[int, int, Outcome | None, bool, Fingerprints | None]
 Task = Literal["compute", "time"]
 
 
@@ -103,7 +103,7 @@ class _Worker:
 
     def __init__(self, connection: Connection) -> None:
         self._connection, self._pid = connection, os.getpid()
-        self._loaded: Record | None = None
+        self._loaded: Fingerprints | None = None
 
     def set_up(self, work: bytes) -> bool:
         """Read the study, answer, and return whether it can be read."""
@@ -141,7 +141,7 @@ class _Worker:
 
     def _send(self, index: int, outcome: Outcome | None, *, follows: bool = False) -> None:
         """Send an answer, or a failure where it cannot be pickled."""
-        loaded = LOADED.scan()
+        loaded = RECORDER.scan()
         news = None if loaded is self._loaded else loaded
         try:
             self._connection.send((self._pid, index, outcome, follows, news))

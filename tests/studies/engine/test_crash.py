@@ -21,7 +21,7 @@ from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.workers.process import METHOD
 from studies.model.outcome import CaseStatus
-from studies.store import loaded
+from studies.store.fingerprint import modules
 from tests.studies.conftest import quiet
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import Trouble
@@ -141,7 +141,7 @@ def test_a_changed_measure_scene_or_version_is_said_and_not_mixed_in(
     assert any("case.number was" in line for line in said)
 
     said.clear()
-    monkeypatch.setattr(loaded, "PYTHON", "9.9")
+    monkeypatch.setattr(modules, "PYTHON", "9.9")
     run(study, tmp_path, options=ALONE, log=said.append)
     assert any("python changed" in line for line in said)
 

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import contactstudy as cs
 from contactstudy.domain.checks import InvalidInput
-from studies.engine.executors import compute_here
+from studies.engine.in_process import compute_here
 from studies.engine.options import RunOptions
 from studies.engine.run import estimate_cost, run
 from studies.model.case import Case, TimedAnswer

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import keys
 from studies.model.outcome import CaseStatus, Outcome, TimedRun
+from studies.store.fingerprint.modules import RECORDER
 from studies.store.journal import FORMAT, Journal
-from studies.store.loaded import LOADED
 from studies.store.records import (
     CaseIdentity,
     Context,
@@ -85,7 +85,7 @@ def test_what_changed_in_a_case_or_at_its_point_is_said(tmp_path: Path) -> None:
 
 
 def test_a_case_of_which_anything_loaded_has_changed_is_of_another_program(tmp_path: Path) -> None:
-    right = LOADED.scan()
+    right = RECORDER.scan()
     for name, value in (
         ("module studies.model.case", "0"),
         ("module gone", "1"),

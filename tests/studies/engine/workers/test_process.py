@@ -19,7 +19,7 @@ from studies.engine.workers import process as module
 from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
 from studies.engine.workers.process import Worker, packed
 from studies.model.outcome import CaseStatus, Outcome, RunSettings
-from studies.store.loaded import Present
+from studies.store.fingerprint.modules import CurrentModules
 from tests.studies.conftest import POSIX
 from tests.studies.engine import trouble
 from tests.studies.engine.trouble import DIES, RAISES, Trouble
@@ -93,7 +93,7 @@ def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> 
 
 def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
     (one,) = outcomes_of(worker, Trouble(1.0))
-    assert Present().changes(one.loaded) == []
+    assert CurrentModules().changes(one.loaded) == []
     assert "module tests.studies.engine.trouble" in one.loaded
     assert "distribution numpy" in one.loaded
 

@@ -4,7 +4,7 @@ import ast
 import re
 from collections.abc import Iterator
 
-from studies.store.loaded import PYTHON, digest
+from studies.store.fingerprint.modules import PYTHON, digest
 
 ALWAYS_USED = frozenset({"case_at", "measures"})
 # words by which a file may use a name that it does not contain

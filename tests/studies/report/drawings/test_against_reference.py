@@ -10,7 +10,7 @@ from click.testing import CliRunner
 import contactstudy as cs
 from studies.cli.commands import cli
 from studies.model.outcome import CaseStatus
-from studies.report.default_drawing import curves
+from studies.report.drawings.default import curves
 from tests.studies.scene_study.conftest import ROUGH
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.store.loaded import LOADED, Present
+from studies.store.fingerprint.modules import RECORDER, CurrentModules
 
 NAMES = ("helper_of_study", "other_of_study", "package_of_study")
 
@@ -18,7 +18,7 @@ NAMES = ("helper_of_study", "other_of_study", "package_of_study")
 @pytest.fixture(autouse=True)
 def _own_modules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(LOADED, "record", {})
+    monkeypatch.setattr(RECORDER, "record", {})
     forget()
     yield
     forget()
@@ -36,7 +36,7 @@ def loaded(name: str) -> dict[str, str]:
     importlib.import_module(name)
     return {
         key: value
-        for key, value in LOADED.scan().items()
+        for key, value in RECORDER.scan().items()
         if key.partition(" ")[2].startswith(NAMES)
     }
 
@@ -47,7 +47,7 @@ def write(path: Path, text: str) -> None:
 
 
 def changes(record: dict[str, str]) -> list[str]:
-    return Present().changes(record)
+    return CurrentModules().changes(record)
 
 
 HOW = {
@@ -133,16 +133,16 @@ def test_a_module_that_was_loaded_by_its_path_is_known_by_it(tmp_path: Path) -> 
     module = module_from_spec(spec)
     sys.modules["helper_of_study"] = module
     spec.loader.exec_module(module)
-    record = LOADED.scan()
+    record = RECORDER.scan()
     write(path, "K = 2.0\n")
-    assert "module helper_of_study" in Present().changes(record)
+    assert "module helper_of_study" in CurrentModules().changes(record)
 
 
 def test_distributions_count_by_version_and_the_standard_library_by_that_of_python() -> None:
-    LOADED._modules.clear()
-    record = LOADED.scan()
+    RECORDER._modules.clear()
+    record = RECORDER.scan()
     assert record["distribution numpy"] == importlib.import_module("numpy").__version__
-    assert record["module studies.store.loaded"]
+    assert record["module studies.store.fingerprint.modules"]
     names = {key.partition(" ")[2].partition(".")[0] for key in record}
     assert not names & {"json", "os", "numpy.linalg", "dask", "cloudpickle"}
     assert changes({"distribution numpy": "1.0", "python": "2.7"}) == [

@@ -18,7 +18,7 @@ from contactstudy.domain.units import display_unit_of
 from studies.model.axis import one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
-from studies.report import against_reference
+from studies.report.drawings import against_reference
 from studies.report.style import COLORS, captioned, panels, percent, write_powers
 
 # Measures that are drawn first where a study has more than there is room for.

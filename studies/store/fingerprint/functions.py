@@ -1,7 +1,7 @@
-"""State of functions and classes: what they compute with besides the files they come from.
+"""State of functions and classes: code, defaults, closures and the globals that they name, as trees to be hashed.
 
-Two functions of one file differ by their defaults, by what they close over, and by what the environment has made of the
-constants that they name.
+The files that they come from do not determine it: two functions of one file differ by their defaults and closures, and
+a constant may depend on the environment.
 """
 
 import pickle
@@ -17,7 +17,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import Tree, canonical, text
-from studies.store.loaded import THIS_PROGRAM, digest, entry_of, resolved
+from studies.store.fingerprint.modules import THIS_PROGRAM, digest, entry_of, resolved
 
 PLAIN = (type(None), bool, str, bytes, int, float, complex)
 CONTAINERS = (tuple, list, dict, set, frozenset)
@@ -26,7 +26,7 @@ REMEDY = "make it a function of a file, a partial of one, or a frozen dataclass 
 
 @dataclass(eq=False)
 class States:
-    """States of functions and classes, each taken once.
+    """States of functions and classes, each computed once.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class States:
     def _once(
         self, value: Any, holder: str | None, state: Callable[[Any, str | None], Tree]
     ) -> Tree:
-        """Return the state of an object that may name itself."""
+        """Return the state of an object that may refer to itself, computed once."""
         identity = id(value), holder
         if identity not in self._taken:
             self._taken[identity] = value, "itself"
@@ -154,7 +154,7 @@ class States:
                 yield name, self.held(value, None)
 
     def _is_users(self, module: str) -> bool:
-        """Return whether a module is a user's: not of this program, a distribution or the standard library."""
+        """Return whether a module is the user's: not of this program, a distribution or the standard library."""
         if module not in self._users:
             loaded, spec = sys.modules.get(module), resolved(module)
             if module.partition(".")[0] in THIS_PROGRAM:
@@ -171,6 +171,7 @@ class States:
         return self._once(kind, None, self._class)
 
     def _class(self, kind: type, _: str | None) -> Tree:
+        """Return the state of a class; only the name of one that is not the user's."""
         name = f"{kind.__module__}.{kind.__qualname__}"
         if not self._is_users(kind.__module__):
             return name
@@ -202,9 +203,9 @@ def _names(code: CodeType) -> Iterator[str]:
             yield from _names(constant)
 
 
-def _code(code: CodeType, text_of: str | None = None) -> Tree:
-    """Return code without its lines and its documentation, as a tree."""
-    constants = [_constant(None if part == text_of else part) for part in code.co_consts]
+def _code(code: CodeType, docstring: str | None = None) -> Tree:
+    """Return code without its line numbers and its `docstring`, as a tree."""
+    constants = [_constant(None if part == docstring else part) for part in code.co_consts]
     names = [code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars]
     return [digest(code.co_code), code.co_flags, constants, [list(part) for part in names]]
 

@@ -1,4 +1,4 @@
-"""Cases in this process, one after the other."""
+"""Cases computed in this process, one after the other."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -10,7 +10,7 @@ from studies.engine.workers.compute import compute, warm_up
 from studies.engine.workers.interpreter_state import restored_state
 from studies.model.case import Computation
 from studies.model.outcome import OnFinished, RunSettings
-from studies.store.loaded import LOADED
+from studies.store.fingerprint.modules import RECORDER
 from studies.store.stop import Stop
 
 
@@ -38,7 +38,7 @@ def compute_here(
     """
     warm_up()
     process_id = os.getpid()
-    LOADED.scan()
+    RECORDER.scan()
     with threadpool_limits(1), restored_state() as interpreter_state:
         for name, case in cases.items():
             stop.check()
@@ -50,4 +50,4 @@ def compute_here(
                 # a case has forked, and this is its child, which must not go on with the run
                 os._exit(0)
             interpreter_state.restore(name)
-            finished(name, replace(outcome, loaded=LOADED.scan()))
+            finished(name, replace(outcome, loaded=RECORDER.scan()))

@@ -12,7 +12,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import text
-from studies.store.state import States
+from studies.store.fingerprint.functions import States
 
 Measures = Callable[..., Any]
 

@@ -1,4 +1,8 @@
-"""What a process has loaded: the sources of its modules, and the versions of distributions and Python."""
+"""Fingerprints of the modules that a process has imported, or would import now.
+
+They are a digest of the source for a module of a user or of this program, a version for one of a distribution, and the
+version of Python.
+"""
 
 import hashlib
 import importlib
@@ -19,14 +23,15 @@ CODE = (".py", ".pyc", ".pyd", ".so")
 PYTHON = "{}.{}".format(*sys.version_info)
 THIS_PROGRAM = ("contactstudy", "studies")
 # distributions that send, run and show cases, and change no number
-WITHOUT_NUMBERS = frozenset((
+NO_EFFECT_ON_NUMBERS = frozenset((
     "charset_normalizer", "click", "cloudpickle", "dask", "distributed", "fsspec", "jinja2", "locket", "markupsafe",
     "msgpack", "packaging", "partd", "psutil", "pyyaml", "setuptools", "sortedcontainers", "tblib", "threadpoolctl",
     "toolz", "tornado", "tqdm", "zict",
 ))  # fmt: skip
 REAL_PATH = cache(os.path.realpath)
 CLOCK_MARGIN = 0.02  # seconds by which the clock of a file system may be late
-Record = Mapping[str, str]
+# such as {"module studies.model.case": digest, "distribution numpy": version}
+Fingerprints = Mapping[str, str]
 
 
 @cache
@@ -71,14 +76,14 @@ def _is_standard(folder: str) -> bool:
 
 
 def digest(content: bytes) -> str:
-    """Return sixteen digits of a hash."""
+    """Return 16 hexadecimal digits of the BLAKE2b hash of `content`."""
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 
 def entry_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
-    """Return the entry of the record for a module: its source, or the version of its distribution.
+    """Return name and fingerprint of a module: a digest of its source, or the version of its distribution.
 
-    Returns None for a module of the standard library, and for one that no file is known of.
+    None for a module of the standard library, of a distribution that changes no number, and without a known file.
     """
     origin = spec.origin if spec.has_location else None
     if origin is None:
@@ -88,7 +93,7 @@ def entry_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
     folder = REAL_PATH(folder)
     files, versions = _installed()
     distribution = files.get(f"{folder}{os.sep}{file}", "")
-    if distribution in WITHOUT_NUMBERS or name.startswith("__editable__"):
+    if distribution in NO_EFFECT_ON_NUMBERS or name.startswith("__editable__"):
         return None
     if distribution and distribution not in THIS_PROGRAM:
         return f"distribution {distribution}", versions[distribution]
@@ -115,7 +120,7 @@ def resolved(name: str) -> ModuleSpec | None:
         if loaded is not None and loaded.origin == above.origin:  # it may have added folders
             path += getattr(sys.modules[parent], "__path__", ())
     for finder in sys.meta_path:
-        if finder is not LOADED:
+        if finder is not RECORDER:
             with suppress(Exception):  # third-party finders may raise anything
                 if spec := finder.find_spec(name, path, None):
                     return spec
@@ -137,16 +142,22 @@ def _spec_of(module: object) -> ModuleSpec | None:
     return spec if isinstance(spec, ModuleSpec) else None
 
 
-class Loaded:
-    """Record of all that this process has loaded, kept while it lives.
+class ImportRecorder:
+    """Import hook that records the fingerprints of all that this process imports.
 
-    It stands first among the finders of ``sys.meta_path``, finds nothing, and notes the source of each module before it
-    is loaded. A source that is another one afterwards, or that may have been, matches nothing. The process `started` at
-    an instant [s since the epoch].
+    It is the first finder of ``sys.meta_path``, finds nothing, and notes the source of each module before it is loaded.
+    A module whose source has changed meanwhile, or may have, gets a fingerprint that matches nothing.
+
+    Attributes
+    ----------
+    record
+        Fingerprints at the last :meth:`scan`.
+    started
+        Time at which the process started [s since the epoch].
     """
 
     def __init__(self) -> None:
-        self.record: Record = {"python": PYTHON}
+        self.record: Fingerprints = {"python": PYTHON}
         self._modules: dict[str, object] = {}
         self._noted: dict[str, tuple[str, str] | None] = {}
         self._seen: tuple[list[str], list[object]] = [], []
@@ -167,7 +178,7 @@ class Loaded:
         finally:
             self._busy = False
 
-    def scan(self) -> Record:
+    def scan(self) -> Fingerprints:
         """Return the record with what was loaded since the last scan."""
         current: tuple[list[str], list[object]] = list(sys.modules), list(sys.modules.values())
         modules, noted = self._modules, self._noted
@@ -222,7 +233,7 @@ def is_older(path: Any, instant: float) -> bool:
 
 
 def _enter(key: str, value: str, entries: dict[str, str]) -> None:
-    """Add an entry; one that differs from an earlier entry matches no source, since both may be in use."""
+    """Add a fingerprint; two that differ become one that matches nothing, since both modules may be in use."""
     before = entries.get(key, value)
     entries[key] = value if value == before else f"{value} after {before}"
 
@@ -238,27 +249,27 @@ def _process_start() -> float:
     return float(psutil.Process().create_time())
 
 
-LOADED = Loaded()
-sys.meta_path.insert(0, LOADED)
+RECORDER = ImportRecorder()
+sys.meta_path.insert(0, RECORDER)
 
 
-class Present:
-    """Sources and versions that this process would load now, looked up once for each name."""
+class CurrentModules:
+    """Fingerprints of what an import would load now, each looked up once."""
 
     def __init__(self) -> None:
         importlib.invalidate_caches()
         self._entries: dict[str, str] = {"python": PYTHON}
-        self._judged: dict[int, tuple[Record, list[str]]] = {}
+        self._judged: dict[int, tuple[Fingerprints, list[str]]] = {}
 
-    def changes(self, record: Record) -> list[str]:
-        """Return the names of the entries of a record that are not what would be loaded now."""
+    def changes(self, record: Fingerprints) -> list[str]:
+        """Return the names of the fingerprints that differ from those of what would be loaded now."""
         if id(record) not in self._judged:
             changes = [key for key, value in record.items() if self._entry(key) != value]
             self._judged[id(record)] = record, changes
         return self._judged[id(record)][1]
 
     def _entry(self, key: str) -> str:
-        """Return the entry that a process would record under `key` now."""
+        """Return the fingerprint that a process would record under the name `key` now."""
         if key not in self._entries:
             kind, _, name = key.partition(" ")
             if kind == "distribution":
@@ -271,8 +282,8 @@ class Present:
         return self._entries[key]
 
 
-def shown(changes: Sequence[str]) -> str:
-    """Return the names of changed entries in words, the first of many."""
+def listed(changes: Sequence[str]) -> str:
+    """Return the names of changed modules and distributions in words: the first four, and the number of the others."""
     names = [change.removeprefix("module ") for change in changes[:4]]
     others_text = [f"and {len(changes) - 4} more"] if len(changes) > 4 else []
     return ", ".join(names + others_text)

@@ -8,7 +8,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus
-from studies.report.default_drawing import DOUBTFUL, curves, maps
+from studies.report.drawings.default import DOUBTFUL, curves, maps
 from tests.studies.report.drawings.drawn import labelled, numbered
 
 LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]

@@ -18,10 +18,10 @@ from .domain.grid import (
 )
 from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution, superposed
-from .evolution.steps import Scheme, StepError, TimeSteps
+from .evolution.time_steps import Scheme, StepError, TimeSteps
 from .io.compare import Comparison, compare
-from .io.materials import material
-from .io.quantities import Quantity
+from .io.quantities.quantity import Quantity
+from .io.scene_files.materials import material
 from .planning.plan import Plan, plan
 from .problem.bare_problem import BareProblem
 from .problem.constraint import (

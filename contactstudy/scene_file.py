@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.evolution.steps import TimeSteps
-from contactstudy.io.materials import with_materials
-from contactstudy.io.scene_schema import (
+from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.io.scene_files.materials import with_materials
+from contactstudy.io.scene_files.scene_schema import (
     KINDS,
     CrownTable,
     LundbergProfileTable,
@@ -22,8 +22,8 @@ from contactstudy.io.scene_schema import (
     PlanSettings,
     SceneDocument,
 )
-from contactstudy.io.scene_writer import scene_text
-from contactstudy.io.structuring import structured
+from contactstudy.io.scene_files.scene_writer import scene_text
+from contactstudy.io.scene_files.structuring import structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import contact_modulus

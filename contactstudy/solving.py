@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from contactstudy.accuracy.bounded_solution import BoundedSolution
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
-    from contactstudy.evolution.steps import TimeSteps
+    from contactstudy.evolution.time_steps import TimeSteps
 
 # Most iterations of a film, and the fraction of the requested error for its steps in time.
 FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
@@ -236,7 +236,7 @@ class _Request:
     @property
     def steps(self) -> "TimeSteps":
         """Instants to record and how steps are taken."""
-        from contactstudy.evolution.steps import TimeSteps
+        from contactstudy.evolution.time_steps import TimeSteps
 
         if isinstance(self.times, TimeSteps):
             return self.times
@@ -320,7 +320,7 @@ class _Request:
 
     def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""
-        from contactstudy.evolution.rolling import solve_rolling
+        from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 
         grid, padding = self.planned(self.requested)
 
@@ -334,7 +334,7 @@ class _Request:
     def repeated_rolling(self) -> "Evolution":
         """Roll a contact over a body that yields, as often as its scene says."""
         from contactstudy.answers.evolution import passes_answer
-        from contactstudy.evolution.repeated_rolling import roll_repeatedly
+        from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
 
         grid, padding = self.planned(self.requested)
         rolled = roll_repeatedly(self.scene, grid, padding, options=self.options)
@@ -343,7 +343,7 @@ class _Request:
     def time_dependent(self) -> "Evolution":
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.evolve import evolve
+        from contactstudy.evolution.integration.evolve import evolve
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         requested, steps = self.requested, self.steps
@@ -389,14 +389,14 @@ class _Request:
     def quasi_static(self) -> "Evolution":
         """Follow a contact that is in equilibrium at each instant through a history of loads."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.quasi_static import follow_load
+        from contactstudy.evolution.equilibrium.quasi_static import follow_load
 
         return evolution_answer(self._followed(follow_load), self.requested)
 
     def steady_wear(self) -> "Evolution":
         """Follow the wear of a contact that rolls or is driven."""
         from contactstudy.answers.evolution import evolution_answer
-        from contactstudy.evolution.steady_wear import follow_wear
+        from contactstudy.evolution.equilibrium.steady_wear import follow_wear
 
         worn = self._followed(follow_wear, error=self._error_of_a_step)
         return evolution_answer(worn, self.requested)
@@ -404,7 +404,7 @@ class _Request:
     def film_wear(self) -> "Evolution":
         """Follow the wear of asperities on a boundary film."""
         from contactstudy.answers.evolution import films_answer
-        from contactstudy.evolution.steady_wear import follow_film_wear
+        from contactstudy.evolution.equilibrium.steady_wear import follow_film_wear
 
         worn = self._followed(
             follow_film_wear, error=self._error_of_a_step, options=self._film_options
@@ -453,7 +453,7 @@ class _Request:
 
         requested, steps = self.requested, self.steps
         if any(map(yields, self.scene.solids)):
-            from contactstudy.evolution.yielding_film import press_lubricated
+            from contactstudy.evolution.equilibrium.yielding_film import press_lubricated
 
             pressed = self._followed(press_lubricated, options=self._film_options)
             return replace(films_answer(pressed, requested), pressed=pressed)

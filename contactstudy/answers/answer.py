@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.io.quantities import Quantities, as_text
+from contactstudy.io.quantities.quantity import Quantities, as_text
 from contactstudy.solvers.solution import Status
 
 if TYPE_CHECKING:

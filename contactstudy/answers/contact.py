@@ -13,8 +13,8 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
-from contactstudy.io.contact_quantities import contact_quantities, scene_of
-from contactstudy.io.quantities import Quantities
+from contactstudy.io.quantities.contact_quantities import contact_quantities, scene_of
+from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.solution import Solution, net_pressure
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from contactstudy.evolution.rolling import SteadyRolling
+    from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
 # Numbers of the shear whose error the accuracy of the pressure does not show.

@@ -15,12 +15,12 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import needed_for
-from contactstudy.io.evolution_quantities import (
+from contactstudy.io.quantities.evolution_quantities import (
     cycle_quantities,
     evolution_quantities,
     passes_quantities,
 )
-from contactstudy.io.quantities import Quantities, roller_length
+from contactstudy.io.quantities.quantity import Quantities, roller_length
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status, worst
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from contactstudy.answers.lubricated_contact import LubricatedContact
-    from contactstudy.evolution.evolution import Frame, Trajectory
-    from contactstudy.evolution.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.yielding_film import PressedFilms
+    from contactstudy.evolution.equilibrium.yielding_film import PressedFilms
+    from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.trajectory import Frame, Trajectory
     from contactstudy.lubrication.evolve_lubricated import FilmTrajectory
 
 
@@ -152,7 +152,11 @@ class Evolution(Answer):
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
-            from contactstudy.evolution.quasi_static import jump_in, separation, work_lost
+            from contactstudy.evolution.equilibrium.quasi_static import (
+                jump_in,
+                separation,
+                work_lost,
+            )
 
             frames = self.trajectory.frames
             errors = [frame.quantities["approach"].bound for frame in self.frames]

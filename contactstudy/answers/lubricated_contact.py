@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.imports import needed_for
-from contactstudy.io.film_quantities import film_quantities
-from contactstudy.io.quantities import Quantities
+from contactstudy.io.quantities.film_quantities import film_quantities
+from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 if TYPE_CHECKING:

@@ -1,1 +1,1 @@
-"""Contacts that change in time: state variables, steps, their control, results. May import `accuracy`, `scene`."""
+"""Contacts that change in time: state variables, integration, rolling, results."""

@@ -19,8 +19,8 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.io.quantities import Quantities, per_length, roller_length
-from contactstudy.io.scene_writer import scene_text
+from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
+from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.load import ChangingLoad, ConstantLoad
 from contactstudy.scene.scene import PosedScene
@@ -36,9 +36,9 @@ from contactstudy.solvers.solution import (
 )
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.evolution import Trajectory
-    from contactstudy.evolution.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.state_variables import CoupledStateVariable
+    from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.states.state_variables import CoupledStateVariable
+    from contactstudy.evolution.trajectory import Trajectory
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}

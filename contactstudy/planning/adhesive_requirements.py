@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 from contactstudy.domain.grid import Grid
-from contactstudy.evolution.steps import DEFAULT_INSTANTS
+from contactstudy.evolution.time_steps import DEFAULT_INSTANTS
 from contactstudy.planning.cost import CostModel
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count

@@ -9,9 +9,9 @@ import numpy as np
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.rolling import solve_rolling
-from contactstudy.evolution.steps import TimeSteps
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.rolling.steady_rolling import solve_rolling
+from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.transient_requirements import transient_requirements
@@ -161,14 +161,14 @@ def _seconds_and_solves(
     """Return the seconds and the solves of `scene` on `grid`."""
     if scene.wears_steadily:
         # imported only for scenes that roll and wear
-        from contactstudy.evolution.steady_wear import follow_wear
+        from contactstudy.evolution.equilibrium.steady_wear import follow_wear
 
         begin, instants_of_wear = process_time(), steps.instants_of(scene.load)
         worn = follow_wear(scene, grid, padding, times=instants_of_wear, error=error)
         return process_time() - begin, worn.steps
     if scene.rolling is not None and scene.rolling.passes is not None:
         # imported only for scenes with such passes
-        from contactstudy.evolution.repeated_rolling import roll_repeatedly
+        from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
 
         begin = process_time()
         passes = roll_repeatedly(scene, grid, padding).passes

@@ -34,7 +34,7 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.steps import TimeSteps
+    from contactstudy.evolution.time_steps import TimeSteps
 
 # Relative L1 error of the pressure that is planned where none is requested.
 DEFAULT_ERROR = 1e-2
@@ -191,7 +191,7 @@ def plan_grid(
 
 def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
     """Return the instants to record: `times` if given, else evenly spaced ones up to the end of the load."""
-    from contactstudy.evolution.steps import TimeSteps  # imported only for scenes in time
+    from contactstudy.evolution.time_steps import TimeSteps  # imported only for scenes in time
 
     if isinstance(times, TimeSteps):
         return times

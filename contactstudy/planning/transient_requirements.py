@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.plastic import layers
+from contactstudy.evolution.states.plastic_volume import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.scene.bodies import Body, instantaneous, yields
 from contactstudy.scene.inelastic import ViscoelasticHalfSpace

@@ -18,8 +18,8 @@ from sphinx.util.typing import stringify_annotation
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
-from contactstudy.io.materials import materials
-from contactstudy.io.scene_schema import KINDS, NO_KIND, SceneDocument
+from contactstudy.io.scene_files.materials import materials
+from contactstudy.io.scene_files.scene_schema import KINDS, NO_KIND, SceneDocument
 from studies.model.outcome import CaseStatus
 from studies.registry import BUILT_IN, OPTIONAL, load
 
@@ -72,9 +72,9 @@ INNER = (
     "elasticity.tangential.GeneralConvolution",
     "elasticity.tangential.ShearResponse",
     "elasticity.viscoelastic.Creep",
-    "evolution.evolution.Frame",
-    "evolution.state_variables.CoupledStateVariable",
-    "io.scene_schema.PlanSettings",
+    "evolution.trajectory.Frame",
+    "evolution.states.state_variables.CoupledStateVariable",
+    "io.scene_files.scene_schema.PlanSettings",
     "problem.problem.Derived",
     "problem.problem.Field",
     "problem.problem.FrictionLaw",

@@ -11,8 +11,8 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.identity import canonical, key
 from contactstudy.domain.reuse import caching
-from contactstudy.io.contact_quantities import contact_quantities
-from contactstudy.io.film_quantities import film_quantities
+from contactstudy.io.quantities.contact_quantities import contact_quantities
+from contactstudy.io.quantities.film_quantities import film_quantities
 from contactstudy.planning.cost import memory
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import MEMORY_FRACTION

@@ -104,7 +104,7 @@ def measured_scene(
 
 def toml(comparison: Comparison, chosen: Measured) -> list[str]:
     """Return the tables of a scene file that choose a setting."""
-    from contactstudy.io.scene_writer import settings_text
+    from contactstudy.io.scene_files.scene_writer import settings_text
 
     grid = cs.Grid(chosen.setting.cells, comparison.extent)
     options = cs.SolveOptions(tolerance=chosen.setting.tolerance)

@@ -200,7 +200,7 @@ def _as_json(
     scene: Path, answer: Answer, seconds: float, notes: list[str], files: list[Path]
 ) -> str:
     """Return accuracy, quantities, status, time, notes and files as a JSON object."""
-    from contactstudy.io.quantities import as_json as in_si
+    from contactstudy.io.quantities.quantity import as_json as in_si
 
     report = {
         "scene": str(scene),

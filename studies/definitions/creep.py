@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole_number
-from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.trajectory import Trajectory
 from studies.model.axis import Axis
 from studies.model.case import EvolutionCase, dimensionless
 from studies.model.study import Point

@@ -11,7 +11,7 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.contact_edge import half_widths
 from contactstudy.domain.checks import non_negative, positive, whole_number
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.trajectory import Trajectory
 from studies.model.axis import Axis
 from studies.model.case import EvolutionCase, dimensionless_variables
 from studies.model.study import Point

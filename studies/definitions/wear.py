@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.trajectory import Trajectory
 from studies.model.axis import Axis, one_of
 from studies.model.case import EvolutionCase, dimensionless, dimensionless_variables
 from studies.model.study import Point

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.evolution.evolution import Trajectory
+from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.io.dataset import contact_fields, flags
 
 

@@ -8,7 +8,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 from contactstudy import InvalidInput, MeasuredSurface
 from contactstudy.domain.checks import suggestion
 from contactstudy.domain.units import Unit
-from contactstudy.io.scene_schema import MeasuredSurfaceTable, SceneDocument
+from contactstudy.io.scene_files.scene_schema import MeasuredSurfaceTable, SceneDocument
 from contactstudy.scene_file import SceneFile
 
 Path = tuple[str, ...]

@@ -10,8 +10,8 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.domain.fields import Array, inner
 from contactstudy.domain.units import readable
-from contactstudy.io.contact_quantities import approach_datum
 from contactstudy.io.dataset import labelled
+from contactstudy.io.quantities.contact_quantities import approach_datum
 from studies.advice.reference_error import ReferencedCase, pressure_error
 from studies.model.case import TimedAnswer, dimensionless, error_estimates
 

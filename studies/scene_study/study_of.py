@@ -12,7 +12,7 @@ from contactstudy import InvalidInput, MeasuredSurface, Roughness, Scene
 from contactstudy.domain.checks import whole_quotient
 from contactstudy.domain.device import available_bytes
 from contactstudy.domain.units import readable
-from contactstudy.io.scene_writer import scene_text
+from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.planning.cost import memory
 from contactstudy.planning.forecast import within_memory
 from contactstudy.planning.grid_requirements import (

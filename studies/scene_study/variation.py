@@ -12,8 +12,8 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Window
-from contactstudy.io.scene_schema import KINDS, SceneDocument, Turn
-from contactstudy.io.structuring import structured
+from contactstudy.io.scene_files.scene_schema import KINDS, SceneDocument, Turn
+from contactstudy.io.scene_files.structuring import structured
 from studies.model.axis import NUMBER, Axis, Value, check_count, values_between
 from studies.scene_study.fields import SceneField, document_of, find, replaced, without_none
 

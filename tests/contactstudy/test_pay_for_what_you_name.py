@@ -135,7 +135,7 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
 wearing = cs.Scene(cs.LineLoad(1e5), (steel, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-15, 1.0))
 cs.solve(wearing, cs.Grid((64, 1), (2.5e-4, 1e-4)), exact, times=(0, 1))
 """,
-        "contactstudy.elasticity.eigenstrain contactstudy.evolution.plastic contactstudy.lubrication",
+        "contactstudy.elasticity.eigenstrain contactstudy.evolution.states.plastic contactstudy.lubrication",
     ),
     (
         """

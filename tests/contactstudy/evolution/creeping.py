@@ -5,8 +5,8 @@ from typing import Any
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.evolve import evolve
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.trajectory import Trajectory
 
 RIGID = cs.HalfSpace(inf, 0.3)
 LOAD, RADIUS = 0.01 * pi / 4, 1.0  # a = 0.1 and p0 = 0.05 for E* = 1

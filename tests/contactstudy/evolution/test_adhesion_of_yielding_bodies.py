@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.plastic import PlasticState
+from contactstudy.evolution.states.plastic import PlasticState
 
 NU, MODULUS, RADIUS, WORK = 0.3, 2e11, 1e-3, 1.0
 YOUNG = MODULUS * (1 - NU**2)

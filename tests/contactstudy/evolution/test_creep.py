@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.state_variables import retardation_weights
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.states.state_variables import retardation_weights
+from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import (
     LOAD,
     RIGID,

@@ -9,9 +9,9 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
-from contactstudy.evolution import checkpoint
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.evolve import evolve
+from contactstudy.evolution.integration import checkpoint
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.yielding_film import Dent
+from contactstudy.evolution.equilibrium.yielding_film import Dent
 from tests.conftest import STEEL
 
 YIELD, HARDENING = 3.5e8, 1e10

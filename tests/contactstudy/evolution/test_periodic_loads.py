@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.evolve import StepError, evolve
+from contactstudy.evolution.integration.evolve import StepError, evolve
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()

@@ -12,10 +12,10 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
-from contactstudy.evolution import plastic as yielding_volume
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.plastic import PlasticState
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.states import plastic_volume
+from contactstudy.evolution.states.plastic import PlasticState
+from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers.plasticity import elastoplastic_step
 
 EXACT = cs.ExactPeriodicity()
@@ -291,8 +291,8 @@ def test_the_volume_grows_to_what_yields_and_an_integration_goes_on_in_it(
             raise KeyboardInterrupt
 
     generous = integrated()
-    monkeypatch.setattr(yielding_volume, "NEAR_YIELD", 2.0)
-    monkeypatch.setattr(yielding_volume, "MARGIN", 0.0)
+    monkeypatch.setattr(plastic_volume, "NEAR_YIELD", 2.0)
+    monkeypatch.setattr(plastic_volume, "MARGIN", 0.0)
     tight = integrated()
     first, *_, last = (frame.coupled_state["strain0"].shape for frame in tight.frames)
     assert first < last

@@ -7,9 +7,9 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.plastic import PlasticState
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.states.plastic import PlasticState
+from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.test_plastic import (
     EXACT,
     NU,

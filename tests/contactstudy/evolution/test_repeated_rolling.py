@@ -8,8 +8,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.evolution.repeated_rolling import RepeatedRolling, RollingPass
-from contactstudy.evolution.track import DepthProfile
+from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling, RollingPass
+from contactstudy.evolution.rolling.track import DepthProfile
 
 GRID = cs.Grid((4, 1), (4.0, 1.0))
 # an orthonormal basis: xx against zz, yy against the others, and the shear xz

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.repeated_rolling import RepeatedRolling, roll_repeatedly
+from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling, roll_repeatedly
 from contactstudy.io.dataset import passes_dataset
 
 E, NU, Y = 500.0, 0.3, 1.0

@@ -10,8 +10,8 @@ import contactstudy as cs
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.tangential import CerrutiCoefficients
 from contactstudy.elasticity.viscoelastic import RetardedCoefficients
-from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.rolling import solve_rolling
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()

@@ -5,7 +5,8 @@ from math import nan
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.steps import TimeSteps, schedule
+from contactstudy.evolution.breakpoints import schedule
+from contactstudy.evolution.time_steps import TimeSteps
 
 LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0))
 

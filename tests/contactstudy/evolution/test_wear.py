@@ -9,10 +9,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.state_variables import explicit_limit
-from contactstudy.evolution.steps import Scheme
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.states.state_variables import explicit_limit
+from contactstudy.evolution.time_steps import Scheme
+from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, evolved, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()

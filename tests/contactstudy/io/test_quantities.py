@@ -9,8 +9,8 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.units import readable
-from contactstudy.io.evolution_quantities import evolution_quantities
-from contactstudy.io.quantities import as_json, as_text
+from contactstudy.io.quantities.evolution_quantities import evolution_quantities
+from contactstudy.io.quantities.quantity import as_json, as_text
 from contactstudy.problem.problem import Field
 from tests.conftest import STEEL, LineContact
 

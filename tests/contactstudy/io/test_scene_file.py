@@ -9,7 +9,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy import TimeSteps
-from contactstudy.io.materials import materials
+from contactstudy.io.scene_files.materials import materials
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 GOOD = """

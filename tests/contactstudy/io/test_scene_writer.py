@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.io.scene_schema import KINDS
+from contactstudy.io.scene_files.scene_schema import KINDS
 from tests.conftest import STEEL
 
 SURFACE = np.random.default_rng(1).normal(scale=1e-7, size=(12, 8))

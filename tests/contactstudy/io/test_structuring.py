@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 import contactstudy as cs
 from contactstudy.domain.units import Unit
-from contactstudy.io.decimal_units import KNOWN, decimal_unit
-from contactstudy.io.structuring import _registry, in_si
+from contactstudy.io.scene_files.decimal_units import KNOWN, decimal_unit
+from contactstudy.io.scene_files.structuring import _registry, in_si
 
 METRES = Unit("m", "a length", "10 mm")
 PASCALS = Unit("Pa", "a pressure", "1.2 GPa")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.evolve import evolve
-from contactstudy.evolution.rolling import solve_rolling
+from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan, plan_grid
 from tests.conftest import STEEL

@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 import studies
 from contactstudy import InvalidInput
-from contactstudy.io.scene_schema import SceneDocument, Turn
+from contactstudy.io.scene_files.scene_schema import SceneDocument, Turn
 from contactstudy.planning.cost import memory
 from studies.model.case import SceneCase
 from studies.scene_study import study_of as grids

@@ -9,8 +9,8 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain import OuterStrain, PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.plastic import embedded, enlarged
-from contactstudy.evolution.time_stepper import (
+from contactstudy.evolution.states.plastic_volume import embedded, enlarged
+from contactstudy.evolution.warm_started import (
     WarmStartedContact,
     solved_or_unloaded,
     unloaded,

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.evolution.evolution import Frame, Trajectory
-from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
-from contactstudy.evolution.steps import schedule
-from contactstudy.evolution.time_stepper import unloaded
+from contactstudy.evolution.breakpoints import schedule
+from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
+from contactstudy.evolution.trajectory import Frame, Trajectory
+from contactstudy.evolution.warm_started import unloaded
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.bodies import creeps, instantaneous

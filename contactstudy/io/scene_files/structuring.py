@@ -18,7 +18,7 @@ from cattrs.gen import make_dict_structure_fn
 from contactstudy.domain.checks import InvalidInput, suggestion
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import Unit
-from contactstudy.io.decimal_units import decimal_unit
+from contactstudy.io.scene_files.decimal_units import decimal_unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
 # Units: names, powers, products, quotients also of 1, and no other expressions.

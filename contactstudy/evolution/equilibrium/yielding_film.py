@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.evolution.plastic import PlasticState, YieldingBody
-from contactstudy.evolution.state_variables import State
-from contactstudy.evolution.time_stepper import with_added_gap
+from contactstudy.evolution.states.plastic import PlasticState, YieldingBody
+from contactstudy.evolution.states.state_variables import State
+from contactstudy.evolution.warm_started import with_added_gap
 from contactstudy.lubrication.evolve_lubricated import (
     FilmTrajectory,
     check_loaded,

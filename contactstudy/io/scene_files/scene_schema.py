@@ -18,8 +18,8 @@ from contactstudy.domain.grid import (
     ZeroPadding,
 )
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals
-from contactstudy.evolution.steps import TimeSteps
-from contactstudy.io.structuring import NO_KIND
+from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
 from contactstudy.scene.bodies import Body, HalfSpace
 from contactstudy.scene.coated import CoatedHalfSpace

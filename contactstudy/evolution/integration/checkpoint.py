@@ -22,8 +22,8 @@ from contactstudy.domain.files import (
 from contactstudy.domain.identity import canonical, key
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.version import VERSION, source_hash
-from contactstudy.evolution.evolution import Frame
-from contactstudy.evolution.time_stepper import Instant
+from contactstudy.evolution.integration.time_stepper import Instant
+from contactstudy.evolution.trajectory import Frame
 
 T = TypeVar("T")
 

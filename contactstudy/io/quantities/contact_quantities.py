@@ -13,7 +13,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities import Quantity, per_length, roller_length, with_bound
+from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
@@ -21,7 +21,7 @@ from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import AdhesiveTraction, Solution, TangentialTraction
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.rolling import SteadyRolling
+    from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
 # Relative error of the energy of a cycle, times the square of the cells n across the slip zone: at most 0.82 in 190

@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.tangential import ShearResponse
-from contactstudy.evolution.state_variables import Contribution, CreepState, State, Step
+from contactstudy.evolution.states.state_variables import Contribution, CreepState, State, Step
 from contactstudy.problem.problem import Field
 from contactstudy.scene.load import PiecewiseLinear
 from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step

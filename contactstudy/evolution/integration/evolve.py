@@ -15,25 +15,25 @@ from contactstudy.domain.device import Precision
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
-from contactstudy.evolution.adaptive_integrator import AdaptiveIntegrator
-from contactstudy.evolution.checkpoint import Checkpoint
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.state_variables import (
+from contactstudy.evolution.breakpoints import (
+    schedule,
+    with_breakpoints_at,
+    with_steps_within_quarter_period,
+)
+from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator
+from contactstudy.evolution.integration.checkpoint import Checkpoint
+from contactstudy.evolution.integration.step_control import StepControl
+from contactstudy.evolution.integration.time_stepper import TimeStepper
+from contactstudy.evolution.states.state_variables import (
     CoupledStateVariable,
     CreepState,
     StateVariable,
     WearState,
     least_eigenvalue,
 )
-from contactstudy.evolution.steps import (
-    Scheme,
-    StepControl,
-    StepError,
-    schedule,
-    with_breakpoints_at,
-    with_steps_within_quarter_period,
-)
-from contactstudy.evolution.time_stepper import TimeStepper, solved_or_unloaded
+from contactstudy.evolution.time_steps import Scheme, StepError
+from contactstudy.evolution.trajectory import Trajectory
+from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import instantaneous, response, yields
 from contactstudy.scene.fretting import Fretting
@@ -90,7 +90,7 @@ def coupled_state_variable(
         return None
 
     # imported only for scenes with such a body
-    from contactstudy.evolution.plastic import PlasticState, YieldingBody
+    from contactstudy.evolution.states.plastic import PlasticState, YieldingBody
 
     paddings = problem.paddings
     assert paddings is not None
@@ -235,7 +235,7 @@ def _time_stepper(
 
 def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> StateVariable:
     """Return the shear of a scene that frets."""
-    from contactstudy.evolution.shear_state import ShearState  # only where something frets
+    from contactstudy.evolution.states.shear_state import ShearState  # only where something frets
 
     fretting, paddings = scene.friction, problem.paddings
     assert isinstance(fretting, Fretting)

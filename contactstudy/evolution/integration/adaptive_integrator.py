@@ -14,11 +14,13 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.checkpoint import Checkpoint
-from contactstudy.evolution.evolution import Frame
-from contactstudy.evolution.state_variables import HasStepError
-from contactstudy.evolution.steps import INITIAL_STEP, Breakpoint, StepControl
-from contactstudy.evolution.time_stepper import Instant, TimeStepper, unloaded
+from contactstudy.evolution.breakpoints import Breakpoint
+from contactstudy.evolution.integration.checkpoint import Checkpoint
+from contactstudy.evolution.integration.step_control import INITIAL_STEP, StepControl
+from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
+from contactstudy.evolution.states.state_variables import HasStepError
+from contactstudy.evolution.trajectory import Frame
+from contactstudy.evolution.warm_started import unloaded
 from contactstudy.solvers.solution import Solution, Status, worst
 
 # A pair of steps shorter than this, over the duration of the integration, is never rejected.

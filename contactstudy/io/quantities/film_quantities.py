@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.analytic import dowson_higginson_film, film_asymptotes
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.units import readable
-from contactstudy.io.quantities import FORMULA, Quantity, with_bound
+from contactstudy.io.quantities.quantity import FORMULA, Quantity, with_bound
 from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:

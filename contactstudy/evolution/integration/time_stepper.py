@@ -16,7 +16,7 @@ from contactstudy.domain.grid import on_cells
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, superposed, weighted_sum
 from contactstudy.elasticity.local_compliance import WithWinklerLayer
-from contactstudy.evolution.state_variables import (
+from contactstudy.evolution.states.state_variables import (
     AnyStateVariable,
     Contribution,
     CoupledStateVariable,
@@ -25,18 +25,21 @@ from contactstudy.evolution.state_variables import (
     StateVariable,
     Step,
 )
-from contactstudy.evolution.steps import Scheme
+from contactstudy.evolution.time_steps import Scheme
+from contactstudy.evolution.warm_started import (
+    WarmStartedContact,
+    solved_or_unloaded,
+    unloaded,
+    with_added_gap,
+)
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.load import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
-from contactstudy.solvers.solve import SolveOptions, solve_contact
+from contactstudy.solvers.solve import SolveOptions
 
-# Factor on the tolerance of a contact that is solved together with a state variable, which depends on the contact's
-# error.
-COUPLED_TOLERANCE_FACTOR = 0.01
 # Contacts that a step with a coupled state solves at the most, in the limit of iterations beside an attraction.
 CONTACTS_PER_COUPLED_STEP = 30
 # Largest number of fixed-point iterations of a step.
@@ -68,53 +71,6 @@ class Instant:
     pressure: Array
     states: tuple[State, ...]
     adhesion: AdhesiveTraction | None = None
-
-
-def solved_or_unloaded(
-    options: SolveOptions,
-    problem: Problem,
-    start: Array | None = None,
-    tolerance_factor: float = 1.0,
-) -> Solution:
-    """Return the solution of `problem`; without load, the undeformed bodies that just touch.
-
-    Parameters
-    ----------
-    options
-        How the problem is solved.
-    problem
-        The contact.
-    start
-        Pressure (x, y) [Pa] to begin with; None or zero begins on coarser grids.
-    tolerance_factor
-        Factor on the tolerance of `options`.
-    """
-    if problem.adhesion is None and problem.control.uniform(1) == 0:
-        return unloaded(problem)
-    begin = start if start is not None and start.any() else None
-    return solve_contact(
-        problem, replace(options, tolerance=tolerance_factor * options.tolerance), begin
-    )
-
-
-@dataclass(eq=False)
-class WarmStartedContact:
-    """The contact of `problem` with a field added to its gap, solved from the `last` pressure (x, y) [Pa]."""
-
-    problem: Problem
-    options: SolveOptions
-    last: Array
-
-    def __call__(self, added_gap: Array) -> Solution:
-        """Return the contact with `added_gap` (x, y) [m] added to its gap."""
-        solution = solved_or_unloaded(
-            self.options,
-            with_added_gap(self.problem, added_gap),
-            self.last,
-            COUPLED_TOLERANCE_FACTOR,
-        )
-        self.last = solution.pressure
-        return solution
 
 
 @dataclass(frozen=True, eq=False)
@@ -441,26 +397,3 @@ class TimeStepper:
             length, pressure = 1.0, ratio
         pressure = 2.0 ** round(log2(scales.pressure * pressure))
         return Scales(scales.length * length, pressure, scales.gap * ratio * compliance_ratio)
-
-
-def with_added_gap(problem: Problem, added_gap: Array) -> Problem:
-    """Return `problem` with `added_gap` (x, y) [m] added to its undeformed gap."""
-    return replace(problem, undeformed_gap=problem.undeformed_gap + added_gap)
-
-
-def unloaded(problem: Problem) -> Solution:
-    """Return the bodies of `problem` as they just touch, without pressure."""
-    gap = problem.undeformed_gap
-    no_pressure = np.zeros_like(gap)
-    approach = float(gap.min())
-    return Solution(
-        problem=problem,
-        pressure=no_pressure,
-        displacement=no_pressure.copy(),
-        gap=gap - approach,
-        approach=approach,
-        status=Status.CONVERGED,
-        iterations=0,
-        convolutions=0.0,
-        residual=0.0,
-    )

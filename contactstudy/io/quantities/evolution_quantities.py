@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.io.quantities import Quantity, per_length, with_bound
+from contactstudy.io.quantities.quantity import Quantity, per_length, with_bound
 from contactstudy.problem.problem import Field
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.repeated_rolling import RepeatedRolling
+    from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
 
 NO_BOUND_OF_SLIP = "No bound: the discretisation error of slip is not estimated; solve again on cells of half the width."
 NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."

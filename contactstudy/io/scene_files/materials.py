@@ -59,7 +59,7 @@ class Material:
 @cache
 def materials() -> Mapping[str, Material]:
     """Return all materials by their names."""
-    text = (files("contactstudy.io") / "materials.toml").read_text(encoding="utf-8")
+    text = (files("contactstudy.io.scene_files") / "materials.toml").read_text(encoding="utf-8")
     return {
         name: Material(
             name,

@@ -10,8 +10,8 @@ import numpy as np
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.evolution.rolling import SteadyRolling
-from contactstudy.evolution.state_variables import CoupledStateVariable
+from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
+from contactstudy.evolution.states.state_variables import CoupledStateVariable
 from contactstudy.problem.problem import DependsOnShear, DependsOnStrain, Derived, Field, Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.friction.laws import FullSliding

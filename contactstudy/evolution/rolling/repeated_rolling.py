@@ -10,8 +10,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
-from contactstudy.evolution.plastic import YieldingBody, embedded, layers, step_solution
-from contactstudy.evolution.track import (
+from contactstudy.evolution.rolling.track import (
     ContactWithAddedGap,
     DepthProfile,
     Track,
@@ -19,6 +18,8 @@ from contactstudy.evolution.track import (
     rolling_contact,
     with_zero_layers,
 )
+from contactstudy.evolution.states.plastic import YieldingBody, step_solution
+from contactstudy.evolution.states.plastic_volume import embedded, layers
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.bodies import instantaneous
 from contactstudy.scene.load import ConstantLoad

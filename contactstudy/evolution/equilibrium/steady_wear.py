@@ -19,9 +19,9 @@ from scipy import ndimage
 from contactstudy.domain.checks import InvalidInput, finite
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
-from contactstudy.evolution.evolution import Trajectory
-from contactstudy.evolution.quasi_static import frame_in_equilibrium
-from contactstudy.evolution.rolling import SteadyRolling, solve_rolling
+from contactstudy.evolution.equilibrium.quasi_static import frame_in_equilibrium
+from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
+from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.lubrication.evolve_lubricated import FilmTrajectory, errors_by_steps
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated

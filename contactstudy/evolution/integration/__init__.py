@@ -1,0 +1,1 @@
+"""Integration in time: the method, its steps and their length, checkpoints."""

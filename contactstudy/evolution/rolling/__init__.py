@@ -1,0 +1,1 @@
+"""Contacts that roll: steadily, or repeatedly over a body that yields."""

@@ -1,0 +1,1 @@
+"""State variables of bodies and interfaces: creep, wear, plastic strain, shear."""

@@ -1,0 +1,122 @@
+"""Settings of the steps in time: instants to record, stages of a step, and how the error of the steps is estimated."""
+
+from dataclasses import dataclass
+from enum import Enum
+from math import sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contactstudy.domain.checks import InvalidInput, suggest_fields, whole_number
+from contactstudy.domain.units import Number, Seconds
+
+# Recorded instants of a history where none are named.
+DEFAULT_INSTANTS = 41
+# gamma of the L-stable two-stage SDIRK scheme of order 2.
+SDIRK_GAMMA = 1 - 1 / sqrt(2)
+
+
+class Scheme(Enum):
+    """Stages of a step: for each, its fraction of the duration, and the fraction of the stage that is explicit.
+
+    The scheme matters to wear only; creep is exact for a pressure that is linear in each stage. Every scheme keeps the
+    worn volume.
+    """
+
+    #: Second order, L-stable, two solves.
+    #: Source: Alexander (1977), SIAM J. Numer. Anal. 14, sect. 3.
+    TWO_STAGE = ((SDIRK_GAMMA, 0.0), (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA)))
+    #: Backward Euler: first order, L-stable, one solve.
+    IMPLICIT = ((1.0, 0.0),)
+    #: Forward Euler: first order, unstable beyond
+    #: :func:`~contactstudy.evolution.states.state_variables.explicit_limit`: for comparison.
+    EXPLICIT = ((1.0, 1.0),)
+
+    @property
+    def stages(self) -> tuple[tuple[float, float], ...]:
+        """Pairs (fraction of the duration, explicit fraction of the stage), in the order of time."""
+        stages: tuple[tuple[float, float], ...] = self.value
+        return stages
+
+
+class StepError(Enum):
+    """Choice of how the error by the steps in time is estimated."""
+
+    #: By step doubling: a second integration with steps twice as long, at half the cost of the first.
+    STEP_DOUBLING = "step doubling"
+    #: No estimate: the error is infinite.
+    NONE = "none"
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class TimeSteps:
+    """Instants to record of a scene that changes in time, and how steps between them are taken.
+
+    Parameters
+    ----------
+    times
+        The instants [s], which do not decrease; None for evenly spaced ones. A time given twice is recorded before and
+        after a jump of the load.
+    end
+        Last instant [s], that of the load and the speed if None.
+    instants
+        Number of instants, evenly spaced but for those moved to where a history bends; None for 41, or for every step
+        where `error` is given.
+    error
+        Largest relative L1 error by the steps (of a film: of its thickness in one step). None takes a fraction of the
+        error requested of the solve; without one, one step from each instant to the next.
+    scheme
+        How wear is stepped.
+    step_error
+        How the error by the steps of a dry contact is estimated.
+    step
+        Length [s] of all steps of a film, in place of an error.
+    """
+
+    times: tuple[Seconds, ...] | None = None
+    end: Seconds | None = None
+    instants: int | None = None
+    error: Number | None = None
+    scheme: Scheme = Scheme.IMPLICIT
+    step_error: StepError = StepError.STEP_DOUBLING
+    step: Seconds | None = None
+
+    @property
+    def last(self) -> float | None:
+        """Last instant [s] that is named; None where the load decides."""
+        return self.end if self.times is None else float(np.max(self.times))
+
+    def instants_of(self, *values: object) -> ArrayLike | None:
+        """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides.
+
+        Evenly spaced instants, apart from the first and the last, are moved to the nearest instants of the histories.
+
+        Raises
+        ------
+        InvalidInput
+            If nothing says when the last instant is.
+        """
+        if self.times is not None:
+            return self.times
+        histories: list[Any] = [value for value in values if hasattr(value, "end")]
+        if self.end is None and not histories:
+            raise InvalidInput(
+                "solve.times is None, and nothing in the scene has an end: give times [s]; "
+                "in a file give evolve.end or evolve.times."
+            )
+        end = max(history.end for history in histories) if self.end is None else self.end
+        if self.instants is None and self.end is None and self.error is not None:
+            return None
+        count = DEFAULT_INSTANTS if self.instants is None else self.instants
+        whole_number("TimeSteps.instants", count, 2, "give at least 2 instants")
+        start = min(history.start for history in histories) if histories else 0.0
+        instants = [start + (end - start) * n / (count - 1) for n in range(count)]
+        spacing = (end - start) / (count - 1)
+        if self.step is None:  # the nearest instant is put where a history bends
+            for time in (time for history in histories for time in getattr(history, "times", ())):
+                number = round((time - start) / spacing) if spacing else 0
+                if 0 < number < count - 1:
+                    instants[number] = time
+        return instants

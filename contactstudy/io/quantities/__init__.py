@@ -1,0 +1,1 @@
+"""Quantities of answers, with unit and bound."""

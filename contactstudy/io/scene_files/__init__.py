@@ -1,0 +1,1 @@
+"""Scene files: keys, units, materials, and writing."""

@@ -35,32 +35,34 @@ from .problem.constraint import (
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
 from .scene.adhesion import Adhesion
-from .scene.bodies import Body, HalfSpace
-from .scene.coated import CoatedHalfSpace
-from .scene.film_heat import FilmHeat, ThermalBody
-from .scene.fretting import Fretting
-from .scene.friction import PartialSlip, Sliding
-from .scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
-from .scene.load import LineLoad, LoadHistory, SineLoad, TotalLoad
-from .scene.lubrication import (
+from .scene.friction.fretting import Fretting
+from .scene.friction.partial_slip import PartialSlip
+from .scene.friction.sliding import Sliding
+from .scene.friction.tractive_rolling import TractiveRolling
+from .scene.loads.constant_load import LineLoad, TotalLoad
+from .scene.loads.load_history import LoadHistory, SineLoad
+from .scene.loads.resulting_load import Approach, PullOff
+from .scene.lubrication.film_heat import FilmHeat, ThermalBody
+from .scene.lubrication.lubricant import (
     Barus,
-    Boundary,
     Carreau,
-    ChangingSpeed,
     ConstantDensity,
     DowsonHigginson,
-    ElrodAdams,
     Eyring,
     LimitingShear,
     Lubricant,
-    Lubrication,
     Newtonian,
-    ReynoldsCavitation,
     Roelands,
+)
+from .scene.lubrication.lubrication import (
+    Boundary,
+    ChangingSpeed,
+    ElrodAdams,
+    Lubrication,
+    ReynoldsCavitation,
     SpeedHistory,
 )
-from .scene.motion import Rolling, RollingPressure
-from .scene.resulting_load import Approach, PullOff
+from .scene.rolling import Rolling, RollingPressure
 from .scene.scene import Output, Scene
 from .scene.shapes.moving_shape import MovingShape
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
@@ -68,6 +70,10 @@ from .scene.shapes.roughness import Ra, RmsSlope, Roughness
 from .scene.shapes.shape import LengthScales, Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
 from .scene.shapes.tilt import Tilt
+from .scene.solids.bodies import Body, HalfSpace
+from .scene.solids.coated import CoatedHalfSpace
+from .scene.solids.elastic_plastic import ElasticPlasticHalfSpace
+from .scene.solids.viscoelastic import ViscoelasticHalfSpace
 from .scene.stress import SubsurfaceStress
 from .scene.surfaces.measured_surface import MeasuredSurface
 from .scene.surfaces.preparation import (
@@ -79,7 +85,6 @@ from .scene.surfaces.preparation import (
     Trend,
     Window,
 )
-from .scene.tractive_rolling import TractiveRolling
 from .scene.wear import Wear
 from .scene_file import SceneFile, read_scene, write_scene
 from .solvers.iterate import Iterate

@@ -4,8 +4,8 @@
 a lattice of images along both axes.
 """
 
-from contactstudy.elasticity.kernels.displacement import (
-    boussinesq_cell,
+from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
+from contactstudy.elasticity.kernels.displacement_periodic import (
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )

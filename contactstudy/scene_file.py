@@ -26,11 +26,12 @@ from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import structured
 from contactstudy.planning.plan import Plan, plan
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import contact_modulus
-from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
+from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.shape import LengthScales, Shape
+from contactstudy.scene.solids.bodies import contact_modulus
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 

@@ -16,8 +16,8 @@ from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import yields
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids.bodies import yields
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
 
 if TYPE_CHECKING:

@@ -32,8 +32,8 @@ from contactstudy.domain.grid import axis_first
 from contactstudy.domain.reuse import ArrayCache, caching, current_cache
 from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import is_layered
 from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.solids.bodies import is_layered
 from contactstudy.solvers.solution import Solution, Status
 
 SHARP_EDGE = "a sharp edge or corner"

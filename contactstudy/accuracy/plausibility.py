@@ -6,8 +6,8 @@ import numpy as np
 
 from contactstudy.analytic import first_yield
 from contactstudy.domain.fields import BLOCK_CELLS, Array
-from contactstudy.scene.bodies import HalfSpace
 from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.solvers.solution import Solution
 
 # Beyond these a contact is not one of elastic half-spaces: peak pressure over E*, slope of the heights, approach over

@@ -7,21 +7,21 @@ from typing import ClassVar
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.buried_potential import (
+from contactstudy.elasticity.kernels.layer.buried_potential import (
     buried_cell,
     buried_lattice,
     buried_row,
     log_mean,
 )
-from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_shear import (
+from contactstudy.elasticity.kernels.layer.remainder import LayerRemainder
+from contactstudy.elasticity.kernels.layer.response import LayerResponse
+from contactstudy.elasticity.kernels.layer.shear import (
     SWAPPED,
     ShearWaves,
     Subtracted,
     buried_field,
 )
-from contactstudy.elasticity.kernels.wave_coefficients import LATTICE_RATIO, WaveCoefficients
+from contactstudy.elasticity.kernels.layer.wave_coefficients import LATTICE_RATIO, WaveCoefficients
 
 # Smallest period of the lattice that stands for a single cell, in thicknesses over the distance of the poles from the
 # real axis: the images then contribute less than 1e-6.
@@ -91,7 +91,7 @@ class CoatingCoefficients:
 class CoatingShearCoefficients:
     """Influence coefficients [m] that a bonded layer adds under shear to those of a half-space of its own material.
 
-    They are those of :class:`~contactstudy.elasticity.kernels.layer_shear.ShearWaves`: displacement along the surface
+    They are those of :class:`~contactstudy.elasticity.kernels.layer.shear.ShearWaves`: displacement along the surface
     takes long waves as in the substrate. A row's mean and a cell alone have long waves in closed form, as images two
     thicknesses above the surface; what is left is summed by its waves.
 

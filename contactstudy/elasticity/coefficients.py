@@ -9,8 +9,8 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.elasticity.kernels.displacement import (
-    boussinesq_cell,
+from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
+from contactstudy.elasticity.kernels.displacement_periodic import (
     boussinesq_cell_doubly_periodic,
     boussinesq_cell_periodic,
 )

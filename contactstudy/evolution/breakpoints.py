@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,8 @@ from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.problem.problem import DependsOnShear, Field
-from contactstudy.scene.load import ChangingLoad, ConstantLoad
+from contactstudy.scene.loads.constant_load import ConstantLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction

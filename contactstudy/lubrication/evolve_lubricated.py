@@ -26,8 +26,9 @@ from contactstudy.lubrication.steady_film import (
     continued,
     film_solution,
 )
-from contactstudy.scene.load import ChangingLoad, LineLoad
-from contactstudy.scene.lubrication import ChangingSpeed
+from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.lubrication.lubrication import ChangingSpeed
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.solvers.solution import Status, worst

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from contactstudy.analytic import HertzLine, moes_film
 from contactstudy.domain.fields import Array
-from contactstudy.scene.lubrication import Cavitation, ElrodAdams, Lubrication
+from contactstudy.scene.lubrication.lubrication import Cavitation, ElrodAdams, Lubrication
 
 # Below this half difference of logarithms the mean of two fluidities is a series.
 SERIES = 1e-3

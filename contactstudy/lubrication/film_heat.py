@@ -25,7 +25,7 @@ from contactstudy.lubrication.lubricated_contact import (
     FilmTemperatures,
     shear_stress,
 )
-from contactstudy.scene.film_heat import FilmHeat, ThermalBody
+from contactstudy.scene.lubrication.film_heat import FilmHeat, ThermalBody
 
 # Newton's steps at most; relative change at which they stop; the difference [K] that gives the slope of the heat.
 MAX_STEPS, TOLERANCE, TEMPERATURE_STEP = 100, 1e-9, 1e-3

@@ -8,7 +8,7 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import FilmScales
-from contactstudy.scene.lubrication import LimitingShear
+from contactstudy.scene.lubrication.lubricant import LimitingShear
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 

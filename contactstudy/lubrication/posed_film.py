@@ -27,10 +27,10 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.plane_strain import DirectSolver
 from contactstudy.lubrication.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import contact_modulus, creeps, instantaneous, response
-from contactstudy.scene.inelastic import rolling_bodies
-from contactstudy.scene.load import ConstantLoad
+from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import MODULUS_ITERATIONS, Scene
+from contactstudy.scene.solids.bodies import contact_modulus, creeps, instantaneous, response
+from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Length of the outlet in half-widths, and its growth over sqrt(2 H).

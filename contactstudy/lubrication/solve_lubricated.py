@@ -15,7 +15,7 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_besid
 from contactstudy.lubrication.posed_film import ROW_MULTIPLE, interpolated, lubricated_scales
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
-from contactstudy.scene.lubrication import Eyring, LimitingShear, Newtonian
+from contactstudy.scene.lubrication.lubricant import Eyring, LimitingShear, Newtonian
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.solvers.solution import Status

@@ -9,8 +9,8 @@ from contactstudy.planning.cost import CostModel
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
 from contactstudy.scene.adhesion import ZONE_CELLS
-from contactstudy.scene.load import ChangingLoad
-from contactstudy.scene.resulting_load import PullOff
+from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
 
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where

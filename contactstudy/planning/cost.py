@@ -21,10 +21,10 @@ from contactstudy.domain.grid import (
 from contactstudy.elasticity.convolution import Convolution, padded_cells
 from contactstudy.problem.memory import solve_bytes
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import HalfSpace
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roller import Cylinder
+from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -174,9 +174,7 @@ def stress_seconds(scene: Scene, grid: Grid, padding: Padding | Paddings) -> flo
 
     Shear takes as long again as the pressure.
     """
-    from contactstudy.scene.stress import (
-        SubsurfaceStressOperator,  # imported only where a scene names it
-    )
+    from contactstudy.scene.stress import SubsurfaceStressOperator
 
     most = CONSTANTS.stress_cells if grid.cells[1] > 1 else (prod(CONSTANTS.stress_cells), 1)
     across, along = (min(pair) for pair in zip(grid.cells, most, strict=True))

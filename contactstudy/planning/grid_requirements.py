@@ -19,10 +19,10 @@ from contactstudy.domain.grid import (
     across_and_along,
 )
 from contactstudy.domain.units import readable
-from contactstudy.scene.bodies import Layered
-from contactstudy.scene.load import TotalLoad
+from contactstudy.scene.loads.constant_load import TotalLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales, length_scales_of
+from contactstudy.scene.solids.bodies import Layered
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.transient_requirements import transient_requirements
-from contactstudy.scene.load import LineLoad
+from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.scene import Scene
 
 

@@ -10,10 +10,11 @@ from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic_volume import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-from contactstudy.scene.bodies import Body, instantaneous, yields
-from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import AnyLoad, Scene
+from contactstudy.scene.solids.bodies import Body, instantaneous, yields
+from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,11 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
-from contactstudy.scene.bodies import BodyContext, yields
-from contactstudy.scene.load import ChangingLoad
-from contactstudy.scene.resulting_load import Approach
+from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
 from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.solids.bodies import BodyContext, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
 from contactstudy.solvers.solution import Branch

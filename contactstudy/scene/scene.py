@@ -30,7 +30,11 @@ from contactstudy.problem.constraint import (
 )
 from contactstudy.problem.memory import refuse_too_large
 from contactstudy.problem.problem import AdhesionLaw, Derived, Problem, Scales
-from contactstudy.scene.bodies import (
+from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.resulting_load import Approach, PullOff
+from contactstudy.scene.shapes.shape import Shape, gap_of, length_scales_of
+from contactstudy.scene.solids.bodies import (
     Body,
     RestrictedBody,
     contact_modulus,
@@ -39,17 +43,14 @@ from contactstudy.scene.bodies import (
     response,
     yields,
 )
-from contactstudy.scene.load import ChangingLoad, ConstantLoad, TotalLoad
-from contactstudy.scene.resulting_load import Approach, PullOff
-from contactstudy.scene.shapes.shape import Shape, gap_of, length_scales_of
 
 AnyLoad = ConstantLoad | ChangingLoad | Approach | PullOff
 
 if TYPE_CHECKING:
     from contactstudy.scene.adhesion import Adhesion
-    from contactstudy.scene.friction import Friction
-    from contactstudy.scene.lubrication import Lubrication
-    from contactstudy.scene.motion import Rolling
+    from contactstudy.scene.friction.friction_law import Friction
+    from contactstudy.scene.lubrication.lubrication import Lubrication
+    from contactstudy.scene.rolling import Rolling
     from contactstudy.scene.wear import Wear
     from contactstudy.solvers.adhesion import AdhesiveSolver
 
@@ -291,17 +292,17 @@ class Scene:
 
             _instance("Scene.wear", self.wear, Wear, "give a Wear, or None")
         if self.rolling is not None:
-            from contactstudy.scene.motion import Rolling
+            from contactstudy.scene.rolling import Rolling
 
             _instance("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
         if self.friction is not None:
-            from contactstudy.scene.friction import Friction
+            from contactstudy.scene.friction.friction_law import Friction
 
             remedy = "give a friction, such as Sliding(coefficient=0.1), or None"
             _instance("Scene.friction", self.friction, Friction, remedy)
             self.friction.check(self)
         if self.lubrication is not None:
-            from contactstudy.scene.lubrication import Lubrication
+            from contactstudy.scene.lubrication.lubrication import Lubrication
 
             _instance(
                 "Scene.lubrication", self.lubrication, Lubrication, "give a Lubrication, or None"

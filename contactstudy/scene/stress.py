@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isinf
-from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -19,16 +18,13 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres
-from contactstudy.elasticity.coefficients import Coefficients, kernel
+from contactstudy.elasticity.coefficients import kernel
 from contactstudy.elasticity.convolution import mirrored_by_parity, padded_cells
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel, stress_cell
-from contactstudy.elasticity.kernels.stress_periodic import (
-    stress_cell_doubly_periodic,
-    stress_cell_periodic,
-)
+from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.scene.bodies import Body, Homogeneous
+from contactstudy.scene.solids.bodies import Body, Homogeneous
+from contactstudy.scene.solids.stress_model import HalfSpaceStress, HasStressModel, StressModel
 
 Z = {"axis": "Z", "positive": "down"}
 # Value of `depths` that chooses them.
@@ -105,51 +101,6 @@ class SubsurfaceStress:
             medium = HalfSpaceStress(body.poisson_ratio)
         depths = () if isinstance(self.depths, str) else self.depths
         return SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.solid)
-
-
-class StressModel(Protocol):
-    """Stress in a body under pressure and shear on one cell of its surface."""
-
-    @property
-    def faces(self) -> tuple[float, ...]:
-        """Depths [m] on either side of an interface."""
-
-    def coefficients(
-        self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[float, Coefficients], ...]:
-        """Return coefficients with their weights of a stress `component` at a `depth` [m].
-
-        The `traction` is "pressure", or shear "across" or "along".
-        """
-
-
-@runtime_checkable
-class HasStressModel(Protocol):
-    """Inhomogeneous body with a model of the stress in it."""
-
-    @property
-    def stress_model(self) -> StressModel:
-        """The stress in the body."""
-
-
-@dataclass(frozen=True)
-class HalfSpaceStress:
-    """Stress in a homogeneous half-space."""
-
-    poisson_ratio: float
-    faces: ClassVar[tuple[float, ...]] = ()
-
-    def coefficients(
-        self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[float, Coefficients], ...]:
-        """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
-        family = COMPONENTS
-        if traction != "pressure":
-            # imported only for scenes with friction
-            from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
-
-            family = CERRUTI_ACROSS if traction == "across" else CERRUTI_ALONG
-        return ((1.0, StressCoefficients(family[component], depth, self.poisson_ratio)),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,41 +243,6 @@ class SubsurfaceStressOperator:
             "component": Field(("component",), names, "1", "x across, y along, z into the body"),
             "z": Field(("z",), np.array(depths), "m", "depth below the surface", Z),
         }
-
-
-@dataclass(frozen=True)
-class StressCoefficients:
-    """Influence coefficients of one stress component at one depth [m]."""
-
-    component: CellKernel
-    depth: float
-    poisson_ratio: float
-
-    @property
-    def parity(self) -> tuple[int, int]:
-        """Parity of the component in x and y."""
-        return self.component.parity
-
-    def swap_axes(self) -> "StressCoefficients":
-        """Return the component that takes this one's place when the axes are exchanged."""
-        return StressCoefficients(self.component.swap_axes(), self.depth, self.poisson_ratio)
-
-    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the stress due to pressure on one cell."""
-        return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
-
-    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the stress due to an infinite row of images along y."""
-        cell = self.depth, dx, dy
-        return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
-
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
-        """Return the stress due to an infinite lattice of images."""
-        periods = width, period
-        arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio
-        return stress_cell_doubly_periodic(self.component, *arguments)
 
 
 def von_mises(stress: Array) -> Array:

@@ -12,11 +12,11 @@ from contactstudy.domain.checks import (
     suggest_fields,
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, PerPascal
-from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 
 if TYPE_CHECKING:
-    from contactstudy.scene.lubrication import Lubrication
-    from contactstudy.scene.motion import Rolling
+    from contactstudy.scene.lubrication.lubrication import Lubrication
+    from contactstudy.scene.rolling import Rolling
 
 
 class WearContact(Protocol):

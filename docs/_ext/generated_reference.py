@@ -79,16 +79,16 @@ INNER = (
     "problem.problem.Field",
     "problem.problem.FrictionLaw",
     "problem.problem.Source",
-    "scene.bodies.BodyContext",
-    "scene.friction.FrictionContext",
-    "scene.friction.Friction",
-    "scene.load.ChangingLoad",
+    "scene.solids.bodies.BodyContext",
+    "scene.friction.friction_law.FrictionContext",
+    "scene.friction.friction_law.Friction",
+    "scene.loads.load_history.ChangingLoad",
     "scene.scene.PosedScene",
     "scene.scene.ShapesSource",
     "scene.shapes.texture.Profile",
     "scene.stress.SubsurfaceStressOperator",
-    "scene.stress.HalfSpaceStress",
-    "scene.coated_stress.CoatedStress",
+    "scene.solids.stress_model.HalfSpaceStress",
+    "scene.solids.coated_stress.CoatedStress",
     "scene.surfaces.preparation.Missing",
     "scene.surfaces.preparation.Seam",
     "solvers.friction.laws.PartialSlipShear",
@@ -351,8 +351,8 @@ PLAINER = (
     # types that are imported for checking alone
     (r"(?<![\w.])xr\.Dataset\b", "~xarray.Dataset"),
     (r"(?<![\w.])Figure\b", "~matplotlib.figure.Figure"),
-    (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.load.ChangingLoad"),
-    (r"(?<![\w.])Friction\b", "~contactstudy.scene.friction.Friction"),
+    (r"(?<![\w.])ChangingLoad\b", "~contactstudy.scene.loads.load_history.ChangingLoad"),
+    (r"(?<![\w.])Friction\b", "~contactstudy.scene.friction.friction_law.Friction"),
 )
 
 

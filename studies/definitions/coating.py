@@ -13,9 +13,13 @@ from contactstudy.accuracy.discretisation.contact_edge import half_widths
 from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coating import CoatingCoefficients
-from contactstudy.elasticity.kernels.buried_potential import buried_cell, buried_lattice, buried_row
-from contactstudy.scene.bodies import response
-from contactstudy.scene.coated import CoatedHalfSpace
+from contactstudy.elasticity.kernels.layer.buried_potential import (
+    buried_cell,
+    buried_lattice,
+    buried_row,
+)
+from contactstudy.scene.solids.bodies import response
+from contactstudy.scene.solids.coated import CoatedHalfSpace
 from studies.model.axis import Axis
 from studies.model.case import Case, dimensionless_variables
 from studies.model.study import Point

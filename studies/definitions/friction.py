@@ -9,8 +9,9 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import finite, whole_number
 from contactstudy.domain.fields import Array
-from contactstudy.scene.friction import PartialSlip
-from contactstudy.scene.stress import HalfSpaceStress, SubsurfaceStressOperator, von_mises
+from contactstudy.scene.friction.partial_slip import PartialSlip
+from contactstudy.scene.solids.stress_model import HalfSpaceStress
+from contactstudy.scene.stress import SubsurfaceStressOperator, von_mises
 from contactstudy.solvers.friction.laws import CiavarellaJaeger
 from studies.model.axis import Axis
 from studies.model.case import Case, dimensionless

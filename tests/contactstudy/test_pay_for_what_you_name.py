@@ -124,11 +124,12 @@ assert cs.solve(scene.problem(grid, exact)).status is cs.Status.CONVERGED
 """,
         """SurfaceTopography cattrs dask matplotlib pandas scipy.interpolate scipy.ndimage xarray studies.engine
         contactstudy.elasticity.coating contactstudy.elasticity.eigenstrain contactstudy.elasticity.tangential
-        contactstudy.elasticity.kernels.layer_response contactstudy.elasticity.kernels.traction contactstudy.evolution
+        contactstudy.elasticity.kernels.layer contactstudy.elasticity.kernels.traction contactstudy.evolution
         contactstudy.elasticity.viscoelastic contactstudy.io.dataset contactstudy.lubrication
-        contactstudy.scene.adhesion contactstudy.scene.coated contactstudy.scene.friction contactstudy.scene.motion
-        contactstudy.scene.wear contactstudy.scene.inelastic contactstudy.scene.stress contactstudy.solvers.adhesion
-        contactstudy.solvers.friction.laws contactstudy.solvers.plasticity""",
+        contactstudy.scene.adhesion contactstudy.scene.solids.coated contactstudy.scene.friction
+        contactstudy.scene.rolling contactstudy.scene.wear contactstudy.scene.solids.viscoelastic
+        contactstudy.scene.solids.elastic_plastic contactstudy.scene.solids.stress_model contactstudy.scene.stress
+        contactstudy.solvers.adhesion contactstudy.solvers.friction.laws contactstudy.solvers.plasticity""",
     ),
     (
         """
@@ -143,9 +144,9 @@ body, rigid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9), cs.HalfSpace(flo
 yields = cs.Scene(cs.LineLoad(5e5), (body, rigid), (cs.Cylinder(0.01),))
 once = cs.TimeSteps((0,), step_error=cs.StepError.NONE)
 cs.solve(yields, cs.Grid((16, 1), (8e-4, 1e-4)), exact, times=once)
-assert "contactstudy.elasticity.eigenstrain.plane_strain" in sys.modules
+assert "contactstudy.elasticity.eigenstrain.plane_strain_operator" in sys.modules
 """,
-        "contactstudy.elasticity.eigenstrain.periodic contactstudy.elasticity.eigenstrain.spectral_block",
+        "contactstudy.elasticity.eigenstrain.periodic_operator contactstudy.elasticity.eigenstrain.spectral_block",
     ),
     ("cs.solve(scene.problem(grid, exact)).to_dataset()", "matplotlib contactstudy.scene.stress"),
 )

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
+from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
 # modes k = 1 ... MODES behave like d^(k - 3/2) at d cells from the edge
 MODES = 4

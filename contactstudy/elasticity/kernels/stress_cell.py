@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
+from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
 # Distances in the longer side of a cell. Up to CORNER_DISTANCE the difference of corners loses a factor of
 # CORNER_DISTANCE^2 and the cell's aspect; from there on a point's field is analytic in a Bernstein ellipse of

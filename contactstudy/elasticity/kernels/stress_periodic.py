@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import eigh_tridiagonal
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
+from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 from contactstudy.elasticity.kernels.stress_cell import CellKernel, Strip, sign, stress_cell, strip
 
 # Distance from the axis, in periods, beyond which the stress does not vary along it: exp(-2 pi 6) ~ 1e-17.

@@ -20,10 +20,11 @@ from contactstudy.evolution.trajectory import Frame, Trajectory
 from contactstudy.evolution.warm_started import unloaded
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
-from contactstudy.scene.bodies import creeps, instantaneous
-from contactstudy.scene.load import ChangingLoad, LineLoad
-from contactstudy.scene.motion import check_slow
+from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact

@@ -26,9 +26,9 @@ from contactstudy.lubrication.evolve_lubricated import FilmTrajectory, errors_by
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from contactstudy.problem.problem import Field
-from contactstudy.scene.bodies import instantaneous
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes.shape import LengthScales
+from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status
@@ -251,7 +251,10 @@ def follow_wear(
         frames.append(
             replace(
                 frame_in_equilibrium(
-                    instant.time, scene.load.largest, solution, instant.contact.rolling
+                    instant.time,
+                    scene.load.largest,
+                    solution,
+                    instant.contact.rolling,
                 ),
                 fields={"worn_depth": worn_depth},
                 step_error=float(change),

@@ -28,9 +28,10 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import instantaneous
-from contactstudy.scene.load import ChangingLoad, LineLoad
+from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions

@@ -35,12 +35,13 @@ from contactstudy.evolution.time_steps import Scheme, StepError
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import instantaneous, response, yields
-from contactstudy.scene.fretting import Fretting
-from contactstudy.scene.friction import gives_way_alike
-from contactstudy.scene.inelastic import ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory
+from contactstudy.scene.friction.fretting import Fretting
+from contactstudy.scene.friction.friction_law import gives_way_alike
+from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.solids.bodies import instantaneous, response, yields
+from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions
 

@@ -34,7 +34,7 @@ from contactstudy.evolution.warm_started import (
 )
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
-from contactstudy.scene.load import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status

@@ -8,7 +8,7 @@ import numpy as np
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.rolling.track import (
     ContactWithAddedGap,
@@ -21,9 +21,9 @@ from contactstudy.evolution.rolling.track import (
 from contactstudy.evolution.states.plastic import YieldingBody, step_solution
 from contactstudy.evolution.states.plastic_volume import embedded, layers
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.bodies import instantaneous
-from contactstudy.scene.load import ConstantLoad
+from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions
 

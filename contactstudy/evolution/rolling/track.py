@@ -7,7 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.plane_strain import OuterStrain, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.outer_strain import OuterStrain
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic_volume import embedded, enlarged
 from contactstudy.evolution.warm_started import (
@@ -17,7 +18,7 @@ from contactstudy.evolution.warm_started import (
     with_added_gap,
 )
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.motion import RollingPressure
+from contactstudy.scene.rolling import RollingPressure
 from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
 from contactstudy.solvers.plasticity.elastoplastic_step import (
     ElastoplasticStep,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.evolution.states.plastic_volume import (
@@ -23,8 +23,8 @@ from contactstudy.evolution.states.plastic_volume import (
 )
 from contactstudy.evolution.states.state_variables import Contact, State
 from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
 from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
 from contactstudy.solvers.plasticity.elastoplastic_step import (
     ElastoplasticStep,
@@ -345,7 +345,7 @@ def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
     if volume.grid.cells[1] == 1:
         return PlaneStrainOperator(volume, moduli)
     # imported only for scenes that vary along the length
-    from contactstudy.elasticity.eigenstrain.periodic import PeriodicOperator
+    from contactstudy.elasticity.eigenstrain.periodic_operator import PeriodicOperator
 
     return PeriodicOperator(volume, moduli)
 

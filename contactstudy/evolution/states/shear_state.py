@@ -11,7 +11,7 @@ from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.evolution.states.state_variables import Contribution, CreepState, State, Step
 from contactstudy.problem.problem import Field
-from contactstudy.scene.load import PiecewiseLinear
+from contactstudy.scene.loads.load_history import PiecewiseLinear
 from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step
 
 # Error of the shear over the difference of two integrations where slip wears: at most 2.4 in twelve contacts, whose

@@ -6,7 +6,7 @@ from math import inf, isfinite
 
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
-from contactstudy.scene.load import TotalLoad
+from contactstudy.scene.loads.constant_load import TotalLoad
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.shapes.shape import length_scales_of
 

@@ -9,8 +9,8 @@ from math import inf
 from typing import Any
 
 from contactstudy.domain.checks import InvalidInput, suggestion
-from contactstudy.scene.bodies import HalfSpace
-from contactstudy.scene.inelastic import ElasticPlasticHalfSpace
+from contactstudy.scene.solids.bodies import HalfSpace
+from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 
 # Entries of the table in GPa.
 PRESSURES = ("youngs_modulus", "yield_strength", "hardness")

@@ -21,30 +21,29 @@ from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Pascals
 from contactstudy.evolution.time_steps import TimeSteps
 from contactstudy.io.scene_files.structuring import NO_KIND
 from contactstudy.scene.adhesion import Adhesion
-from contactstudy.scene.bodies import Body, HalfSpace
-from contactstudy.scene.coated import CoatedHalfSpace
-from contactstudy.scene.fretting import Fretting
-from contactstudy.scene.friction import Friction, PartialSlip, Sliding
-from contactstudy.scene.inelastic import ElasticPlasticHalfSpace, ViscoelasticHalfSpace
-from contactstudy.scene.load import ChangingLoad, LineLoad, LoadHistory, SineLoad, TotalLoad
-from contactstudy.scene.lubrication import (
+from contactstudy.scene.friction.fretting import Fretting
+from contactstudy.scene.friction.friction_law import Friction
+from contactstudy.scene.friction.partial_slip import PartialSlip
+from contactstudy.scene.friction.sliding import Sliding
+from contactstudy.scene.friction.tractive_rolling import TractiveRolling
+from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory, SineLoad
+from contactstudy.scene.loads.resulting_load import Approach, PullOff
+from contactstudy.scene.lubrication.lubricant import (
     Barus,
     Carreau,
-    ChangingSpeed,
     ConstantDensity,
     DensityLaw,
     DowsonHigginson,
     Eyring,
     LimitingShear,
-    Lubrication,
     Newtonian,
     Roelands,
     ShearLaw,
-    SpeedHistory,
     ViscosityLaw,
 )
-from contactstudy.scene.motion import Rolling
-from contactstudy.scene.resulting_load import Approach, PullOff
+from contactstudy.scene.lubrication.lubrication import ChangingSpeed, Lubrication, SpeedHistory
+from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Output
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
@@ -59,6 +58,10 @@ from contactstudy.scene.shapes.texture import (
     Waviness,
 )
 from contactstudy.scene.shapes.tilt import Tilt
+from contactstudy.scene.solids.bodies import Body, HalfSpace
+from contactstudy.scene.solids.coated import CoatedHalfSpace
+from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
+from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
 from contactstudy.scene.stress import SubsurfaceStress
 from contactstudy.scene.surfaces.measured_surface import MeasuredSurface
 from contactstudy.scene.surfaces.preparation import (
@@ -72,7 +75,6 @@ from contactstudy.scene.surfaces.preparation import (
     Trend,
     Window,
 )
-from contactstudy.scene.tractive_rolling import TractiveRolling
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG

@@ -14,7 +14,7 @@ from contactstudy.accuracy.bounded_solution import cell_errors
 from contactstudy.accuracy.discretisation.contact_edge import smooth_l1
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.fields import Array
-from contactstudy.scene.bodies import contact_modulus
+from contactstudy.scene.solids.bodies import contact_modulus
 from tests.conftest import STEEL, LineContact
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import contactstudy as cs
-from contactstudy.elasticity.kernels.displacement import boussinesq_cell
+from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.eigenstrain.periodic import PeriodicOperator
-from contactstudy.elasticity.eigenstrain.plane_strain import PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.periodic_operator import PeriodicOperator
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from tests.conftest import STEEL
 

@@ -7,9 +7,9 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.coating import CoatingShearCoefficients
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_shear import ShearWaves, Subtracted
-from contactstudy.elasticity.kernels.layer_stress import LayerStress
+from contactstudy.elasticity.kernels.layer.response import LayerResponse
+from contactstudy.elasticity.kernels.layer.shear import ShearWaves, Subtracted
+from contactstudy.elasticity.kernels.layer.stress import LayerStress
 from contactstudy.elasticity.tangential import general_convolution
 from tests.conftest import STEEL
 

@@ -9,7 +9,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.elasticity.tangential import shear_response
-from contactstudy.scene.friction import dundurs
+from contactstudy.scene.friction.friction_law import dundurs
 from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
 from tests.conftest import STEEL
 

@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.evolution.integration.evolve import evolve
-from contactstudy.scene.bodies import contact_modulus, instantaneous, response
+from contactstudy.scene.solids.bodies import contact_modulus, instantaneous, response
 from tests.conftest import STEEL, LineContact
 
 

@@ -14,7 +14,8 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
-from contactstudy.scene.stress import HalfSpaceStress, SubsurfaceStressOperator, von_mises
+from contactstudy.scene.solids.stress_model import HalfSpaceStress
+from contactstudy.scene.stress import SubsurfaceStressOperator, von_mises
 from tests.conftest import STEEL, LineContact
 from tests.contactstudy.elasticity.test_convolution import PADDINGS
 

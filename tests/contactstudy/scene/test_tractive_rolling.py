@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.friction import dundurs
+from contactstudy.scene.friction.friction_law import dundurs
 from tests.conftest import STEEL
 
 MU, RADIUS = 0.3, 0.01

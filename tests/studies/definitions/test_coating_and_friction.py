@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.scene.coated import CoatedHalfSpace
-from contactstudy.scene.stress import HalfSpaceStress, SubsurfaceStressOperator
+from contactstudy.scene.solids.coated import CoatedHalfSpace
+from contactstudy.scene.solids.stress_model import HalfSpaceStress
+from contactstudy.scene.stress import SubsurfaceStressOperator
 from studies.definitions import coating
 from studies.definitions.coating import A, coated, interface
 from studies.engine.run import run

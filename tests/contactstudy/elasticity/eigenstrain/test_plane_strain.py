@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.grid import Grid
-from contactstudy.elasticity.eigenstrain.plane_strain import OuterStrain, PlaneStrainOperator
+from contactstudy.elasticity.eigenstrain.outer_strain import OuterStrain
+from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
-from contactstudy.elasticity.kernels.displacement import mean_gauss_rule
+from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, strip
 from contactstudy.elasticity.kernels.stress_periodic import plane_strain
 

@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 from mpmath import asinh, atan, mp, mpf, sqrt
 
-from contactstudy.elasticity.kernels.buried_potential import buried_cell, buried_lattice, buried_row
-from contactstudy.elasticity.kernels.displacement import boussinesq_cell, boussinesq_cell_periodic
+from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
+from contactstudy.elasticity.kernels.displacement_periodic import boussinesq_cell_periodic
+from contactstudy.elasticity.kernels.layer.buried_potential import (
+    buried_cell,
+    buried_lattice,
+    buried_row,
+)
 from tests.fifty_digits import stored
 
 

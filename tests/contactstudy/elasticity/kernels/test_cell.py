@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike, NDArray
 
-from contactstudy.elasticity.kernels.displacement import (
+from contactstudy.elasticity.kernels.displacement_cell import (
     FAR_DISTANCE,
     MIDDLE_DISTANCE,
     NEAR_DISTANCE,

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from contactstudy.elasticity.kernels.displacement import boussinesq_cell_doubly_periodic
+from contactstudy.elasticity.kernels.displacement_periodic import boussinesq_cell_doubly_periodic
 from tests.contactstudy.elasticity.kernels.test_cell import EXACT, TOLERANCE_DIGITS
 from tests.contactstudy.elasticity.kernels.test_row import judged_lattice
 from tests.fifty_digits import stored

@@ -5,9 +5,8 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 from scipy.special import j0
 
-from contactstudy.elasticity.kernels import layer_remainder
-from contactstudy.elasticity.kernels.layer_remainder import LayerRemainder
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer.remainder import LayerRemainder
+from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 
 
@@ -86,9 +85,9 @@ def test_a_lattice_by_waves_and_by_rows_and_strips_agree(
     x, y = np.arange(5)[:, None] * dx, np.arange(4) * dy
     remainder, arguments = LayerRemainder(layer, thickness), (x, y, dx, dy, *extent)
     waves = remainder.lattice(*arguments)
-    monkeypatch.setattr(layer_remainder, "MAX_LATTICE_WAVES", 0)
+    monkeypatch.setattr(f"{LayerRemainder.__module__}.MAX_LATTICE_WAVES", 0)
     rows = remainder.lattice(*arguments)
-    monkeypatch.setattr(layer_remainder, "MAX_STRIP_WAVES", 0)
+    monkeypatch.setattr(f"{LayerRemainder.__module__}.MAX_STRIP_WAVES", 0)
     strips = remainder.lattice(*arguments)
     largest = np.abs(waves).max()
     np.testing.assert_allclose(rows, waves, atol=1e-11 * largest)

@@ -7,7 +7,7 @@ import pytest
 from mpmath import diff, lu_solve, matrix, mp, mpf
 from mpmath import exp as mp_exp
 
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
+from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from tests.contactstudy.elasticity.kernels.layer_materials import LAYERS
 from tests.fifty_digits import stored
 

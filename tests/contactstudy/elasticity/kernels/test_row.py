@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from numpy.typing import ArrayLike
 
-from contactstudy.elasticity.kernels.displacement import (
+from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
+from contactstudy.elasticity.kernels.displacement_periodic import (
     FOURIER_END,
     FOURIER_START,
-    boussinesq_cell,
     boussinesq_cell_periodic,
 )
 from tests.contactstudy.elasticity.kernels.test_cell import (

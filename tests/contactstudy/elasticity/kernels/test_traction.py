@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
 
-from contactstudy.elasticity.kernels.displacement import boussinesq_cell
+from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
 from contactstudy.elasticity.kernels.stress_cell import CellKernel, stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.elasticity.kernels.layer_stress import LayerStress
-from contactstudy.elasticity.kernels.layer_stress_waves import FAMILIES, StressWaves
-from contactstudy.elasticity.kernels.wave_coefficients import WaveCoefficients
-from contactstudy.scene.stress import StressCoefficients
+from contactstudy.elasticity.kernels.layer.response import LayerResponse
+from contactstudy.elasticity.kernels.layer.stress import LayerStress
+from contactstudy.elasticity.kernels.layer.stress_waves import FAMILIES, StressWaves
+from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
+from contactstudy.scene.solids.stress_model import StressCoefficients
 
 # The substrate's side of the bond, over the thickness.
 BELOW = 1 + 1e-12

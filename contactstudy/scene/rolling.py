@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from enum import Enum
 from itertools import pairwise
 from math import inf
-from typing import TYPE_CHECKING
 
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
@@ -16,10 +15,7 @@ from contactstudy.domain.checks import (
     whole_number,
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, Number
-from contactstudy.scene.load import ChangingLoad, PiecewiseLinear
-
-if TYPE_CHECKING:
-    pass
+from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
 
 
 class RollingPressure(Enum):

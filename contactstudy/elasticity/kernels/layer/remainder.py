@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from scipy.special import binom, digamma, zeta
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import QUADRATURE_ERROR, mean_gauss_rule
-from contactstudy.elasticity.kernels.layer_response import (
+from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
+from contactstudy.elasticity.kernels.displacement_periodic import QUADRATURE_ERROR
+from contactstudy.elasticity.kernels.layer.response import (
     LAST_WAVE,
     LayerResponse,
     RemainderTables,

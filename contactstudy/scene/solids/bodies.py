@@ -18,7 +18,7 @@ from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coeffic
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
-    from contactstudy.scene.motion import Rolling
+    from contactstudy.scene.rolling import Rolling
 
 
 @runtime_checkable

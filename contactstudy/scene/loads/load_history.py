@@ -1,4 +1,4 @@
-"""The load that presses the bodies together: constant, or changing in time."""
+"""Loads that change in time."""
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
@@ -16,105 +16,13 @@ from contactstudy.domain.checks import (
     set_fields,
     suggest_fields,
 )
-from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre, PerSecond, Radians, Seconds
+from contactstudy.domain.units import NewtonsPerMetre, PerSecond, Radians, Seconds
 
-LOAD_REMEDY, HISTORY_REMEDY = "give a load above 0 N/m", "give a load of at least 0 N/m"
-
-
-@suggest_fields
-@dataclass(frozen=True)
-class LineLoad:
-    """Constant normal load per length of the contact.
-
-    Parameters
-    ----------
-    per_length
-        Load over the length of the grid [N/m], above zero; together with :class:`~contactstudy.Adhesion` of any sign.
-
-    Raises
-    ------
-    InvalidInput
-        If the load is no finite number; in a scene without adhesion, if it is not above zero.
-    """
-
-    per_length: NewtonsPerMetre
-
-    def __post_init__(self) -> None:
-        load = in_range_or_zero("LineLoad.per_length", self.per_length, LOAD_REMEDY)
-        set_fields(self, per_length=load)
-
-    def check_compressive(self) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        in_range("LineLoad.per_length", self.per_length, LOAD_REMEDY)
-
-    @property
-    def largest(self) -> float:
-        """Load [N/m], which is its own maximum."""
-        return self.per_length
-
-    def mean_over(self, period: float) -> float:
-        """Return the load [N/m], which is the same over any `period` [m] of a grid."""
-        return self.per_length
+HISTORY_REMEDY = "give a load of at least 0 N/m"
 
 
 # Load over the largest one below which it is zero: its rounding error.
 ZERO_LOAD = 1e-13
-
-
-@suggest_fields
-@dataclass(frozen=True)
-class TotalLoad:
-    """Constant normal load on the whole length of a roller.
-
-    Parameters
-    ----------
-    total
-        Load [N], above zero; together with :class:`~contactstudy.Adhesion` of any sign.
-    length
-        Length of the roller [m], over which the load is spread in Hertz's values. None takes it from the shapes of
-        the scene, such as :class:`~contactstudy.LundbergProfile` or :class:`~contactstudy.FiniteLength`.
-
-    Raises
-    ------
-    InvalidInput
-        If the load is no finite number or the length is not above zero; in a scene, if no shape has a length and there
-        is none here, or if the load is not above zero and there is no adhesion.
-    """
-
-    total: Newtons
-    length: Metres | None = None
-
-    def __post_init__(self) -> None:
-        remedy = "give a load above 0 N"
-        set_fields(self, total=in_range_or_zero("TotalLoad.total", self.total, remedy))
-        if self.length is not None:
-            remedy = "give the roller's length above 0 m"
-            set_fields(self, length=in_range("TotalLoad.length", self.length, remedy))
-
-    @property
-    def per_length(self) -> float:
-        """Mean load over the length of the roller [N/m]."""
-        if self.length is None:
-            raise InvalidInput(
-                "TotalLoad.length is None, and no shape of the scene has a length: give the length of the roller."
-            )
-        return self.total / self.length
-
-    @property
-    def largest(self) -> float:
-        """Mean load over the length of the roller [N/m], which is its own maximum."""
-        return self.per_length
-
-    def mean_over(self, period: float) -> float:
-        """Return the mean load [N/m] over the `period` [m] of a grid."""
-        return self.total / period
-
-    def check_compressive(self) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
-        in_range("TotalLoad.total", self.total, "give a load above 0 N")
-
-
-ConstantLoad = LineLoad | TotalLoad
 
 
 class History(Protocol):

@@ -8,20 +8,22 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import k0
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.displacement import (
+from contactstudy.elasticity.kernels.displacement_cell import (
+    NEAR_DISTANCE,
+    NEAR_POINTS,
+    mean_gauss_rule,
+    segment_integral,
+)
+from contactstudy.elasticity.kernels.displacement_periodic import (
     FOURIER_END,
     FOURIER_START,
     FOURIER_TERMS,
     IMAGE_RATIO,
-    NEAR_DISTANCE,
-    NEAR_POINTS,
     QUADRATURE_ERROR,
     STRIPS,
     STRIPS_END,
     further_images,
     harmonics_along,
-    mean_gauss_rule,
-    segment_integral,
 )
 
 # Beyond FAR_DISTANCE cells a line's field is analytic in a Bernstein ellipse of rho >= 160: 4 Gauss points suffice.

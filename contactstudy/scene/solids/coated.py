@@ -11,12 +11,12 @@ from contactstudy.domain.checks import InvalidInput, in_range, set_fields, sugge
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
-from contactstudy.elasticity.kernels.layer_response import LayerResponse
-from contactstudy.scene.bodies import HalfSpace
+from contactstudy.elasticity.kernels.layer.response import LayerResponse
+from contactstudy.scene.solids.bodies import HalfSpace
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
-    from contactstudy.scene.stress import StressModel
+    from contactstudy.scene.solids.stress_model import StressModel
 
 # Up to this ratio of shear moduli the coefficients are verified.
 LARGEST_RATIO = 1e4
@@ -112,8 +112,8 @@ class CoatedHalfSpace:
     def stress_model(self) -> "StressModel":
         """The stress in the coating and in the substrate."""
         # imported only for scenes with stress
-        from contactstudy.scene.coated_stress import CoatedStress
-        from contactstudy.scene.stress import HalfSpaceStress
+        from contactstudy.scene.solids.coated_stress import CoatedStress
+        from contactstudy.scene.solids.stress_model import HalfSpaceStress
 
         if self.coating == self.substrate:
             return HalfSpaceStress(self.coating.poisson_ratio)

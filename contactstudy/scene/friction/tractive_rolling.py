@@ -12,8 +12,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
 from contactstudy.elasticity.tangential import ShearableBody, ShearResponse, shear_response
-from contactstudy.scene.bodies import yields
-from contactstudy.scene.friction import (
+from contactstudy.scene.friction.friction_law import (
     SAMPLES,
     FrictionContext,
     Load,
@@ -23,10 +22,11 @@ from contactstudy.scene.friction import (
     shear_coupling,
     sheared,
 )
-from contactstudy.scene.inelastic import rolling_bodies
-from contactstudy.scene.load import ChangingLoad
-from contactstudy.scene.motion import check_slow
+from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.shapes.shape import length_scales_of
+from contactstudy.scene.solids.bodies import yields
+from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
 

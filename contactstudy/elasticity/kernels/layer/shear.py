@@ -7,7 +7,7 @@ from functools import lru_cache, partial
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex
+from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex
 from contactstudy.elasticity.kernels.stress_cell import (
     CellKernel,
     KernelFunction,

@@ -7,8 +7,8 @@ from math import inf
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex
-from contactstudy.elasticity.kernels.layer_stress import LayerStress
+from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex
+from contactstudy.elasticity.kernels.layer.stress import LayerStress
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, CellKernel
 from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
 
@@ -26,7 +26,7 @@ class StressWaves:
     """Remainder of the stress in a layered body under one wave of a load on its surface.
 
     Its part of a homogeneous body is subtracted, as in
-    :meth:`~contactstudy.elasticity.kernels.layer_stress.LayerStress.remainder`.
+    :meth:`~contactstudy.elasticity.kernels.layer.stress.LayerStress.remainder`.
 
     Parameters
     ----------

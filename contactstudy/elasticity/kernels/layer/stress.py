@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import BSpline, make_interp_spline
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex
+from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex
 
 # Wave number times thickness up to which the matrix exponential is used.
 LONG_WAVE = 1.5

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.kernels.layer_response import LayerResponse, RealOrComplex, composite
+from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex, composite
 
 Indices = NDArray[np.intp]
 # exp(-ROUNDING_EXPONENT) is below rounding.

@@ -18,7 +18,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds, readable
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
-from contactstudy.scene.friction import (
+from contactstudy.scene.friction.friction_law import (
     SAMPLES,
     FrictionContext,
     check_similar,
@@ -27,7 +27,7 @@ from contactstudy.scene.friction import (
     coefficient,
     sheared,
 )
-from contactstudy.scene.load import ChangingLoad, PiecewiseLinear, checked_times
+from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, checked_times
 from contactstudy.solvers.friction.fretting import FrettingShear
 
 

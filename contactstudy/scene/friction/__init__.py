@@ -1,0 +1,1 @@
+"""Laws of friction of a scene: full sliding, partial slip, fretting, rolling with creepage."""

@@ -1,0 +1,218 @@
+"""What laws of friction share: their protocol, the checks of a scene, and the response of its bodies to shear."""
+
+from itertools import product
+from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
+
+from contactstudy.domain.checks import InvalidInput, finite, in_range
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.elasticity.convolution import GeneralConvolution
+from contactstudy.elasticity.tangential import ALIKE, ShearableBody, normal_displacement
+from contactstudy.problem.problem import FrictionLaw
+from contactstudy.scene.shapes.shape import Shape
+from contactstudy.scene.solids.bodies import (
+    Body,
+    BodyContext,
+    HalfSpace,
+    Homogeneous,
+    Inelastic,
+    creeps,
+    is_layered,
+    yields,
+)
+from contactstudy.scene.solids.coated import CoatedHalfSpace
+from contactstudy.scene.solids.viscoelastic import RollingHalfSpace
+
+if TYPE_CHECKING:
+    from contactstudy.analytic import HertzLine
+    from contactstudy.scene.adhesion import Adhesion
+    from contactstudy.scene.wear import Wear
+
+
+# Instants at which a force is compared with the friction limit under a load that changes.
+SAMPLES = 201
+
+
+class Load(Protocol):
+    """Load per length, as a friction law reads it."""
+
+    @property
+    def largest(self) -> float:
+        """Largest load [N/m]."""
+
+
+class FrictionContext(BodyContext, Protocol):
+    """Properties of a scene that a friction law reads."""
+
+    @property
+    def load(self) -> Load:
+        """Load of the scene."""
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Shapes of the scene."""
+
+    @property
+    def contact_modulus(self) -> float:
+        """Contact modulus E* [Pa]."""
+
+    @property
+    def time_dependent_field(self) -> str | None:
+        """Name of a field that changes in time, or None."""
+
+    @property
+    def hertz(self) -> "HertzLine | None":
+        """Smooth line contact of the scene, or None."""
+
+    @property
+    def wear(self) -> "Wear | None":
+        """Wear of the scene."""
+
+    @property
+    def adhesion(self) -> "Adhesion | None":
+        """Adhesion of the scene."""
+
+
+@runtime_checkable
+class Friction(Protocol):
+    """Friction law, as a value in ``Scene.friction``."""
+
+    def check(self, scene: FrictionContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
+
+    def law(
+        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
+    ) -> FrictionLaw:
+        """Return the law for this scene on a grid."""
+
+    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
+        """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
+
+
+def gives_way_alike(solids: tuple[Body, ...], *, varies: bool, paddings: Paddings) -> bool:
+    """Return whether shear along x displaces the surface as the pressure does along z, up to a factor.
+
+    That is so of bodies without coating in plane strain, and for a Poisson's ratio of 0.
+    """
+    if any(map(is_layered, solids)):
+        return False
+    materials = (material for solid in solids for material in _materials(solid))
+    if all(material.compliance * material.poisson_ratio == 0 for material in materials):
+        return True
+    return not varies and paddings[1].window is None
+
+
+def dundurs(solids: tuple[Body, ...]) -> float:
+    """Return Dundurs' beta of the instantaneous response of two bodies, 0 for two equal bodies of any kind.
+
+    That of a coated body is the largest in magnitude, by its coating and by its substrate. Source: Dundurs
+    (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to shear is
+    not known.
+    """
+    first, second = solids
+    if first == second:
+        return 0.0
+    pairs = product(_materials(first), _materials(second))
+    return max((_dundurs(upper, lower) for upper, lower in pairs), key=abs)
+
+
+def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
+    """Return Dundurs' beta of two materials, ``(a1 - a2) / (2 (b1 + b2))`` by (1 - 2 nu) / G and (1 - nu) / G."""
+    (a1, b1), (a2, b2) = (
+        ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
+        for solid in (first, second)
+        for shear in (solid.youngs_modulus / (2 * (1 + solid.poisson_ratio)),)
+    )
+    return float((a1 - a2) / (2 * (b1 + b2)))
+
+
+def _materials(solid: Body) -> tuple[Homogeneous, ...]:
+    """Return the material of a body, or those of its coating and its substrate."""
+    if isinstance(solid, CoatedHalfSpace):
+        return solid.coating, solid.substrate
+    if isinstance(solid, Homogeneous) and not is_layered(solid):
+        return (solid,)
+    raise InvalidInput(
+        "Scene.solids are dissimilar together with friction, and the response to shear of a "
+        f"{type(solid).__name__} is not known: give two equal bodies, or HalfSpace and CoatedHalfSpace."
+    )
+
+
+def are_similar(solids: tuple[Body, ...]) -> bool:
+    """Return whether shear between two bodies does not change the gap."""
+    first, second = solids
+    if first == second:
+        return True
+    of_one_material = all(materials[0] == materials[-1] for materials in map(_materials, solids))
+    return of_one_material and abs(dundurs(solids)) <= ALIKE
+
+
+def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
+    """Return the bodies that respond to shear as `solids` do, creeping ones at rest by their instantaneous response."""
+    bodies = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
+    shearable = HalfSpace | CoatedHalfSpace | RollingHalfSpace
+    return tuple(solid for solid in bodies if isinstance(solid, shearable))
+
+
+def shear_coupling(
+    solids: tuple[Body, ...], axes: str, grid: Grid, paddings: Paddings, datum: float
+) -> list[GeneralConvolution]:
+    """Return the change of the gap by shear along each of the `axes`, none for elastically similar bodies."""
+    if solids[0] == solids[1]:
+        return []
+    first, second = sheared(solids)
+    return normal_displacement(first, second, axes, grid, paddings, datum)
+
+
+def coefficient(name: str, value: object, *, zero: bool) -> float:
+    """Return a coefficient of friction of the law `name`, which may be 0 if `zero`."""
+    remedy = f"give a coefficient of friction {'from' if zero else 'above'} 0, and below 1"
+    field = f"{name}.coefficient"
+    number = finite(field, value, remedy)
+    if number < 0 or number >= 1 or (number == 0 and not zero):
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return number if number == 0 else in_range(field, number, remedy)
+
+
+def check_tangential_response(
+    scene: FrictionContext,
+    name: str,
+    alternative: str = "",
+    creep: Literal["follows", "refused"] = "refused",
+) -> None:
+    """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
+    for number, solid in enumerate(scene.solids):
+        if (creeps(solid) and creep == "follows") or isinstance(solid, HalfSpace | CoatedHalfSpace):
+            continue
+        reason = "its response to shear is not known"
+        if yields(solid):
+            reason = "shear makes it flow along its surface, which is not computed"
+        elif creeps(solid):
+            reason = "it keeps shear from before, which is not computed"
+        raise InvalidInput(
+            f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: {reason}, give a HalfSpace or a "
+            f"CoatedHalfSpace{alternative}."
+        )
+
+
+def check_similar(scene: FrictionContext, name: str, alternative: str = "") -> None:
+    """Raise InvalidInput for elastically dissimilar bodies, which slip under normal load alone, with the law `name`."""
+    if not are_similar(scene.solids):
+        raise InvalidInput(
+            f"Scene.solids are elastically dissimilar (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
+            f"they slip under the normal load alone, give bodies of one material{alternative}."
+        )
+
+
+def check_static(scene: FrictionContext, name: str, remedy: str = "") -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
+    if scene.rolling is not None:
+        raise InvalidInput(
+            f"Scene.rolling is {scene.rolling!r} together with {name}: material carries shear through a rolling "
+            "contact, give TractiveRolling, which has a speed of its own."
+        )
+    if (changing := scene.time_dependent_field) is not None:
+        raise InvalidInput(
+            f"{changing} changes in time together with {name}: shear depends on the path of its forces, "
+            f"{remedy or 'give Fretting with times'}."
+        )

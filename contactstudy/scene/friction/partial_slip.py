@@ -1,0 +1,108 @@
+"""Partial slip under a tangential force."""
+
+from dataclasses import dataclass
+from math import inf
+from typing import ClassVar
+
+from contactstudy.domain.checks import InvalidInput, finite, set_fields, suggest_fields
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid, Paddings
+from contactstudy.domain.units import NewtonsPerMetre, Number, readable
+from contactstudy.elasticity.tangential import shear_response
+from contactstudy.scene.friction.friction_law import (
+    FrictionContext,
+    check_similar,
+    check_static,
+    check_tangential_response,
+    coefficient,
+    gives_way_alike,
+    sheared,
+)
+from contactstudy.scene.solids.bodies import is_layered
+from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class PartialSlip:
+    """Partial slip under a tangential force that friction holds back.
+
+    The bodies are pressed first, sheared after, and never unloaded. Shear is found by Ciavarella and Jaeger's
+    superposition where that is exact (nothing varies along the length, or Poisson's ratio is 0, and no hardness limits
+    the pressure), and else for both components of shear.
+
+    Parameters
+    ----------
+    coefficient
+        Coefficient of friction, above 0 and below 1.
+    tangential
+        Force along x on the first body [N/m], of either sign, less than the coefficient times the load.
+
+    Raises
+    ------
+    InvalidInput
+        For other values; in a scene with elastically dissimilar bodies, or a change in time.
+    """
+
+    sticks: ClassVar[bool] = True
+
+    coefficient: Number
+    tangential: NewtonsPerMetre
+
+    def __post_init__(self) -> None:
+        remedy = "give a force along x [N/m]"
+        set_fields(
+            self,
+            coefficient=coefficient("PartialSlip", self.coefficient, zero=False),
+            tangential=finite("PartialSlip.tangential", self.tangential, remedy),
+        )
+
+    def check(self, scene: FrictionContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
+        check_static(scene, "PartialSlip")
+        check_tangential_response(scene, "PartialSlip", ", or Sliding")
+        check_similar(scene, "PartialSlip", ", or Sliding")
+        limit = self.coefficient * scene.load.largest
+        if not abs(self.tangential) < limit:
+            raise InvalidInput(
+                f"PartialSlip.tangential is {self.tangential!r}: friction transmits less than "
+                f"{readable(limit, 'N m-1')}: give a smaller force, or Sliding."
+            )
+
+    def law(
+        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
+    ) -> CiavarellaJaeger | PartialSlipShear:
+        """Return superposition where it is exact for this gap, else the problem of two components."""
+        if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
+            limit = self.coefficient * scene.load.largest
+            return CiavarellaJaeger(self.coefficient, self.tangential / limit)
+        response = shear_response(sheared(scene.solids), grid, paddings, datum)
+        return PartialSlipShear(self.coefficient, self.tangential, response)
+
+    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
+        """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
+        if self.superposes(scene, varies=varies, paddings=paddings):
+            return (
+                "friction: partial slip by Ciavarella and Jaeger's superposition, two solves, which is exact as "
+                + ("Poisson's ratio is 0." if varies else "nothing varies along the length.")
+            )
+        return (
+            "friction: partial slip for both components of shear, for "
+            + (
+                "a hardness limits the pressure;"
+                if scene.hardness != inf
+                else "adhesion adds to the pressure;"
+                if scene.adhesion is not None
+                else "the tangential compliance of a coating differs from its normal one;"
+                if any(map(is_layered, scene.solids))
+                else "something varies along the length and Poisson's ratio is not 0;"
+            )
+            + " 20 to 60 applications of four transforms each, in addition to the normal solve."
+        )
+
+    @staticmethod
+    def superposes(scene: FrictionContext, *, varies: bool, paddings: Paddings) -> bool:
+        """Return whether two normal contacts make up the shear exactly."""
+        # a pressure that is capped or attracted is no difference of two contacts
+        is_elastic = scene.hardness == inf and scene.adhesion is None
+        return is_elastic and gives_way_alike(scene.solids, varies=varies, paddings=paddings)

@@ -1,0 +1,304 @@
+"""Lubricant with its laws of viscosity, density and shear stress."""
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from contactstudy.domain.checks import (
+    InvalidInput,
+    in_range,
+    in_range_from_zero,
+    set_fields,
+    suggest_fields,
+)
+from contactstudy.domain.fields import Array
+from contactstudy.domain.units import Number, Pascals, PascalSeconds, PressureViscosity
+
+
+@runtime_checkable
+class ViscosityLaw(Protocol):
+    """Viscosity as a function of pressure."""
+
+    def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa.
+
+        ``coefficient`` [1/Pa] is the derivative at zero pressure.
+        """
+
+    def temperature_factor(self, pressure: Array) -> Array:
+        """Return the relative fall of viscosity with temperature at ``pressure`` [Pa], over that at zero pressure."""
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class Barus:
+    """Viscosity that grows by ``eta = eta0 exp(alpha p)`` (Barus 1893): too fast beyond some 0.5 GPa."""
+
+    def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
+        return coefficient * pressure, np.full_like(pressure, coefficient)
+
+    def temperature_factor(self, pressure: Array) -> Array:
+        """Return one: the pressure coefficient does not depend on the temperature."""
+        return np.ones_like(pressure)
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class Roelands:
+    """Viscosity that grows by ``ln(eta / eta0) = alpha p0 / z ((1 + p / p0)^z - 1)`` (Roelands 1966).
+
+    Parameters
+    ----------
+    exponent
+        z, above 0 and up to 1, where the law is that of :class:`Barus`.
+    reference_pressure
+        p0 [Pa], above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    exponent: Number = 0.6
+    reference_pressure: Pascals = 1.96e8
+
+    def __post_init__(self) -> None:
+        remedy = "give an exponent above 0 and up to 1, such as 0.6"
+        exponent = in_range("Roelands.exponent", self.exponent, remedy)
+        if exponent > 1:
+            raise InvalidInput(f"Roelands.exponent is {self.exponent!r}: {remedy}.")
+        pressure = in_range(
+            "Roelands.reference_pressure", self.reference_pressure, "give a pressure above 0 Pa"
+        )
+        set_fields(self, exponent=exponent, reference_pressure=pressure)
+
+    def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
+        """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
+        z, p0 = self.exponent, self.reference_pressure
+        stretched = 1 + pressure / p0
+        return (coefficient * p0 / z * (stretched**z - 1), coefficient * stretched ** (z - 1))
+
+    def temperature_factor(self, pressure: Array) -> Array:
+        """Return ``(1 + p / p0)^z``: Roelands' pressure coefficient falls as the temperature rises."""
+        return np.asarray((1 + pressure / self.reference_pressure) ** self.exponent)
+
+
+@runtime_checkable
+class DensityLaw(Protocol):
+    """Density as a function of pressure."""
+
+    def ratio(self, pressure: Array) -> tuple[Array, Array]:
+        """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa], at least 0 Pa."""
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class ConstantDensity:
+    """An incompressible lubricant."""
+
+    def ratio(self, pressure: Array) -> tuple[Array, Array]:
+        """Return one, and zero [1/Pa]."""
+        return np.ones_like(pressure), np.zeros_like(pressure)
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class DowsonHigginson:
+    """Density that grows by ``rho / rho0 = 1 + c p / (1 + d p)`` (Dowson & Higginson 1966), of mineral oil by default.
+
+    Parameters
+    ----------
+    compressibility
+        c [1/Pa], at zero pressure, at least 0.
+    saturation
+        d [1/Pa], above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    compressibility: PressureViscosity = 0.6e-9
+    saturation: PressureViscosity = 1.7e-9
+
+    def __post_init__(self) -> None:
+        set_fields(
+            self,
+            compressibility=in_range_from_zero(
+                "DowsonHigginson.compressibility",
+                self.compressibility,
+                "give a compressibility of at least 0 1/Pa",
+            ),
+            saturation=in_range("DowsonHigginson.saturation", self.saturation, "give 1/Pa above 0"),
+        )
+
+    def ratio(self, pressure: Array) -> tuple[Array, Array]:
+        """Return ``rho / rho0`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
+        spread = 1 + self.saturation * pressure
+        return 1 + self.compressibility * pressure / spread, self.compressibility / spread**2
+
+
+@runtime_checkable
+class ShearLaw(Protocol):
+    """Shear stress of a lubricant as a function of the shear rate."""
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa] where that of a Newtonian lubricant is ``newtonian`` [Pa]."""
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class Newtonian:
+    """A shear stress in proportion to the shear rate, without a limit."""
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the stress itself."""
+        return newtonian.copy()
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class Eyring:
+    """Shear stress ``tau = tau0 asinh(eta rate / tau0)`` (Eyring 1936).
+
+    Parameters
+    ----------
+    reference
+        Eyring stress tau0 [Pa], above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    reference: Pascals = 5e6
+
+    def __post_init__(self) -> None:
+        remedy = "give an Eyring stress above 0 Pa, such as 5e6"
+        set_fields(self, reference=in_range("Eyring.reference", self.reference, remedy))
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa]."""
+        return np.asarray(self.reference * np.arcsinh(newtonian / self.reference))
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class Carreau:
+    """Shear stress ``tau = tau_N (1 + (tau_N / tau0)^2)^((n - 1) / 2)`` of the Newtonian stress tau_N (Carreau 1972).
+
+    Parameters
+    ----------
+    reference
+        Newtonian stress tau0 [Pa] where the viscosity begins to fall, above 0.
+    exponent
+        n, above 0 and up to 1, where the law is that of :class:`Newtonian`.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    reference: Pascals = 5e6
+    exponent: Number = 0.5
+
+    def __post_init__(self) -> None:
+        reference = in_range("Carreau.reference", self.reference, "must be above 0 Pa, such as 5e6")
+        remedy = "must be above 0 and at most 1, such as 0.5"
+        exponent = in_range("Carreau.exponent", self.exponent, remedy)
+        if exponent > 1:
+            raise InvalidInput(f"Carreau.exponent is {self.exponent!r}: {remedy}.")
+        set_fields(self, reference=reference, exponent=exponent)
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa]."""
+        # hypot does not overflow
+        thinning = np.hypot(1, newtonian / self.reference) ** (self.exponent - 1)
+        return np.asarray(newtonian * thinning)
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class LimitingShear:
+    """Shear stress ``tau = tau_L tanh(eta rate / tau_L)`` with a limit ``tau_L`` in proportion to the pressure.
+
+    Source of such a limit: Bair & Winer (1979).
+
+    Parameters
+    ----------
+    coefficient
+        Limiting shear stress over pressure, above 0.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    coefficient: Number = 0.07
+
+    def __post_init__(self) -> None:
+        remedy = "give the limiting shear stress over pressure, above 0, such as 0.07"
+        set_fields(
+            self, coefficient=in_range("LimitingShear.coefficient", self.coefficient, remedy)
+        )
+
+    def stress(self, newtonian: Array, pressure: Array) -> Array:
+        """Return the shear stress [Pa]; zero without pressure."""
+        limit = self.coefficient * pressure
+        bounded = np.divide(newtonian, limit, out=np.zeros_like(limit), where=limit > 0)
+        return np.asarray(limit * np.tanh(bounded))
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class Lubricant:
+    """Lubricant at one temperature.
+
+    Parameters
+    ----------
+    viscosity
+        eta0 [Pa s] at zero pressure, above 0.
+    pressure_viscosity
+        alpha [1/Pa], the relative growth of viscosity with pressure at zero pressure, at least 0 (0: isoviscous).
+    viscosity_law
+        :class:`Roelands` or :class:`Barus`.
+    density
+        :class:`DowsonHigginson` or :class:`ConstantDensity`.
+    shear
+        :class:`Newtonian`, :class:`Eyring`, :class:`Carreau` or :class:`LimitingShear`, for the friction and not for
+        the film.
+
+    Raises
+    ------
+    InvalidInput
+        For other values.
+    """
+
+    viscosity: PascalSeconds
+    pressure_viscosity: PressureViscosity
+    viscosity_law: ViscosityLaw = Roelands()
+    density: DensityLaw = DowsonHigginson()
+    shear: ShearLaw = Newtonian()
+
+    def __post_init__(self) -> None:
+        viscosity = in_range("Lubricant.viscosity", self.viscosity, "give a viscosity above 0 Pa s")
+        remedy = "give a coefficient of at least 0 1/Pa, such as 2e-8"
+        coefficient = in_range_from_zero(
+            "Lubricant.pressure_viscosity", self.pressure_viscosity, remedy
+        )
+        set_fields(self, viscosity=viscosity, pressure_viscosity=coefficient)
+        for name, kind, example in (
+            ("viscosity_law", ViscosityLaw, "Roelands()"),
+            ("density", DensityLaw, "DowsonHigginson()"),
+            ("shear", ShearLaw, "Eyring(5e6)"),
+        ):
+            law = getattr(self, name)
+            if isinstance(law, type) or not isinstance(law, kind):
+                raise InvalidInput(f"Lubricant.{name} is {law!r}: give a law, such as {example}.")

@@ -1,0 +1,1 @@
+"""Bodies of a scene: elastic, coated, viscoelastic and elastic-plastic half-spaces."""

@@ -1,0 +1,104 @@
+"""Elastic-plastic half-space."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from contactstudy.domain.checks import (
+    InvalidInput,
+    in_range,
+    in_range_from_zero,
+    in_range_or_infinite,
+    set_fields,
+    suggest_fields,
+)
+from contactstudy.domain.units import Number, Pascals
+from contactstudy.elasticity.coefficients import Coefficients
+from contactstudy.scene.solids.bodies import BodyContext, HalfSpace, poisson_ratio
+
+
+@suggest_fields
+@dataclass(frozen=True)
+class ElasticPlasticHalfSpace:
+    """Half-space that yields after von Mises, with linear hardening.
+
+    A scene with one has a history: see :func:`~contactstudy.solve`.
+
+    Parameters
+    ----------
+    youngs_modulus
+        Young's modulus [Pa], above zero and finite.
+    poisson_ratio
+        Poisson's ratio, above -1 and up to 0.5.
+    yield_stress
+        Yield stress in tension [Pa], above zero; infinite for an elastic half-space.
+    hardening_modulus
+        Stress over plastic strain in tension [Pa], at least zero, by which the yield surface grows
+        (isotropic hardening).
+    kinematic_modulus
+        The same [Pa] for a yield surface that moves (Prager's rule). With both moduli at zero the body is
+        perfectly plastic.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is outside these limits; in a scene with a hardness, partial slip, or steady rolling.
+    """
+
+    youngs_modulus: Pascals
+    poisson_ratio: Number
+    yield_stress: Pascals
+    hardening_modulus: Pascals = 0.0
+    kinematic_modulus: Pascals = 0.0
+
+    def __post_init__(self) -> None:
+        name = "ElasticPlasticHalfSpace"
+        remedy = "give a modulus above 0 Pa, or a rigid HalfSpace for a body that does not yield"
+        modulus = in_range(f"{name}.youngs_modulus", self.youngs_modulus, remedy)
+        ratio = poisson_ratio(f"{name}.poisson_ratio", self.poisson_ratio)
+        remedy = "give a stress above 0 Pa, or inf for a body that does not yield"
+        stress = in_range_or_infinite(f"{name}.yield_stress", self.yield_stress, remedy)
+        set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio, yield_stress=stress)
+        for field in ("hardening_modulus", "kinematic_modulus"):
+            remedy = "give a modulus of at least 0 Pa"
+            value = in_range_from_zero(f"{name}.{field}", getattr(self, field), remedy)
+            set_fields(self, **{field: value})
+
+    @property
+    def instantaneous(self) -> HalfSpace:
+        """Elastic half-space that responds like this one until it yields."""
+        return HalfSpace(self.youngs_modulus, self.poisson_ratio)
+
+    @property
+    def compliance(self) -> float:
+        """Compliance before yielding, (1 - nu^2) / E [1/Pa]."""
+        return self.instantaneous.compliance
+
+    def response(self, datum: float) -> Mapping[Coefficients, float]:
+        """Return Boussinesq's coefficients, valid before yielding, with their weight [1/Pa]."""
+        return self.instantaneous.response(datum)
+
+    @property
+    def yields(self) -> bool:
+        """True if some finite load makes the body yield."""
+        return self.yield_stress < math.inf
+
+    def check(self, scene: BodyContext) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` for an effect that is not supported together with plastic strain."""
+        if not self.yields:
+            return
+        if scene.hardness < math.inf:
+            raise InvalidInput(
+                f"Scene.hardness is {scene.hardness!r} together with a body that yields, which limits the pressure "
+                "by itself: leave the hardness out, or give an elastic HalfSpace."
+            )
+        if scene.rolling is not None and scene.rolling.passes is None:
+            raise InvalidInput(
+                f"Scene.rolling is {scene.rolling!r}, which is steady, together with a body that yields, whose strain "
+                "has a history: give Rolling its passes, or leave rolling out."
+            )
+        if scene.rolling is not None and scene.outputs:
+            raise InvalidInput(
+                f"Scene.outputs are {scene.outputs!r} together with passes over a body that yields, whose residual "
+                "stress is in the answer: leave them out."
+            )

@@ -36,6 +36,17 @@ def test_hertz_line_displacement_is_the_logarithmic_potential_of_its_pressure() 
         assert LINE.displacement(x, datum) == pytest.approx(expected, rel=1e-8)
 
 
+def test_stress_on_the_axis_of_a_line_contact_is_johnsons() -> None:
+    """Eqs. 4.46 and 4.47 (1985): the greatest shear is 0.300 of the peak pressure at 0.786 half-widths."""
+    t = np.linspace(0, 2, 2001)
+    xx, zz, xz = LINE.stress(0.0, t * LINE.half_width) / LINE.peak_pressure
+    np.testing.assert_allclose(xx, 2 * t - (1 + 2 * t**2) / np.hypot(1, t), atol=1e-14)
+    np.testing.assert_allclose(zz, -1 / np.hypot(1, t), atol=1e-14)
+    assert not xz.any()
+    shear = (xx - zz) / 2
+    assert (t[shear.argmax()], shear.max()) == pytest.approx((0.786, 0.300283), abs=1e-6)
+
+
 def test_the_contact_of_lee_and_radok_begins_as_that_of_hertz() -> None:
     body = cs.ViscoelasticHalfSpace(4e10, 0.0, ((7.5e10, 0.3),))
     held = cs.analytic.LeeRadok(1e5, 0.01, 4e10, body.relaxation, body.creep)

@@ -3,9 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_array_equal
 from numpy.typing import ArrayLike
 
 from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
@@ -15,14 +13,11 @@ from contactstudy.elasticity.kernels.displacement_periodic import (
     boussinesq_cell_periodic,
 )
 from tests.contactstudy.elasticity.kernels.test_cell import (
-    EPS,
     EXACT,
     TOLERANCE_DIGITS,
     column,
     corners,
-    lengths,
     love,
-    offsets,
 )
 from tests.fifty_digits import stored
 
@@ -31,8 +26,6 @@ with mp.workdps(TOLERANCE_DIGITS):
     MIDPOINT_WEIGHTS = [
         (n, mp.bernpoly(n, mp.mpf(1) / 2) / (n * (n - 1))) for n in range(2, 2 * TAIL_TERMS + 1, 2)
     ]
-
-fractions = st.floats(1e-3, 1)
 
 
 # --- the judge -------------------------------------------------------------------------------------
@@ -97,7 +90,6 @@ def lattice_error(
 CELLS = [
     (1e-6, 1e-6), (1e-6, 1.0), (0.01, 0.02), (0.3, 0.7), (1.0, 1.0), (1.001, 1e-3), (30.0, 1e-2), (1e6, 1.0),
 ]  # fmt: skip
-PERIODS = [0.013, 1.0, 1700.0]
 
 
 def test_lattice_has_its_reference_values() -> None:
@@ -186,83 +178,8 @@ def test_lattice_is_even_and_repeats_to_the_last_bit(dx: float, dy: float) -> No
         assert_array_equal(boussinesq_cell_periodic(*same, dx, dy, 1.0), expected)
 
 
-@pytest.mark.parametrize("period", PERIODS)
 @pytest.mark.parametrize("dx", [1e-6, 0.01, 1.0, 40.0])
-def test_one_cell_per_period_is_plane_strain(dx: float, period: float) -> None:
-    """It varies along x alone: the logarithm, averaged over the width of the cell."""
+def test_one_cell_per_period_varies_across_alone(dx: float) -> None:
     x = np.array([0, 0.3, 0.499, 0.501, 0.7, 3, 1e4])[:, None] * max(dx, 1.0)
-    y = np.array([0, 0.1, 0.5, 0.77])
-    right, left = x + dx / 2, x - dx / 2
-    # taken relative to x where that is far, or the difference would cancel
-    datum = np.maximum(x, dx)
-    ends = right * np.log(right / datum) - left * np.log(np.abs(left / datum))
-    expected = -2 * (ends - dx + dx * np.log(datum * period)) * period
-    found = boussinesq_cell_periodic(x * period, y * period, dx * period, period, period)
-    # ends - dx cancels down to dx (dx / x)^2 / 12 of x
-    rounding = 8 * EPS * (datum + dx * (1 + np.abs(np.log(datum * period)))) * period
-    assert (np.abs(found - expected) <= rounding + EXACT * dx * period).all()
+    found = boussinesq_cell_periodic(x, np.array([0, 0.1, 0.5, 0.77]), dx, 1.0, 1.0)
     assert (found == found[:, :1]).all()
-
-
-@pytest.mark.parametrize("times", [2, 5])
-@pytest.mark.parametrize(("dx", "dy"), CELLS[2:])
-def test_lattice_is_made_of_sparser_lattices(dx: float, dy: float, times: int) -> None:
-    """What is Fourier series for the one is a sum of images for the others."""
-    x, y = np.array([0, 0.4, 0.9, 2, 8])[:, None, None], np.array([0, 0.2, 0.5])[:, None]
-    shifts = np.arange(times)
-    sparse = boussinesq_cell_periodic(x, y + shifts, dx, dy, float(times)).sum(axis=2)
-    dense = boussinesq_cell_periodic(x[..., 0], y[:, 0], dx, dy, 1.0)
-    assert_allclose(sparse, dense, rtol=EXACT, atol=EXACT * dx * dy)
-
-
-@settings(max_examples=20)
-@given(offsets, offsets, lengths, fractions, lengths, st.floats(1e-6, 1e6))
-def test_lattice_scales_but_for_its_logarithm(
-    x: float, y: float, dx: float, fraction: float, period: float, scale: float
-) -> None:
-    lengths = np.array([x, y, dx, fraction * period, period])
-    found = boussinesq_cell_periodic(*(lengths * scale)) / scale
-    unit = lengths[2] * lengths[3] / period
-    expected = boussinesq_cell_periodic(*lengths) - 2 * unit * np.log(scale)
-    # scaling rounds y, by as much of a cell as there are cells up to it
-    moved = EPS * max(abs(y), period) / min(dx, lengths[3])
-    largest = max(unit * (1 + 2 * abs(np.log(scale))), abs(expected), abs(found))
-    assert abs(found - expected) <= (EXACT + 8 * moved) * largest
-
-
-@pytest.mark.parametrize(("dx", "dy"), CELLS)
-def test_distant_lattice_is_a_line(dx: float, dy: float) -> None:
-    x, y = np.array([10.0, 1e2, 1e4, 1e6])[:, None] * (1 + dx), np.array([0, 0.3, 0.5])
-    found = boussinesq_cell_periodic(x, y, dx, dy, 1.0)
-    # the mean of -2 ln over the width is larger by its second moment, dx^2 / 12 x^2; the harmonics
-    # are below exp(-20 pi)
-    departure = found / (dx * dy) + 2 * np.log(x)
-    moment = dx**2 / (12 * x**2)
-    assert (np.abs(departure - moment) <= moment * (dx / x) ** 2 + 16 * EPS * np.log(x)).all()
-
-
-# (x, y, dx, dy) in periods. Near y = 0.29 at x = 0 the leading error of the truncation changes sign.
-TRUNCATED = [
-    (0, 0, 0.01, 0.01), (0, 0.1, 0.05, 0.02), (0, 0.5, 0.01, 0.01), (0.4, 0.2, 0.1, 0.1),
-    (0.7, 0.0, 0.3, 0.25), (2.0, 0.5, 0.1, 0.01), (9.0, 0.3, 0.1, 0.1), (0.6, 0.0, 0.1, 1.0),
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("case", TRUNCATED)
-def test_images_one_by_one_approach_the_lattice_without_turning_back(
-    case: tuple[float, float, float, float],
-) -> None:
-    images = np.arange(1, 10_001)
-    period = 1.3
-    x, y, dx, dy = (a * period for a in case)
-    pairs = sum(boussinesq_cell(x, y + side * images * period, dx, dy) for side in (1, -1))
-    total = boussinesq_cell(x, y, dx, dy) + np.cumsum(pairs)
-    unit = 2 * dx * dy / period
-    truncated = total - unit * np.log((2 * images + 1) * period)
-    error = np.abs(truncated - boussinesq_cell_periodic(x, y, dx, dy, period))
-    rounding = 4 * EPS * (total + unit * np.log((2 * images + 1) * period))
-    assert (np.diff(error) < rounding[1:]).all()
-    assert (np.diff(error[:1000]) < 0).all()
-    # of second order: what is left is moments of the images, over the square of their number
-    last = error[[-5000, -1]] * images[[-5000, -1]] ** 2
-    assert_allclose(last[1], last[0], rtol=0.01)

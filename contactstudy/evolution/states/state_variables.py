@@ -327,20 +327,3 @@ def least_eigenvalue(contact_modulus: float, cell: float) -> float:
     It is that of plane strain, with the width of a cell [m] across and the contact modulus E* [Pa].
     """
     return 0.742 * cell / contact_modulus
-
-
-def explicit_limit(rate: float, contact_modulus: float, cell: float) -> float:
-    """Return the longest stable step [s] of explicit wear in plane strain.
-
-    It is ``2 lambda / rate``, with the :func:`least_eigenvalue` lambda of the influence matrix.
-
-    Parameters
-    ----------
-    rate
-        Specific wear rate times sliding speed [m/(Pa s)].
-    contact_modulus
-        Contact modulus E* [Pa].
-    cell
-        Width of a cell across [m].
-    """
-    return 2 * least_eigenvalue(contact_modulus, cell) / rate

@@ -106,9 +106,7 @@ def test_a_body_that_has_yielded_holds_on_to_a_pull_that_takes_an_elastic_one_of
     assert dent.bound == inf
 
 
-def test_adhesion_of_a_body_that_yields_needs_a_range_and_a_history() -> None:
-    with pytest.raises(cs.InvalidInput, match="range is None together with a body that yields"):
-        replace(scene(BODY), adhesion=cs.Adhesion(WORK))
+def test_a_pull_off_is_refused_where_a_body_yields() -> None:
     with pytest.raises(cs.InvalidInput, match=r"PullOff together with .*solids.* has a history"):
         replace(scene(BODY), load=cs.PullOff(UNIT))
 

@@ -143,23 +143,6 @@ def test_a_wave_in_full_contact_relaxes_by_itself() -> None:
     np.testing.assert_allclose(wave / wave[0], relaxed, rtol=(0.01 / 0.4) ** 2 / 4)
 
 
-def test_a_period_may_be_counted_twice() -> None:
-    """All images are exact, so two periods give the same pressure twice, at every instant."""
-    width, period = 0.6, 0.3
-    scene = rolling_cylinder(SOLID)
-    scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.15, along=0.3)))
-    times = [0.0, 0.3, 1.0]
-    once, twice = (
-        evolved(
-            scene, cs.Grid((64, 16 * count), (width, period * count)), times, tolerance=1e-10
-        ).pressure
-        for count in (1, 2)
-    )
-    # each half sees the other as it sees its own image
-    np.testing.assert_allclose(twice[:, :, :16], twice[:, :, 16:], atol=1e-6 * twice.max())
-    np.testing.assert_allclose(once, np.roll(twice, 8, axis=2)[:, :, :16], atol=1e-6 * twice.max())
-
-
 @pytest.mark.parametrize("ratio", [0.0, 1e-12, 1e-4, 9.9e-4, 1.1e-3, 0.1, 1.0, 50.0, 1e9])
 def test_a_step_weighs_the_past_and_both_pressures_and_they_add_up(ratio: float) -> None:
     kept, before, after = retardation_weights(ratio)

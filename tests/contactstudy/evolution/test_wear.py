@@ -10,7 +10,6 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.evolve import evolve
-from contactstudy.evolution.states.state_variables import explicit_limit
 from contactstudy.evolution.time_steps import Scheme
 from contactstudy.evolution.trajectory import Trajectory
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, evolved, rolling_cylinder
@@ -161,33 +160,6 @@ def test_no_wear_is_the_scene_without_it() -> None:
         np.testing.assert_array_equal(found.frames[0].gap, elastic.gap)
         assert found.step_error == 0
         assert not found.frames[0].fields
-
-
-def test_an_explicit_march_breaks_where_it_is_said_to() -> None:
-    """Beyond the limit the shortest wave of the contact grows from step to step, below it does not."""
-    grid = cs.Grid((128, 1), (2.0, 1.0))
-    limit = explicit_limit(1.0, 1.0, grid.cell_size[0])
-    # a punch under so much load that it stays in contact as a whole
-    scene = cs.Scene(cs.LineLoad(1.0), (ELASTIC, RIGID), (Jagged(1e-9),), wear=cs.Wear(1.0, 1.0))
-    for factor in (0.9, 1.1):
-        times = factor * limit * np.arange(41)
-        found = evolved(scene, grid, times, tolerance=1e-12, scheme=Scheme.EXPLICIT)
-        middle = found.pressure[:, 32:96, 0]
-        jagged = np.abs(np.diff(middle, n=3, axis=1)).max(axis=1)
-        assert (jagged[-1] > jagged[20]) == (factor > 1)
-
-
-class Jagged:
-    """Every other cell stands out."""
-
-    curvature = 0.0
-
-    def __init__(self, height: float) -> None:
-        self.height = height
-
-    def gap(self, grid: cs.Grid) -> Array:
-        signs = 1 - 2 * (np.arange(grid.cells[0]) % 2)
-        return np.broadcast_to(self.height * signs[:, None], grid.cells)
 
 
 def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() -> None:

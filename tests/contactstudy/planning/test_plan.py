@@ -5,8 +5,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import memory
-from contactstudy.planning.forecast import within_memory
 from tests.conftest import LineContact
 
 
@@ -196,7 +194,8 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     monkeypatch.setattr("contactstudy.planning.plan.available_bytes", lambda: 4e6)
     wide = with_shapes(line_contact, cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
     small = cs.plan(wide, error=1e-4)
-    assert small.bytes <= 4e6
+    # of the 80 % that a plan may take, a hundredth of the cells along each axis is left for rounding, and a step
+    assert 0.9 * 0.8 * 4e6 < small.bytes <= 0.8 * 4e6
     assert small.error > 1e-4
     assert "GB that are free" in " ".join(small.warnings)
 
@@ -243,16 +242,6 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
 def test_a_device_that_is_none_is_refused(line_contact: LineContact) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^plan\.on is 2: give Cpu\(threads=2\) or Gpu\(\)"):
         cs.plan(line_contact.scene, on=2)  # type: ignore[arg-type]
-
-
-def test_a_grid_that_memory_does_not_hold_is_made_the_finest_that_it_holds() -> None:
-    grid, exact = cs.Grid((1024, 512), (1.0, 1.0)), cs.ExactPeriodicity()
-    most = memory(cs.Grid((512, 256), (1.0, 1.0)), exact)
-    found = within_memory(grid, exact, most)
-    assert memory(found, exact) <= most
-    # a hundredth is left for rounding, and a step more where that was not enough
-    assert 0.95 * 512 <= found.cells[0] <= 512
-    assert found.cells[0] / found.cells[1] == pytest.approx(2, rel=0.02)
 
 
 def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for(

@@ -78,30 +78,6 @@ def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
     assert 0.7 < int(said.split("some ")[1].split()[0]) / layers < 1.4
 
 
-def test_cells_are_finer_where_a_body_yields_by_more_than_three_times() -> None:
-    """The error of a plastic contact is ``(r / 3)^1.5`` times the elastic one, and that of steps is half of it."""
-    elastic = replace(PLAIN, solids=(STEEL, cs.HalfSpace(np.inf, 0.0)))
-    loads = cs.LoadHistory((0.0, 1.0), (0.0, elastic.load.per_length))
-    cells = []
-    for ratio in (2.0, 3.0, 6.0):
-        body = cs.ElasticPlasticHalfSpace(210e9, 0.3, elastic.hertz.peak_pressure / ratio)
-        scene = replace(elastic, load=loads, solids=(body, elastic.solids[1]))
-        cells.append(plan_grid(scene, error=1e-2).grid.cell_size[0])
-    assert cells[0] == pytest.approx(cells[1], rel=0.1)
-    assert cells[2] == pytest.approx(cells[1] / 2**1.5, rel=0.1)
-
-
-def test_a_finer_grid_of_what_yields_is_said_to_take_more() -> None:
-    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9)
-    history = cs.LoadHistory((0.0, 1.0), (0.0, 1e6))
-    scene = cs.Scene(history, (body, cs.HalfSpace(np.inf, 0.0)), (cs.Cylinder(0.01),))
-    coarse, fine = (
-        plan_grid(scene, error=1e-2, grid=cs.Grid((cells, 1), (1e-3, 1e-3))) for cells in (64, 128)
-    )
-    # operators are matrices over layers for every wave: twice of both
-    assert 5 < fine.bytes / coarse.bytes < 9
-
-
 BODY = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
 
 PLAIN = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))

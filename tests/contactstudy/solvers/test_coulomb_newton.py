@@ -1,65 +1,12 @@
-"""Newton's method on Coulomb's projection, its linear equations and its fallback."""
+"""Applications of a shear iteration, and the projection onto the disks of Coulomb's law."""
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.tangential import shear_response
-from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
 from contactstudy.solvers.friction.friction_set import FrictionSet
-from contactstudy.solvers.friction.slip import RollingSlip
-
-GRID = cs.Grid((24, 12), (2.2, 2.2))
 
 FREE = cs.ZeroPadding(), cs.ZeroPadding()
-
-# The coefficient of friction times the pressure of a sphere with E* = 1.
-LIMIT = 0.3 * np.sqrt(np.maximum(1 - GRID.x[:, None] ** 2 - GRID.y**2, 0))
-
-RESPONSE = shear_response((cs.HalfSpace(2 * (1 - 0.25**2), 0.25),) * 2, GRID, FREE, 1.0)
-
-RIGID = -np.stack(
-    [np.full(GRID.cells, 0.2), 0.1 + 0.3 * np.broadcast_to(GRID.x[:, None], GRID.cells)]
-)
-
-
-def converged() -> tuple[CoulombNewton, np.ndarray, np.ndarray, np.ndarray, float]:
-    rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell_size[0]), LIMIT)
-    start = np.zeros((2, np.count_nonzero(LIMIT)))
-    return rolled, *rolled.solve(RIGID, start, 1e-9, 2000)
-
-
-def test_shear_obeys_coulombs_law() -> None:
-    rolled, shear, slip, _, residual = converged()
-    assert residual <= 1e-9
-    radius, size, speed = (
-        rolled.gathered(np.stack([LIMIT] * 2))[0],
-        np.hypot(*shear),
-        np.hypot(*slip),
-    )
-    assert (size <= radius * (1 + 1e-12)).all()
-    slides = speed > 1e-6 * speed.max()
-    assert slides.any()
-    assert not slides.all()
-    np.testing.assert_allclose(size[slides], radius[slides], rtol=1e-5)
-    against = -np.einsum("cn,cn->n", shear, slip)[slides]
-    np.testing.assert_allclose(against, (size * speed)[slides], rtol=1e-4)
-
-
-def test_slip_is_the_rigid_one_and_the_change_of_displacement_from_the_cell_ahead() -> None:
-    rolled, shear, slip, *_ = converged()
-    displacement = RESPONSE(rolled.field(shear))
-    change = (displacement[:, :-1] - displacement[:, 1:]) / GRID.cell_size[0]
-    expected = (RIGID[:, :-1] + change)[:, LIMIT[:-1] > 0]
-    np.testing.assert_allclose(slip, expected, atol=1e-9)
-
-
-def test_the_limit_of_applications_ends_the_iteration() -> None:
-    rolled = CoulombNewton(RollingSlip(RESPONSE, GRID.cell_size[0]), LIMIT)
-    start = np.zeros((2, np.count_nonzero(LIMIT)))
-    *_, residual = rolled.solve(RIGID, start, 1e-12, 7)
-    assert residual > 1e-12
-    assert rolled.applications <= 8
 
 
 @pytest.mark.cases(2)
@@ -74,9 +21,7 @@ def test_a_finite_roller_takes_no_more_applications_than_promised(
     friction = cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=5e-4, spin=0.1)
     scene = cs.Scene(cs.LineLoad(1e5), (body, body), shapes, friction=friction)
     width = 2.6 * scene.hertz.half_width
-    cells = 48, round(1.05 * length / (elongation * width / 48))
-    if cells[1] > 400:
-        cells = 48, 400
+    cells = 48, min(round(1.05 * length / (elongation * width / 48)), 400)
     grid = cs.Grid(cells, (width, 1.05 * length))
     problem = scene.problem(grid, FREE)
     pressure = cs.solve(
@@ -88,9 +33,7 @@ def test_a_finite_roller_takes_no_more_applications_than_promised(
 
 
 CHANCE = np.random.default_rng(3)
-
 RADIUS = CHANCE.uniform(0.01, 1, 40)
-
 TRIAL = CHANCE.normal(size=(2, 40))
 
 

@@ -220,6 +220,7 @@ def test_threads_give_the_same_answer(
     precision: cs.Precision, line_contact: LineContact, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rows, "BLOCK_CELLS", 256)
+    monkeypatch.setattr(rows, "CELLS_PER_THREAD", 256)
     a = line_contact.hertz.half_width
     rough = cs.Roughness(rms=1e-2 * a, hurst=0.8, roll_off=a, cut_off=0.2 * a, seed=1)
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, rough))

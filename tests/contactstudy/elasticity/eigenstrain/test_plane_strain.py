@@ -103,7 +103,7 @@ def test_a_cylinder_of_uniform_strain_far_below_has_the_stress_of_eshelby(radius
     assert taken == pytest.approx(exact, rel=0.25 / radius)
 
 
-def test_strain_on_both_sides_acts_as_that_of_many_cells_there() -> None:
+def test_half_lines_of_strain_are_the_limit_of_finite_strips() -> None:
     """What is left of the cells beyond falls as one over their distance."""
     moduli, beyond, edges = Moduli(2.0, 0.3), 2000, LAYERS["graded"]
     near, wide = (

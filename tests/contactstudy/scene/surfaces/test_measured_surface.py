@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from contactstudy.domain.fields import Array
 from contactstudy.scene.surfaces.preparation import Ends, cell_means
 from tests.conftest import LineContact
 
@@ -269,15 +268,6 @@ def test_few_points_have_no_more_trend_than_they_show(shape: tuple[int, int]) ->
 
 
 ROUGH = np.random.default_rng(0).standard_normal((5, 24)) + 7
-
-
-def resampled(cells: int, width: float = 1.0, *, ends: Ends = "periodic") -> Array:
-    return cell_means(ROUGH, 1, extent=1.0, cells=cells, width=width, ends=ends)
-
-
-def test_a_period_of_three_shows_the_surface_thrice() -> None:
-    three = resampled(90, 3.0)
-    np.testing.assert_allclose(three, np.tile(resampled(30), 3), rtol=1e-13)
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

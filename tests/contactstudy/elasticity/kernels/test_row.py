@@ -6,7 +6,6 @@ import pytest
 from numpy.testing import assert_array_equal
 from numpy.typing import ArrayLike
 
-from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
 from contactstudy.elasticity.kernels.displacement_periodic import (
     FOURIER_END,
     FOURIER_START,

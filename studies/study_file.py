@@ -9,7 +9,7 @@ from types import ModuleType
 
 from contactstudy import InvalidInput
 from studies.model.axis import Axis
-from studies.model.plain_text import one_line
+from studies.model.plain_text import one_line, quoted, shortened
 from studies.model.study import Study
 
 NEEDED = ("axes", "case_at", "measures")
@@ -33,7 +33,7 @@ def module_in(path: Path) -> ModuleType:
     name = module_name(path)
     if not is_file:
         raise InvalidInput(
-            f"Study file {_short(path)} cannot be read: give the path of a Python file."
+            f"Study file {quoted(path)} cannot be read: give the path of a Python file."
         )
     module = ModuleType(name)
     sys.modules[name] = module
@@ -55,7 +55,7 @@ def module_in(path: Path) -> ModuleType:
     axes = module.axes
     if not isinstance(axes, tuple | list) or not all(isinstance(axis, Axis) for axis in axes):
         raise InvalidInput(
-            f"{_where(path, 'axes')}: axes is {one_line(repr(axes), 60)}: give a tuple of "
+            f"{_where(path, 'axes')}: axes is {shortened(axes)}: give a tuple of "
             "studies.Axis, such as (Axis('grid', (16, 32), 'cells'),)."
         )
     if not axes:
@@ -90,7 +90,7 @@ def _names(path: Path, module: ModuleType, part: str) -> tuple[str, ...]:
     names = (names,) if isinstance(names, str) else names
     if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
         raise InvalidInput(
-            f"{_where(path, part)}: {part} is {one_line(repr(names), 60)}: give the names of files beside the study."
+            f"{_where(path, part)}: {part} is {shortened(names)}: give the names of files beside the study."
         )
     return tuple(names)
 
@@ -117,7 +117,7 @@ def _blaming(path: Path) -> Iterator[None]:
         message = str(error) if isinstance(error, InvalidInput) else one_line(message, 500)
         at = "" if line is None else f", line {line}"
         end = "" if message.endswith(".") else "."
-        raise InvalidInput(f"Study file {_short(path)}{at}: {message}{end}") from None
+        raise InvalidInput(f"Study file {quoted(path)}{at}: {message}{end}") from None
 
 
 def _where(path: Path, name: str) -> str:
@@ -131,10 +131,5 @@ def _where(path: Path, name: str) -> str:
                 targets = [node.target]
             named = {target.id for target in targets if isinstance(target, ast.Name)}
             if name in named or getattr(node, "name", None) == name:
-                return f"Study file {_short(path)}, line {node.lineno}"
-    return f"Study file {_short(path)}"
-
-
-def _short(path: Path) -> str:
-    """Return a path in quotes, cut off after 100 characters."""
-    return repr(one_line(path, 100))
+                return f"Study file {quoted(path)}, line {node.lineno}"
+    return f"Study file {quoted(path)}"

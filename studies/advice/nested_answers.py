@@ -53,7 +53,17 @@ MARGIN, SPARE_FRACTION = 1.2, 0.03
 
 @dataclass
 class Budget:
-    """Wall time [s] that a comparison may take, from a `start` on that may have been earlier."""
+    """Wall time that a comparison may take.
+
+    Attributes
+    ----------
+    seconds
+        The time [s].
+    start
+        Its beginning, by ``perf_counter``, which may be earlier than the comparison.
+    began
+        Wall and processor time at which the comparison began, for `slowdown`.
+    """
 
     seconds: float
     start: float = field(default_factory=perf_counter)
@@ -71,14 +81,14 @@ class Budget:
 
     @property
     def slowdown(self) -> float:
-        """Time by the clock over processor time of the work so far, at least 1: what a busy machine makes of it."""
+        """Wall time over processor time of the work so far, at least 1; more on a busy machine."""
         wall, processor = self.began
         return max(1.0, (perf_counter() - wall) / max(process_time() - processor, 1e-3))
 
     def allows(self, processor_time: float, kept: float = 0.0) -> bool:
-        """Return whether work of a processor time [s] fits, with a fraction of the budget kept for what follows.
+        """Return whether work of a processor time [s] fits, with the fraction `kept` of the budget left for later.
 
-        On a busy machine it takes as much longer by the clock as the work before.
+        Its wall time is taken to be `slowdown` times as long.
         """
         return self.left - kept * self.seconds > MARGIN * self.slowdown * processor_time
 
@@ -112,7 +122,7 @@ class NestedAnswers:
         return cells_at(self.subject.unit, multiple)
 
     def solve(self, multiple: int) -> None:
-        """Solve on a grid; one that is too coarse for the scene is passed over.
+        """Solve on a grid, and store answer and time; nothing is stored for a grid that is too coarse for the scene.
 
         Raises :class:`~contactstudy.InvalidInput` for a scene without a solution on any finer grid.
         """
@@ -235,6 +245,6 @@ class NestedAnswers:
 
 
 def seconds_left_for(budget: Budget, fraction: float) -> Callable[[], bool]:
-    """Return whether less than a fraction of the budget was spent since this call."""
+    """Return a function that tells whether at most a fraction of the budget was spent since this call."""
     before = budget.spent
     return lambda: budget.spent - before <= fraction * budget.seconds

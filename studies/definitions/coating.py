@@ -1,24 +1,13 @@
-"""Coated bodies: effect of the thickness and stiffness of a layer on a line contact and on the stress below it."""
+"""Coated bodies: effect of the thickness and stiffness of a coating on a line contact."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from math import inf, sqrt
-from typing import ClassVar
 
-import numpy as np
 import xarray as xr
 
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.contact_edge import half_widths
 from contactstudy.domain.checks import positive, whole_number
-from contactstudy.domain.fields import Array
-from contactstudy.elasticity.coating import CoatingCoefficients
-from contactstudy.elasticity.kernels.layer.buried_potential import (
-    buried_cell,
-    buried_lattice,
-    buried_row,
-)
-from contactstudy.scene.solids.bodies import response
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from studies.model.axis import Axis
 from studies.model.case import Case, dimensionless_variables
@@ -73,78 +62,20 @@ def case_at(point: Point) -> Case:
 
 
 def measures(case: Case, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Return the contact, the stress at the interface, and the errors of the image alone and of known contacts."""
+    """Return half-width and peak pressure over Hertz's on the substrate, and the errors of contacts that are known."""
     body = case.scene.solids[0]
     assert isinstance(body, CoatedHalfSpace)
-    pressure, x = solution.pressure, case.grid.x
     ratio = body.coating.youngs_modulus / body.substrate.youngs_modulus
-    shear, tension = interface(body, pressure[:, 0], case.grid.cell_size[0])
-    highest = float(pressure.max())
-    alone = _image_alone(case, body)
-    without = np.abs(alone.pressure - pressure).sum() / pressure.sum()
-    edges = half_widths(pressure, x)
-    reference_error = _reference_error(ratio, case.grid.cells[0])
+    half_width = float(half_widths(solution.pressure, case.grid.x)[0])
     measured = {
-        "half_width": (float(edges[0]) / A, "half-width over Hertz's on the substrate"),
-        "peak_pressure": (highest / P_H, "peak pressure over Hertz's on the substrate"),
-        "interface_shear": (
-            shear / highest,
-            "largest shear at the interface over the peak pressure",
-        ),
-        "interface_tension": (
-            tension / highest,
-            "largest tension in the coating at the interface over the peak pressure",
-        ),
-        "image_error": (float(without), "L1 error of the pressure with the image at 2 h alone"),
-    }
+        "half_width": (half_width / A, "half-width over Hertz's on the substrate"),
+        "peak_pressure": (solution.pressure.max() / P_H, "peak pressure over Hertz's on the substrate"),
+    }  # fmt: skip
+    reference_error = _reference_error(ratio, case.grid.cells[0])
     if reference_error is not None:
         what = "largest relative error of the peak pressure of contacts that are known"
         measured["reference_error"] = reference_error, what
     return dimensionless_variables(measured)
-
-
-@dataclass(frozen=True)
-class ImageAlone:
-    """Influence coefficients of a coating reduced to the image of the load two thicknesses below the surface."""
-
-    coating: CoatingCoefficients
-    parity: ClassVar[tuple[int, int]] = (1, 1)
-
-    @property
-    def _depth(self) -> float:
-        return 2 * self.coating.thickness
-
-    def swap_axes(self) -> "ImageAlone":
-        """Return these coefficients: they are even along both axes."""
-        return self
-
-    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the coefficients of one cell."""
-        return self.coating.response.contrast * buried_cell(x, y, dx, dy, self._depth)
-
-    def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the coefficients of infinitely many images along y, up to a rigid shift."""
-        return self.coating.response.contrast * buried_row(x, y, dx, dy, period, self._depth)
-
-    def lattice(
-        self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
-    ) -> Array:
-        """Return the coefficients of infinitely many images along both axes."""
-        extent = width, period
-        return self.coating.response.contrast * buried_lattice(x, y, dx, dy, *extent, self._depth)
-
-
-def _image_alone(case: Case, body: CoatedHalfSpace) -> cs.Solution:
-    """Return the solution with the coating replaced by its single image."""
-    problem = case.prepare()
-    terms = {
-        ImageAlone(coefficients)
-        if isinstance(coefficients, CoatingCoefficients)
-        else coefficients: weight
-        for coefficients, weight in response((body, RIGID), problem.scales.length).items()
-    }
-    operator = cs.superposed(terms, case.grid, case.padding)
-    return case.run(replace(problem, operator=operator))
 
 
 def _reference_error(ratio: float, cells: int) -> float | None:
@@ -162,68 +93,3 @@ def _reference_error(ratio: float, cells: int) -> float | None:
         solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
         errors.append(abs(solution.pressure.max() / (peak * modulus * half_width / RADIUS) - 1))
     return max(map(float, errors), default=None)
-
-
-# Period for the stress at the interface, in widths of the grid; its relative error is (a / period)^2.
-PADDED = 32
-
-
-def interface(body: CoatedHalfSpace, pressure: Array, step: float) -> tuple[float, float]:
-    """Return the largest shear and tension [Pa] in the coating at the interface, in plane strain.
-
-    The layered problem is solved for each wave, with Airy functions in the layer and below it and six conditions
-    (Burmister 1945), independently of the coefficients of the contact.
-    """
-    count = PADDED * pressure.size
-    waves = np.fft.rfft(pressure, count)
-    q = 2 * np.pi / (count * step) * np.arange(waves.size)
-    k = q[1:] * body.thickness
-    inside = k < 40
-    shear, along = np.zeros(waves.size), np.zeros(waves.size)
-    shear[1:][inside], along[1:][inside] = _at_interface(body, k[inside])
-    # the mean is the limit of long waves, since the surface continues beyond the load
-    along[0] = 2 * along[1] - along[2]
-    # s_xz is odd where the pressure is even
-    largest_shear = np.abs(np.fft.irfft(1j * shear * waves, count)).max()
-    return float(largest_shear), float(np.fft.irfft(along * waves, count).max())
-
-
-def _at_interface(body: CoatedHalfSpace, k: Array) -> tuple[Array, Array]:
-    """Return s_xz and s_xx in the layer at its interface under the pressure ``cos(q x)``, for k = q h."""
-    ratio = body.coating.youngs_modulus / body.substrate.youngs_modulus
-    ratio *= (1 + body.substrate.poisson_ratio) / (1 + body.coating.poisson_ratio)
-    zero, unit = np.zeros_like(k), np.ones_like(k)
-    fade = np.exp(-k)
-
-    def falling(z: Array, e: Array) -> list[list[Array]]:
-        """Return ``exp(-z)`` and ``z exp(-z)``, each with three derivatives; e is the exponential."""
-        return [[e, -e, e, -e], [z * e, (1 - z) * e, (z - 2) * e, (3 - z) * e]]
-
-    def rising(z: Array, e: Array) -> list[list[Array]]:
-        """Return ``exp(z)`` and ``z exp(z)``, each with three derivatives; e is the exponential."""
-        return [[e, e, e, e], [z * e, (1 + z) * e, (z + 2) * e, (3 + z) * e]]
-
-    top = falling(zero, unit) + rising(zero, fade)
-    bottom = falling(k, fade) + rising(k, unit)
-    below = falling(zero, unit)
-
-    def rows(d: list[Array], weight: float, nu: float) -> list[Array]:
-        """Return the normal and shear stress and both displacements of an Airy function with three derivatives."""
-        across = weight * ((1 - nu) * d[2] + nu * d[0])
-        return [d[0], d[1], across, weight * ((1 - nu) * d[3] - (2 - nu) * d[1])]
-
-    system = np.zeros((k.size, 6, 6))
-    nus = body.coating.poisson_ratio, body.substrate.poisson_ratio
-    for column, (above, at_bottom) in enumerate(zip(top, bottom, strict=True)):
-        system[:, 0, column], system[:, 1, column] = above[0], above[1]
-        for row, value in enumerate(rows(at_bottom, 1.0, nus[0])):
-            system[:, 2 + row, column] = value
-    for column, derivatives in enumerate(below):
-        for row, value in enumerate(rows(derivatives, ratio, nus[1])):
-            system[:, 2 + row, 4 + column] = -value
-    right = np.zeros((k.size, 6, 1))
-    right[:, 0] = 1.0
-    strength = np.linalg.solve(system, right)[:, :, 0]
-    shear = sum(strength[:, n] * bottom[n][1] for n in range(4))
-    along = sum(strength[:, n] * bottom[n][2] for n in range(4))
-    return np.asarray(shear), np.asarray(along)

@@ -13,7 +13,7 @@ from studies.model.axis import Axis
 from studies.model.case import EvolutionCase, dimensionless
 from studies.model.study import Point
 
-# In units of the half-width of a sudden load, of E* of a sudden load and of the time of creep, a tenth each.
+# In units of the radius, of E* under a sudden load, and of the retardation time; HALF_WIDTH is under a sudden load.
 RADIUS, HALF_WIDTH, END = 1.0, 0.1, 2.0
 LOAD = pi * HALF_WIDTH**2 / (4 * RADIUS)
 # Creep 1 + 1.5 (1 - exp(-t)).
@@ -24,7 +24,7 @@ WIDTH = 0.36
 INSTANTS = 10  # recorded, the same for every number of steps
 
 axes = (
-    Axis("steps", (10, 20, 40, 80, 160), "steps over two times of creep"),
+    Axis("steps", (10, 20, 40, 80, 160), "steps over two retardation times"),
     Axis("grid", (64, 256), "cells across the width"),
 )
 
@@ -38,7 +38,7 @@ def case_at(point: Point) -> EvolutionCase:
     cells = whole_number("grid", point["grid"], 4, "give at least 4 cells across the width")
     times = tuple(np.linspace(0, END, steps + 1).tolist())
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
-    return EvolutionCase(SCENE, grid, cs.ExactPeriodicity(), times)
+    return EvolutionCase(SCENE, grid, cs.ExactPeriodicity(), time_steps=cs.TimeSteps(times))
 
 
 def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
@@ -65,7 +65,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     widths = [np.count_nonzero(frame.pressure) * cell / 2 / HALF_WIDTH for frame in frames]
     peaks = [frame.peak_pressure / (HALF_WIDTH / 2) for frame in frames]
     return {
-        "time": dimensionless(time, "time over that of creep", "time"),
+        "time": dimensionless(time, "time over the retardation time", "time"),
         "half_width": series(widths, "half-width over that of a sudden load"),
         "peak_pressure": series(peaks, "peak pressure over that of a sudden load"),
         "pressure_error_l1": dimensionless(

@@ -61,7 +61,8 @@ def case_at(point: Point) -> EvolutionCase:
     )
     times = (*np.linspace(0, 1, steps + 1)[1:].tolist(), 2.0)
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
-    return EvolutionCase(scene, grid, cs.ExactPeriodicity(), times, step_error="NONE")
+    steps_in_load = cs.TimeSteps(times, step_error=cs.StepError.NONE)
+    return EvolutionCase(scene, grid, cs.ExactPeriodicity(), time_steps=steps_in_load)
 
 
 def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:

@@ -11,7 +11,7 @@ import numpy as np
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from contactstudy.domain.device import available_bytes
-from studies.model.plain_text import is_storable, name_problem, one_line
+from studies.model.plain_text import is_storable, name_problem, shortened
 
 Value = str | int | float
 # largest difference of two equal numbers, relative to the axis' span and to the larger of them
@@ -81,17 +81,17 @@ class Axis:
 
     def __post_init__(self) -> None:
         if problem := name_problem(self.name):
-            raise InvalidInput(f"Axis name {one_line(repr(self.name), 60)}: {problem}.")
+            raise InvalidInput(f"Axis name {shortened(self.name)}: {problem}.")
         for part, text in (("long_name", self.long_name), ("units", self.units)):
             if not isinstance(text, str) or not is_storable(text):
                 raise InvalidInput(
-                    f"Axis {self.name!r} has the {part} {one_line(repr(text), 60)}: give text without control "
+                    f"Axis {self.name!r} has the {part} {shortened(text)}: give text without control "
                     "characters."
                 )
         raw: object = self.values
         if isinstance(raw, str) or not isinstance(raw, Iterable):
             raise InvalidInput(
-                f"Axis {self.name!r} has values {one_line(repr(self.values), 60)}: give a tuple of them."
+                f"Axis {self.name!r} has values {shortened(self.values)}: give a tuple of them."
             )
         # numpy's scalars become Python's, and one number with a fraction makes all of them such
         values = tuple(
@@ -100,7 +100,7 @@ class Axis:
         kinds = {type(value) for value in values}
         if not (kinds == {str} or (kinds and kinds <= {int, float})):
             raise InvalidInput(
-                f"Axis {self.name!r} has values {one_line(repr(values), 60)}: give names, or numbers, and not both."
+                f"Axis {self.name!r} has values {shortened(values)}: give names, or numbers, and not both."
             )
         if float in kinds:
             values = tuple(self._finite(value) for value in values)
@@ -109,7 +109,7 @@ class Axis:
                 raise InvalidInput(f"Axis {self.name!r} has the value {value!a}: give plain text.")
             if isinstance(value, int) and abs(value) > 2**53:
                 raise InvalidInput(
-                    f"Axis {self.name!r} has the value {_shortened(value)}: give whole numbers up to 2^53."
+                    f"Axis {self.name!r} has the value {shortened(value)}: give whole numbers up to 2^53."
                 )
         if len(set(values)) < len(values):
             twice = next(value for value in values if values.count(value) > 1)
@@ -126,7 +126,7 @@ class Axis:
             number = math.inf
         if not math.isfinite(number):
             raise InvalidInput(
-                f"Axis {self.name!r} has the value {_shortened(value)}: give finite numbers."
+                f"Axis {self.name!r} has the value {shortened(value)}: give finite numbers."
             )
         return number
 
@@ -159,7 +159,7 @@ class Axis:
         if self.kind is not str:  # figures and findings read from the least to the largest
             parsed = dict.fromkeys(sorted(parsed))
         if not parsed:
-            raise InvalidInput(f"{self.name} is {_shortened(values)}: {FORMS[self.kind]}.")
+            raise InvalidInput(f"{self.name} is {shortened(values)}: {FORMS[self.kind]}.")
         return Axis(self.name, tuple(parsed), self.long_name, self.units)
 
     def with_stored(self, stored: Iterable[Value]) -> "Axis":
@@ -183,7 +183,7 @@ class Axis:
         except (TypeError, ValueError, OverflowError):
             exact = False
         if not exact or (self.kind is float and not math.isfinite(converted)):
-            raise InvalidInput(f"{self.name} is {_shortened(value)}: {FORMS[self.kind]}.")
+            raise InvalidInput(f"{self.name} is {shortened(value)}: {FORMS[self.kind]}.")
         return converted  # type: ignore[no-any-return]
 
 
@@ -198,14 +198,6 @@ def check_count(name: str, count: int, what: str, most: int | None) -> None:
             f"{name} has {count} {what}, which take some {count * POINT_BYTES / 1e9:.3g} GB of memory, and "
             f"there are {available_bytes() / 1e9:.3g} GB: give fewer."
         )
-
-
-def _shortened(value: object) -> str:
-    """Return the representation of a value in one line of at most 60 characters."""
-    try:
-        return one_line(repr(value), 60)
-    except ValueError:  # a whole number too long to be written
-        return "a number of thousands of digits"
 
 
 def _without_rounding(values: Sequence[Value]) -> list[Value]:

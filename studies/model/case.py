@@ -34,8 +34,8 @@ class Computation(Hashable, Protocol):
 
 
 @dataclass(frozen=True)
-class Case:
-    """A contact to solve.
+class PosedCase:
+    """A scene with all that its solution depends on.
 
     Parameters
     ----------
@@ -53,6 +53,10 @@ class Case:
     grid: cs.Grid
     padding: cs.Padding | cs.Paddings
     options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
+
+
+class Case(PosedCase):
+    """A dry contact at rest to solve."""
 
     def prepare(self) -> cs.Problem:
         """Return the problem, with influence coefficients, their transforms and the gap."""
@@ -81,8 +85,8 @@ class TimedAnswer:
 
 
 @dataclass(frozen=True)
-class SceneCase(Case):
-    """A scene of any kind to solve, on a grid that it shares with others.
+class SceneCase(PosedCase):
+    """A scene of any kind to solve.
 
     Parameters
     ----------
@@ -95,10 +99,10 @@ class SceneCase(Case):
     time_steps: cs.TimeSteps | None = None
     error: float | None = None
 
-    def prepare(self) -> None:  # type: ignore[override]
+    def prepare(self) -> None:
         """Do nothing: a scene sets up its problems while it is solved."""
 
-    def run(self, prepared: None = None) -> TimedAnswer:  # type: ignore[override]
+    def run(self, prepared: None = None) -> TimedAnswer:
         """Return the answer with its wall time [s], which is shorter where a case before it left its coefficients."""
         start = perf_counter()
         answer = cs.solve(
@@ -107,62 +111,39 @@ class SceneCase(Case):
         )  # fmt: skip
         return TimedAnswer(replace(answer, requested=self.error), perf_counter() - start)
 
-    def record(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+    def record(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:
         """Return the numbers of the solver, and its status as CF flags."""
         return recorded(result.answer)
 
-    def fields(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:  # type: ignore[override]
+    def fields(self, result: TimedAnswer) -> Mapping[str, xr.Variable]:
         """Return all fields of the answer, without the displacement, which follows from the gap."""
         dataset = result.answer.to_dataset()
-        names = [name for name, variable in dataset.variables.items() if variable.ndim]
-        chosen = [
-            name for name in names if name != "displacement" and "cause" not in dataset[name].dims
-        ]
-        return {str(name): dataset[name].variable for name in chosen}
+        return {
+            str(name): variable
+            for name, variable in dataset.variables.items()
+            if variable.ndim and name != "displacement" and "cause" not in variable.dims
+        }
 
 
 @dataclass(frozen=True)
-class EvolutionCase:
-    """A contact that changes in time.
+class EvolutionCase(PosedCase):
+    """A dry contact that changes in time, whose steps are measured.
 
     Parameters
     ----------
-    scene, grid, padding
-        The contact.
-    times
-        Recorded times [s].
-    error
-        Relative error by the steps in time; None steps from one recorded time to the next.
-    scheme
-        Name of a :class:`~contactstudy.Scheme`.
-    step_error
-        Name of a :class:`~contactstudy.StepError`.
-    tolerance
-        Tolerance of the solver.
+    time_steps
+        Instants and steps.
     """
 
-    scene: cs.Scene
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-    times: tuple[float, ...]
-    error: float | None = None
-    scheme: str = "IMPLICIT"
-    step_error: str = "STEP_DOUBLING"
-    tolerance: float = 1e-8
+    time_steps: cs.TimeSteps = field(default_factory=cs.TimeSteps)
 
     def prepare(self) -> None:
         """Do nothing: an evolution sets up its problems."""
 
-    def run(self, prepared: object = None) -> Trajectory:
-        """Return what was recorded at the times."""
-        steps = cs.TimeSteps(
-            self.times,
-            error=self.error,
-            scheme=cs.Scheme[self.scheme],
-            step_error=cs.StepError[self.step_error],
-        )
+    def run(self, prepared: None = None) -> Trajectory:
+        """Return the frames at the instants."""
         answer = cs.solve(
-            self.scene, self.grid, self.padding, times=steps, tolerance=self.tolerance
+            self.scene, self.grid, self.padding, times=self.time_steps, options=self.options
         )
         assert isinstance(answer, cs.Evolution)
         assert answer.trajectory is not None

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
-from studies.model.plain_text import name_problem, one_line
+from studies.model.plain_text import name_problem, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,7 +65,7 @@ class CaptionedFigure:
     def __post_init__(self) -> None:
         if name_problem(self.name) or self.name.startswith("."):
             raise InvalidInput(
-                f"A figure has the name {one_line(repr(self.name), 60)}: give a plain file name without "
+                f"A figure has the name {shortened(self.name)}: give a plain file name without "
                 "extension, such as 'peak'."
             )
 

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
-from studies.model.plain_text import is_storable, name_problem, one_line
+from studies.model.plain_text import is_storable, name_problem, one_line, shortened
 
 # Attributes by which netCDF, CF or xarray change values, hide them or move them elsewhere.
 RESERVED = frozenset(
@@ -54,7 +54,7 @@ def measured_variables(
     """
     if not isinstance(measured, Mapping):
         raise InvalidInput(
-            f"{source} returns {_short(measured)}: return named values, such as {{'peak': 1.0}}."
+            f"{source} returns {shortened(measured)}: return named values, such as {{'peak': 1.0}}."
         )
     reserved = frozenset(reserved)
     variables = {name: _variable(name, value, source, reserved) for name, value in measured.items()}
@@ -88,13 +88,13 @@ def check_size(variables: Mapping[str, xr.Variable]) -> None:
 def _variable(name: object, value: object, source: str, reserved: frozenset[str]) -> xr.Variable:
     """Return one value as a variable; raise InvalidInput where netCDF cannot store it."""
     if problem := name_problem(name):
-        raise InvalidInput(f"{source} gives a variable {_short(name)}: {problem}.")
+        raise InvalidInput(f"{source} gives a variable {shortened(name)}: {problem}.")
     assert isinstance(name, str)
     if name in reserved:
         raise InvalidInput(f"{source} gives {name!r}: this name is taken, choose another.")
 
     def invalid(refused: object, remedy: str) -> InvalidInput:
-        return InvalidInput(f"{source} gives {name!r} as {_short(refused)}: {remedy}.")
+        return InvalidInput(f"{source} gives {name!r} as {shortened(refused)}: {remedy}.")
 
     if isinstance(value, xr.DataArray):
         value = value.variable
@@ -106,7 +106,7 @@ def _variable(name: object, value: object, source: str, reserved: frozenset[str]
         value = xr.Variable((), value, {"long_name": one_line(name.replace("_", " "))})
     for dim in value.dims:
         if problem := name_problem(dim):
-            raise InvalidInput(f"{source} gives {name!r} along {_short(dim)}: {problem}.")
+            raise InvalidInput(f"{source} gives {name!r} along {shortened(dim)}: {problem}.")
         if dim in reserved:
             raise InvalidInput(
                 f"{source} gives {name!r} along {dim!r}: this name is taken, choose another."
@@ -165,7 +165,7 @@ def _values(name: str, values: np.ndarray, invalid: MakeError) -> np.ndarray:
 
 def _attribute(variable: str, name: object, value: object, source: str) -> Any:
     """Return the value of an attribute in a type that netCDF stores unchanged."""
-    where = f"{source} gives {variable!r} the attribute {_short(name)}"
+    where = f"{source} gives {variable!r} the attribute {shortened(name)}"
     if problem := name_problem(name):
         raise InvalidInput(f"{where}: {problem}.")
     if str(name).startswith("_") or name in RESERVED:
@@ -173,19 +173,21 @@ def _attribute(variable: str, name: object, value: object, source: str) -> Any:
             f"{where}: programs that read netCDF change, hide or move values by it; choose another name."
         )
     if name in ("units", "long_name", "standard_name") and not isinstance(value, str):
-        raise InvalidInput(f"{where} as {_short(value)}: give text.")
+        raise InvalidInput(f"{where} as {shortened(value)}: give text.")
     if name == "units" and (value in TIME_UNITS or " since " in f" {value} ".lower()):
         raise InvalidInput(
-            f"{where} as {_short(value)}: xarray would read a date or a time difference; give a number of "
+            f"{where} as {shortened(value)}: xarray would read a date or a time difference; give a number of "
             "'s', 'min', 'h' or 'd'."
         )
     if isinstance(value, str):
         if not is_storable(value):
-            raise InvalidInput(f"{where} as {_short(value)}: give text without control characters.")
+            raise InvalidInput(
+                f"{where} as {shortened(value)}: give text without control characters."
+            )
         return value
     if isinstance(value, int | float) and not isinstance(value, bool):
         if isinstance(value, int) and not -(2**63) <= value < 2**63:
-            raise InvalidInput(f"{where} as {_short(value)}: give a number of at most 64 bits.")
+            raise InvalidInput(f"{where} as {shortened(value)}: give a number of at most 64 bits.")
         return value
     if isinstance(value, np.ndarray | np.generic | list | tuple):
         try:
@@ -201,13 +203,4 @@ def _attribute(variable: str, name: object, value: object, source: str) -> Any:
         )
         if array.size and array.ndim == 1 and is_text and texts:
             return [str(entry) for entry in array]
-    raise InvalidInput(f"{where} as {_short(value)}: give a number, text or a row of numbers.")
-
-
-def _short(value: object) -> str:
-    """Return the representation of any object in one line of at most 60 characters."""
-    try:
-        shown = repr(value)
-    except Exception:  # noqa: BLE001 (any object may come here)
-        shown = f"an object of {type(value).__name__}"
-    return one_line(shown, 60)
+    raise InvalidInput(f"{where} as {shortened(value)}: give a number, text or a row of numbers.")

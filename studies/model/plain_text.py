@@ -24,6 +24,20 @@ def one_line(text: object, longest: int = LONGEST) -> str:
     return shown + (" ..." if is_cut else "")
 
 
+def shortened(value: object) -> str:
+    """Return the representation of any object in one line of at most 60 characters."""
+    try:
+        shown = repr(value)
+    except Exception:  # noqa: BLE001 (any object may come here; a whole number may be too long to be written)
+        shown = f"an object of {type(value).__name__}"
+    return one_line(shown, 60)
+
+
+def quoted(path: object) -> str:
+    """Return a path in quotes, cut off after 100 characters."""
+    return repr(one_line(path, 100))
+
+
 def is_storable(text: str) -> bool:
     """Return whether netCDF returns `text` unchanged, and a terminal shows it as text."""
     return _CONTROL.search(text) is None

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
 from studies.model.axis import MOST_POINTS, Axis, Value, check_count, one_of
-from studies.model.plain_text import name_problem, one_line, place_of
+from studies.model.plain_text import name_problem, one_line, place_of, shortened
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -66,7 +66,7 @@ class Study:
     def __post_init__(self) -> None:
         one_of("times", self.times, ("taken", "none"))
         if problem := name_problem(self.name):
-            raise InvalidInput(f"A study is called {one_line(repr(self.name), 60)}: {problem}.")
+            raise InvalidInput(f"A study is called {shortened(self.name)}: {problem}.")
         names = [axis.name for axis in self.axes]
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)

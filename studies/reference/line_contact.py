@@ -12,7 +12,7 @@ from contactstudy.domain.checks import positive, whole_number
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from studies.model.axis import one_of
-from studies.model.case import Case, dimensionless_variables, error_estimates
+from studies.model.case import Case, PosedCase, dimensionless_variables, error_estimates
 from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 
@@ -54,7 +54,7 @@ def case_at(point: Point) -> Case:
     )
 
 
-def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
+def measures(case: PosedCase, solution: cs.Contact) -> Mapping[str, xr.Variable]:
     """Return errors of pressure and half-width against Hertz's line contact; all over p_H or a."""
     hertz, grid = case.scene.hertz, case.grid
     assert hertz is not None
@@ -80,14 +80,6 @@ def measures(case: Case, solution: cs.Contact) -> Mapping[str, xr.Variable]:
         "length_variation": (varies, "pressure variation along the length over peak pressure"),
     }
     return dimensionless_variables(measured) | error_estimates(solution.error)
-
-
-def l1_error(pressure: Array, reference: Array, total: float) -> float:
-    """Return the integral of the absolute pressure difference over that of the pressure.
-
-    ``total`` is the load over the area of a cell [Pa]: the sum of the exact pressure over all cells.
-    """
-    return float(np.abs(pressure - reference).sum() / total)
 
 
 def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:

@@ -12,64 +12,47 @@ from contactstudy.domain.fields import Array, inner
 from contactstudy.domain.units import readable
 from contactstudy.io.dataset import labelled
 from contactstudy.io.quantities.contact_quantities import approach_datum
+from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from studies.advice.reference_error import ReferencedCase, pressure_error
 from studies.model.case import TimedAnswer, dimensionless, error_estimates
 
-# The error of the stiffness is the square of the relative error of the iteration.
-RESIDUAL = 3e-2
-MOST = 60
+# Reduction of the residual, of whose square the error of the stiffness is a fraction, and the limit of products.
+REDUCTION, MAX_PRODUCTS = 3e-2, 60
 # Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
 # smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
-# Quantities that are what a sweep varies.
+# Quantities that a sweep varies as an axis.
 NAMED_BY_AXES = ("load_per_length", "total_load")
 
 
 def normal_stiffness(solution: cs.Solution) -> float:
     """Return the normal stiffness d load / d approach [N/m per m of length], with the cells in contact fixed.
 
-    It follows from the pressure increment that carries a unit of load and displaces all cells in contact equally, by
-    projected conjugate gradients (Hestenes & Stiefel 1952), in which a rigid shift of the operator has no effect.
-    Cells at the hardness carry no increment. The result is nan if no cell carries one.
+    It is the inverse of the energy of the pressure increment that carries a unit of load and displaces all cells in
+    contact equally. The increment follows from conjugate gradients among pressures without a load, in which a rigid
+    shift of the operator has no effect. Cells at the hardness carry no increment. The result is nan if no cell carries
+    one.
     """
     problem = solution.problem
-    free = problem.constraint.free(solution.pressure) > 0
-    count = int(free.sum())
+    free = (problem.constraint.free(solution.pressure) > 0).astype(np.float64)
+    count = np.count_nonzero(free)
     if not count:
         return float("nan")
-    cells = free.astype(np.float64)
-    operator = problem.operator
-    extension = operator.approximate_inverse().extension(cells)
+    extension = problem.operator.approximate_inverse().extension(free)
 
-    def displaced(pressure: Array) -> Array:
-        return np.asarray(np.where(free, operator(pressure), 0.0))
+    def deviation(field: Array) -> Array:
+        """Return a field less its mean over the free cells, and zero elsewhere."""
+        return np.asarray((field - inner(field, free) / count) * free)
 
-    def level(field: Array) -> Array:
-        return np.asarray(np.where(free, field - field[free].sum() / count, 0.0))
-
-    pressure = np.where(free, 1 / count, 0.0)
-    displacement = displaced(pressure)
-    residual = -level(displacement)
-    first_deviation = np.abs(displacement - displacement.sum() / count)[free].mean()
-    direction: Array | None = None
-    size = 0.0
-    for _ in range(MOST):
-        if count < 2 or np.abs(residual).sum() / count <= RESIDUAL * first_deviation:
-            break
-        correction = level(extension.pressure(extension(residual)))
-        previous_size, size = size, inner(residual, correction)
-        direction = (
-            correction if direction is None else correction + direction * (size / previous_size)
-        )
-        response = displaced(direction)
-        step_length = size / inner(direction, response)
-        pressure += step_length * direction
-        displacement += step_length * response
-        residual = -level(displacement)
+    increment = free / count
+    increment += conjugate_gradients(
+        lambda pressure: deviation(problem.operator(pressure)),
+        lambda residual: deviation(extension.pressure(extension(residual))),
+        inner, -deviation(problem.operator(increment)), REDUCTION, MAX_PRODUCTS,
+    )  # fmt: skip
     # the energy of a unit of load [m per unit of summed pressure]
-    compliance = inner(pressure, displacement)
-    grid = problem.grid
-    return float(grid.cell_area / grid.length / compliance)
+    compliance = inner(increment, problem.operator(increment))
+    return float(problem.grid.cell_area / problem.grid.length / compliance)
 
 
 def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
@@ -89,7 +72,7 @@ def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
 
 
 def measures(case: ReferencedCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
-    """Return the quantities of an answer with their bounds, its errors, and what only a contact has."""
+    """Return the quantities of an answer with their bounds, its error estimates, and further ones of a dry contact."""
     answer = result.answer
     measured: dict[str, xr.Variable] = {}
     for name, quantity in answer.quantities.items():

@@ -14,7 +14,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import append_checksum, is_damaged, reason, replacing, set_aside
-from studies.model.plain_text import one_line
+from studies.model.plain_text import one_line, quoted
 from studies.store.stop import Stop
 
 
@@ -33,15 +33,9 @@ def open_folder(path: Path) -> Path:
     except (OSError, ValueError) as error:
         why = "it is a file" if os.path.isfile(path) else reason(error)  # noqa: PTH113 (no error for any name)
         raise InvalidInput(
-            f"Output folder {_shortened(path)} cannot be written to ({why}): give another with --out."
+            f"Output folder {quoted(path)} cannot be written to ({why}): give another with --out."
         ) from None
     return path
-
-
-def _shortened(path: Path) -> str:
-    """Return a path in quotes, cut off after 100 characters."""
-    name = str(path)
-    return repr(name if len(name) <= 100 else f"{name[:100]}...")
 
 
 def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
@@ -62,7 +56,7 @@ def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Datase
             append_checksum(partial)
     except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError
         raise InvalidInput(
-            f"Study file {_shortened(path)} cannot be written ({reason(error, path)}): what was stored is kept; "
+            f"Study file {quoted(path)} cannot be written ({reason(error, path)}): what was stored is kept; "
             "make room or give another folder with --out, and run the same command again."
         ) from None
 
@@ -95,7 +89,7 @@ def check_kind(
         return
     if present != kind:
         raise InvalidInput(
-            f"{_shortened(path)} holds a {present}, which the {kind} would replace: give another folder with --out."
+            f"{quoted(path)} holds a {present}, which the {kind} would replace: give another folder with --out."
         )
 
 
@@ -129,4 +123,4 @@ def read(path: Path, what: str = "Study file", remedy: str = "run the study firs
             why = reason(error)
         else:
             why = f"it is damaged: {type(error).__name__}: {one_line(error, 100)}"
-        raise InvalidInput(f"{what} {_shortened(path)} cannot be read ({why}): {remedy}.") from None
+        raise InvalidInput(f"{what} {quoted(path)} cannot be read ({why}): {remedy}.") from None

@@ -13,7 +13,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.identity import CanonicalMemo, canonical, keys, text
 from studies.model.case import Computation
 from studies.model.outcome import RESERVED_NAMES
-from studies.model.plain_text import one_line
+from studies.model.plain_text import shortened
 from studies.model.study import Point, Study
 from studies.store.fingerprint.functions import States
 from studies.store.fingerprint.modules import RECORDER, digest, is_older
@@ -64,7 +64,7 @@ class Request:
         for point, case in study.visits():
             if not all(hasattr(case, part) for part in ("prepare", "run", "record")):
                 raise InvalidInput(
-                    f"case_at of study {study.name!r} gives {one_line(repr(case), 60)} at {dict(point)}: return a "
+                    f"case_at of study {study.name!r} gives {shortened(case)} at {dict(point)}: return a "
                     "studies.model.case.Case, or a frozen dataclass with prepare, run and record."
                 )
             identity = states.identity(point, case)

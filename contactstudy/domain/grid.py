@@ -10,6 +10,7 @@ from math import inf
 from typing import ClassVar, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -287,3 +288,14 @@ def on_cells(field: Array, cells: tuple[int, int]) -> Array:
 def axis_first(field: Array, axis: int) -> Array:
     """Return a `field` (x, y) with its `axis` first; done twice, it is the field again."""
     return field.T if axis else field
+
+
+def edge_fraction(touching: NDArray[np.bool_]) -> float:
+    """Return the fraction of the `touching` cells (x, y) with a neighbour that does not touch; zero without any.
+
+    An area counted in whole cells may be the same on several grids and still be wrong by these cells.
+    """
+    inside = touching.copy()
+    for axis, step in ((0, 1), (0, -1), (1, 1), (1, -1)):
+        inside &= np.roll(touching, step, axis)
+    return float(1 - inside.sum() / touching.sum()) if touching.any() else 0.0

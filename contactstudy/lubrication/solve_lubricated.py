@@ -8,9 +8,8 @@ import numpy as np
 from contactstudy.domain.checks import InvalidInput, positive, whole_number
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, edge_fraction
 from contactstudy.domain.units import readable
-from contactstudy.lubrication.film_equation import Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
 from contactstudy.lubrication.posed_film import ROW_MULTIPLE, interpolated, lubricated_scales
 from contactstudy.lubrication.pseudo_time import FilmControls
@@ -388,22 +387,12 @@ def _compared(
     if contact.contact_pressure is None:
         return estimate
     area = parts("contact_area_fraction")
-    counted = max(area.by_cause["discretisation"], _rim(contact.contact_pressure > 0))
+    counted = max(area.by_cause["discretisation"], edge_fraction(contact.contact_pressure > 0))
     return replace(
         estimate,
         contact_load_fraction=parts("contact_load_fraction"),
         contact_area_fraction=replace(area, discretisation=counted),
     )
-
-
-def _rim(touching: Mask) -> float:
-    """Return the fraction of the touching cells (x, y) with a neighbour that does not touch; zero without any.
-
-    An area counted in whole cells may be the same on several grids and still be off by them.
-    """
-    inside = touching & np.roll(touching, 1, axis=1) & np.roll(touching, -1, axis=1)
-    inside[1:-1] &= touching[:-2] & touching[2:]
-    return float(1 - inside.sum() / touching.sum()) if touching.any() else 0.0
 
 
 def has_spike(pressure: Array) -> bool:

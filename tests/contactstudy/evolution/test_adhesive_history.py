@@ -93,12 +93,14 @@ def test_without_a_range_the_bound_holds_the_limit_of_short_ranges() -> None:
         assert abs(pull_off.value / pi - 1.190551) < pull_off.bound / pi < 0.2
 
 
-def test_a_load_at_a_given_approach_has_a_bound_that_holds_the_load_of_a_fine_grid() -> None:
+def test_numbers_at_a_given_approach_are_within_their_bounds_of_those_of_a_fine_grid() -> None:
     near = replace(SCENE, load=cs.Approach(1.0))
-    finer = cs.solve(near, cs.Grid((1024, 1), GRID.extent), LINE)
-    fine = finer.quantities["load_per_length"].value
-    load = cs.solve(near, cs.Grid((128, 1), GRID.extent), LINE).quantities["load_per_length"]
-    assert abs(load.value - fine) < load.bound < 0.1 * abs(fine)
+    coarse, fine = (
+        cs.solve(near, cs.Grid((cells, 1), GRID.extent), LINE).quantities for cells in (128, 1024)
+    )
+    for name in ("load_per_length", "contact_area", "mean_pressure", "mean_gap", "peak_pressure"):
+        error = abs(coarse[name].value - fine[name].value)
+        assert error < coarse[name].bound < 0.1 * abs(fine[name].value), name
 
 
 def test_the_shortfall_of_a_cylinder_is_that_of_fine_grids_between_and_at_known_parameters() -> (

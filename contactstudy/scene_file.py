@@ -51,7 +51,7 @@ class SceneFile:
         The scene.
     plan_settings
         Accuracy and period of the plan.
-    settings
+    options
         Options of a solve.
     grid, padding
         Grid and padding of the file, or None.
@@ -63,7 +63,7 @@ class SceneFile:
 
     scene: Scene
     plan_settings: PlanSettings = field(default_factory=PlanSettings)
-    settings: SolveOptions = field(default_factory=SolveOptions)
+    options: SolveOptions = field(default_factory=SolveOptions)
     grid: Grid | None = None
     padding: Padding | Paddings | None = None
     time_steps: TimeSteps = field(default_factory=TimeSteps)
@@ -89,7 +89,7 @@ class SceneFile:
             "error": self.plan_settings.error,
             "period": None if self.grid else self.plan_settings.period,
             "times": self.time_steps if self.scene.takes_times else None,
-            "options": self.settings,
+            "options": self.options,
         }
         return solve(self.scene, self.grid, self.padding, **(described | keywords))
 
@@ -97,10 +97,10 @@ class SceneFile:
 def read_scene(path: str | PathLike[str]) -> SceneFile:
     """Read a scene from a TOML file.
 
-    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``,
-    ``wear``, ``rolling``, ``lubrication``, ``adhesion``, ``grid``, ``padding``, ``plan``, ``solve``, ``evolve`` and
-    ``vary``, and the key ``hardness``, have the fields of the corresponding classes as keys. A solid may name its
-    ``material``.
+    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``, ``wear``,
+    ``rolling``, ``lubrication``, ``adhesion``, ``grid``, ``padding``, ``padding_across``, ``plan``, ``solve``,
+    ``time_steps`` and ``vary``, and the key ``hardness``, have the fields of the corresponding classes as keys. A solid
+    may name its ``material``.
 
     Raises
     ------
@@ -120,6 +120,8 @@ def read_scene(path: str | PathLike[str]) -> SceneFile:
         raw = with_materials(raw)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from error
+    if "evolve" in raw:
+        raise InvalidInput(f"{path}: [evolve] is named [time_steps] now: rename the table.")
     document = structured(raw, SceneDocument, KINDS, str(path))
     try:
         return replace(scene_file_from(document, path.parent), vary=groups)
@@ -158,8 +160,8 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
             padding=described.padding,
             settings={
                 "plan": described.plan_settings,
-                "solve": described.settings,
-                "evolve": described.time_steps,
+                "solve": described.options,
+                "time_steps": described.time_steps,
             },
             scene_path=path,
         )
@@ -204,7 +206,9 @@ def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile
                 "padding_across is given without padding: give the one along the length too."
             )
         padding = document.padding_across, document.padding
-    return SceneFile(scene, document.plan, document.solve, document.grid, padding, document.evolve)
+    return SceneFile(
+        scene, document.plan, document.solve, document.grid, padding, document.time_steps
+    )
 
 
 def _groups(vary: object) -> tuple[Mapping[str, object], ...]:

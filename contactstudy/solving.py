@@ -224,9 +224,8 @@ class _Request:
         """Return grid and padding: those that are given, else planned for an `error`."""
         if self.grid is not None and self.padding is not None:
             return self.grid, self.padding
-        from contactstudy.planning.plan import (
-            plan_grid,
-        )  # only where something is left to be chosen
+        # imported only where something is left to be chosen
+        from contactstudy.planning.plan import plan_grid
 
         planned = plan_grid(
             self.scene, error=error, period=self.period, grid=self.grid, times=self.times
@@ -238,9 +237,7 @@ class _Request:
         """Instants to record and how steps are taken."""
         from contactstudy.evolution.time_steps import TimeSteps
 
-        if isinstance(self.times, TimeSteps):
-            return self.times
-        return TimeSteps(self.times)  # type: ignore[arg-type]
+        return TimeSteps.of(self.times)
 
     @property
     def first_pressure(self) -> Any:
@@ -261,15 +258,16 @@ class _Request:
 
     def _residual_reporter(self, problem: Problem) -> Callable[[float, Array], None]:
         """Return what takes residual and pressure of each iteration, and reports them as progress."""
-        first: list[float] = []
+        first = 0.0
         tolerance, report = self.options.tolerance, self.progress
         assert report is not None
 
         def report_residual(residual: float, pressure: Array) -> None:
-            first.append(max(residual, 10 * tolerance))
+            nonlocal first
+            first = first or max(residual, 10 * tolerance)
             fraction = 0.0
             if isfinite(residual) and residual > 0:
-                fraction = log(first[0] / residual) / log(first[0] / tolerance)
+                fraction = log(first / residual) / log(first / tolerance)
             text = f"residual {residual:.1e} of {tolerance:.1e}"
             field = np.array(pressure, dtype=np.float64) * problem.scales.pressure
             report(Progress(min(max(fraction, 0.0), 1.0), text, field, problem.grid))
@@ -439,7 +437,7 @@ class _Request:
             self.scene,
             grid,
             ExactPeriodicity() if padding is None else padding,
-            error=self.error if self.grid is not None or not smooth else self.requested,
+            error=self.requested if smooth else self.error,
             tolerance=self.options.tolerance,
             max_iterations=self._film_options.max_iterations,
             start=self.start,
@@ -453,10 +451,10 @@ class _Request:
 
         requested, steps = self.requested, self.steps
         if any(map(yields, self.scene.solids)):
-            from contactstudy.evolution.equilibrium.yielding_film import press_lubricated
+            from contactstudy.evolution.equilibrium.yielding_film import follow_yielding_film
 
-            pressed = self._followed(press_lubricated, options=self._film_options)
-            return replace(films_answer(pressed, requested), pressed=pressed)
+            films = self._followed(follow_yielding_film, options=self._film_options)
+            return replace(films_answer(films, requested), yielding_films=films)
         films = evolve_lubricated(
             self.scene,
             *self.planned(requested),

@@ -168,12 +168,12 @@ class Contact(Answer, Solution):
             "residual": (self.residual, "residual of the solver"),
         }
         if self.adhesion is not None:
-            counts["passes"] = (
+            counts["outer_iterations"] = (
                 self.adhesion.outer_iterations,
                 "outer iterations over the attraction",
             )
         if self.rolling is not None:
-            counts["passes"] = (
+            counts["outer_iterations"] = (
                 self.rolling.lagged.outer_iterations,
                 "outer iterations over the lagged part",
             )

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from contactstudy.answers.lubricated_contact import LubricatedContact
-    from contactstudy.evolution.equilibrium.yielding_film import PressedFilms
+    from contactstudy.evolution.equilibrium.yielding_film import YieldingFilms
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
     from contactstudy.lubrication.evolve_lubricated import FilmTrajectory
@@ -56,7 +56,7 @@ class Evolution(Answer):
     Parameters
     ----------
     frames
-        Answer at each instant: a contact or a lubricated contact.
+        Answer at each instant, or after each pass: a contact or a lubricated contact.
     times
         The instants [s] (time,); the numbers of the passes where a contact rolls repeatedly.
     posed
@@ -69,7 +69,7 @@ class Evolution(Answer):
         Recorded instants of a film; None for others.
     passes
         Recorded passes of a repeatedly rolling contact; None for others.
-    pressed
+    yielding_films
         Films over a body that yields, with its plastic strain; None for others.
     """
 
@@ -80,7 +80,7 @@ class Evolution(Answer):
     trajectory: "Trajectory | None" = None
     films: "FilmTrajectory | None" = None
     passes: "RepeatedRolling | None" = None
-    pressed: "PressedFilms | None" = None
+    yielding_films: "YieldingFilms | None" = None
 
     @property
     def status(self) -> Status:
@@ -138,8 +138,8 @@ class Evolution(Answer):
         if self.trajectory is not None and self.trajectory.coupled is not None:
             last_frame = self.trajectory.frames[-1]
             plastic_fields = self.trajectory.coupled.over_time([last_frame.coupled_state])
-        elif self.pressed is not None:
-            plastic_fields = self.pressed.plastic.over_time(self.pressed.states[-1:])
+        elif self.yielding_films is not None:
+            plastic_fields = self.yielding_films.plastic.over_time(self.yielding_films.states[-1:])
         turned = getattr(self.posed.scene.wear, "circumference", None)
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
@@ -154,14 +154,14 @@ class Evolution(Answer):
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
             from contactstudy.evolution.equilibrium.quasi_static import (
                 jump_in,
+                net_work,
                 separation,
-                work_lost,
             )
 
             frames = self.trajectory.frames
             errors = [frame.quantities["approach"].bound for frame in self.frames]
-            loss = work_lost(frames, errors)
-            numbers = cycle_quantities(loss, separation(frames), jump_in(frames)) | numbers
+            work = net_work(frames, errors)
+            numbers = cycle_quantities(work, separation(frames), jump_in(frames)) | numbers
         return numbers
 
     @property
@@ -169,8 +169,8 @@ class Evolution(Answer):
         """Fields that the last instant keeps from those before, such as the worn depth."""
         if self.trajectory is not None:
             return self.trajectory.frames[-1].fields
-        if self.pressed is not None:
-            return self.pressed.plastic.fields(self.pressed.states[-1])
+        if self.yielding_films is not None:
+            return self.yielding_films.plastic.fields(self.yielding_films.states[-1])
         worn = None if self.films is None else self.films.contacts[-1].worn_depth
         return {} if worn is None else {"worn_depth": Field(("x", "y"), worn, "m", "worn depth")}
 
@@ -199,7 +199,7 @@ class Evolution(Answer):
         assert trajectory is not None
         return {
             "instants": instants,
-            "steps": (trajectory.steps, "contact solves"),
+            "solves": (trajectory.solves, "contact solves"),
             "iterations": (trajectory.iterations, "solver iterations of all steps"),
             "convolutions": (trajectory.convolutions, "transform pairs of the full grid"),
             "rejected": (trajectory.rejected, "rejected double steps"),
@@ -221,9 +221,11 @@ class Evolution(Answer):
         dataset = labels.films_dataset(self.times, contacts, self.quantities)
         step_error, label = self.films.step_error, "largest error of a step"
         dataset["step_error"] = labels.labelled((), step_error, "1", label)
-        if self.pressed is None:
+        if self.yielding_films is None:
             return dataset
-        return dataset.assign(labels.of_states(self.pressed.plastic, self.pressed.states))
+        return dataset.assign(
+            labels.plastic_variables(self.yielding_films.plastic, self.yielding_films.states)
+        )
 
     def plot(self, dataset: "xr.Dataset | None" = None) -> "Figure":
         """Return a picture of the fields and of the numbers over time as a matplotlib figure."""

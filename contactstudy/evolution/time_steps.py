@@ -63,7 +63,7 @@ class TimeSteps:
         Last instant [s], that of the load and the speed if None.
     instants
         Number of instants, evenly spaced but for those moved to where a history bends; None for 41, or for every step
-        where `error` is given.
+        where `error` is given and `end` is not.
     error
         Largest relative L1 error by the steps (of a film: of its thickness in one step). None takes a fraction of the
         error requested of the solve; without one, one step from each instant to the next.
@@ -83,6 +83,11 @@ class TimeSteps:
     step_error: StepError = StepError.STEP_DOUBLING
     step: Seconds | None = None
 
+    @classmethod
+    def of(cls, times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
+        """Return `times` as time steps: as they are, or from instants to record [s]."""
+        return times if isinstance(times, cls) else cls(times)  # type: ignore[arg-type]
+
     @property
     def last(self) -> float | None:
         """Last instant [s] that is named; None where the load decides."""
@@ -91,7 +96,8 @@ class TimeSteps:
     def instants_of(self, *values: object) -> ArrayLike | None:
         """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides.
 
-        Evenly spaced instants, apart from the first and the last, are moved to the nearest instants of the histories.
+        Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to where a
+        history bends.
 
         Raises
         ------
@@ -104,7 +110,7 @@ class TimeSteps:
         if self.end is None and not histories:
             raise InvalidInput(
                 "solve.times is None, and nothing in the scene has an end: give times [s]; "
-                "in a file give evolve.end or evolve.times."
+                "in a file give time_steps.end or time_steps.times."
             )
         end = max(history.end for history in histories) if self.end is None else self.end
         if self.instants is None and self.end is None and self.error is not None:

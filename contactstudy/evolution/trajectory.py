@@ -31,7 +31,7 @@ UNKNOWN = ErrorParts(0.0, inf, 0.0)
 class Frame:
     """A contact at one recorded instant.
 
-    Steps, iterations and convolutions are counted since the previous frame, and include rejected steps and the doubled
+    Solves, iterations and convolutions are counted since the previous frame, and include rejected steps and the doubled
     step integration. Errors are relative L1 errors of the pressure, infinite where there is no estimate, and relative
     to the pressure of the largest load where bodies yield.
 
@@ -55,9 +55,7 @@ class Frame:
         Residual of the last solve.
     step_error
         Estimated error by the steps in time.
-    grid_error
-        Estimated error of the contact on this grid, see :func:`~contactstudy.accuracy.estimate.error_estimate`.
-    steps
+    solves
         Number of contact solves, of which a step in time may take several.
     iterations
         Number of iterations.
@@ -72,7 +70,8 @@ class Frame:
     rolling
         Rolling resistance and centroid of a steadily rolling contact; None for others.
     grid_error_parts
-        The error on this grid by cause.
+        Estimated error of the contact on this grid by cause, see
+        :func:`~contactstudy.accuracy.estimate.error_estimate`.
     warnings
         A sentence for each error that has no bound.
     """
@@ -86,8 +85,7 @@ class Frame:
     status: Status
     residual: float
     step_error: float
-    grid_error: float
-    steps: int
+    solves: int
     iterations: int
     convolutions: float
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
@@ -96,6 +94,11 @@ class Frame:
     adhesion: AdhesiveTraction | None = None
     solution: Solution | None = None
     rolling: SteadyRolling | None = None
+
+    @property
+    def grid_error(self) -> float:
+        """Estimated error of the contact on this grid."""
+        return self.grid_error_parts.total
 
     @property
     def peak_pressure(self) -> float:
@@ -168,24 +171,9 @@ class Trajectory:
         return np.array([frame.time for frame in self.frames])
 
     @property
-    def loads(self) -> Array:
-        """Load (time,) [N/m] of each frame."""
-        return np.array([frame.load for frame in self.frames])
-
-    @property
     def pressure(self) -> Array:
         """Pressure (time, x, y) [Pa]."""
         return np.stack([frame.pressure for frame in self.frames])
-
-    @property
-    def gap(self) -> Array:
-        """Gap (time, x, y) [m]."""
-        return np.stack([frame.gap for frame in self.frames])
-
-    @property
-    def peak_pressure(self) -> Array:
-        """Peak pressure (time,) [Pa]."""
-        return np.array([frame.peak_pressure for frame in self.frames])
 
     @property
     def contact_area(self) -> Array:
@@ -199,9 +187,9 @@ class Trajectory:
         return worst([frame.status for frame in self.frames])
 
     @property
-    def steps(self) -> int:
+    def solves(self) -> int:
         """Number of contact solves, of which a step may take several, including rejected and doubled steps."""
-        return sum(frame.steps for frame in self.frames)
+        return sum(frame.solves for frame in self.frames)
 
     @property
     def iterations(self) -> int:
@@ -222,13 +210,3 @@ class Trajectory:
     def step_error(self) -> float:
         """The largest estimated relative L1 error of the pressure by the steps in time."""
         return max(frame.step_error for frame in self.frames)
-
-    @property
-    def grid_error(self) -> float:
-        """The largest estimated relative L1 error of the pressure by the grid."""
-        return max(frame.grid_error for frame in self.frames)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Warnings of all frames, each once, in the order of time."""
-        return tuple(dict.fromkeys(warning for frame in self.frames for warning in frame.warnings))

@@ -292,7 +292,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             ("step_error", "1", "estimated L1 error by steps in time"),
             ("grid_error", "1", "estimated L1 error by cells"),
             ("residual", "1", "residual of the solver"),
-            ("steps", "1", "contact solves since the previous instant"),
+            ("solves", "1", "contact solves since the previous instant"),
             ("iterations", "1", "iterations since the previous instant"),
             ("convolutions", "1", "transform pairs since the previous instant"),
         )
@@ -310,7 +310,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
     return with_quantities(dataset, quantities)
 
 
-def of_states(
+def plastic_variables(
     coupled: "CoupledStateVariable", states: Sequence[Mapping[str, Array]]
 ) -> dict[str, xr.Variable]:
     """Return the dent below a film and the plastic strain that causes it, at every instant."""

@@ -33,8 +33,8 @@ class FilmRequirements:
         The grid.
     seconds
         Seconds of a solve on one core.
-    steps
-        Number of steps in time; 1 without any.
+    solves
+        Number of films that are solved one after the other: steps in time, or 1.
     bytes
         Bytes that a solve holds at most.
     reasons
@@ -45,7 +45,7 @@ class FilmRequirements:
 
     grid: Grid
     seconds: float
-    steps: int
+    solves: int
     bytes: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...]
@@ -100,10 +100,10 @@ def film_requirements(
         if ny == 1
         else SECONDS_PER_CELL * prod(grid.cells)
     )
-    steps = 1
+    solves = 1
     if instants:
-        steps = STARTING_STEPS + max(STEPS_PER_INSTANT * (instants - 1), MIN_STEPS)
-        seconds += steps * (
+        solves = STARTING_STEPS + max(STEPS_PER_INSTANT * (instants - 1), MIN_STEPS)
+        seconds += solves * (
             MIN_STEP_SECONDS + STEP_SECONDS_PER_CELLS_SQUARED * nx**2 if ny == 1 else seconds
         )
     floats = 6 * nx**2
@@ -113,4 +113,4 @@ def film_requirements(
             "The error of a film between rough surfaces is not predicted: solve, and read answer.error."
         )
         floats = FLOATS_PER_CELL * prod(grid.cells) + FOURIER_MATRICES * nx**2
-    return FilmRequirements(grid, seconds, steps, 8 * floats, tuple(reasons), tuple(warnings))
+    return FilmRequirements(grid, seconds, solves, 8 * floats, tuple(reasons), tuple(warnings))

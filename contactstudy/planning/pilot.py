@@ -165,7 +165,7 @@ def _seconds_and_solves(
 
         begin, instants_of_wear = process_time(), steps.instants_of(scene.load)
         worn = follow_wear(scene, grid, padding, times=instants_of_wear, error=error)
-        return process_time() - begin, worn.steps
+        return process_time() - begin, worn.solves
     if scene.rolling is not None and scene.rolling.passes is not None:
         # imported only for scenes with such passes
         from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
@@ -206,4 +206,4 @@ def _seconds_and_solves(
             factor = error_factor / max(reached, 1e-3)
             solves = factor * CONSTANTS.solves_per_double_step * pairs
             return factor * (process_time() - begin), round(solves)
-        return error_factor * (process_time() - begin), round(error_factor * trajectory.steps)
+        return error_factor * (process_time() - begin), round(error_factor * trajectory.solves)

@@ -36,10 +36,8 @@ from contactstudy.scene.shapes.shape import LengthScales
 if TYPE_CHECKING:
     from contactstudy.evolution.time_steps import TimeSteps
 
-# Relative L1 error of the pressure that is planned where none is requested.
+# Relative error that is planned where none is requested: of the pressure in L1, of a lubricated scene that of the film.
 DEFAULT_ERROR = 1e-2
-# Relative error of the film of a lubricated scene that is planned where none is requested.
-FILM_ERROR = 1e-2
 # Factor on a width that is too small for the contact.
 WIDENING = 1.5
 # Fraction of the machine's memory that a plan may take.
@@ -61,7 +59,8 @@ class Plan:
     dimension
         Dimension of the grid: 1 in plane strain, where nothing varies along the length; 2 in three dimensions.
     error
-        Relative L1 error of the pressure to expect: of a smooth contact by a law, else from solutions on coarse grids.
+        Relative L1 error of the pressure to expect, by a law for a smooth contact, else from solutions on coarse grids;
+        of a film, that of its thickness. Infinite where it is not predicted.
     seconds
         Seconds of processor time of a solve to the error: its plan, all grids and steps, their estimates, and the stress
         that a steady scene names, from solves timed just now. Imports, compilation, files and pictures are not counted.
@@ -73,8 +72,8 @@ class Plan:
         A sentence for each choice.
     warnings
         A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
-    steps
-        Number of contact solves of a scene that changes in time or rolls.
+    solves
+        Number of contacts or films that are solved one after the other, in a scene that changes in time or rolls.
     on
         Device that the seconds are for.
     """
@@ -88,7 +87,7 @@ class Plan:
     period_check: str
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
-    steps: int = 1
+    solves: int = 1
     on: Device = ONE_THREAD
 
 
@@ -152,7 +151,7 @@ def plan(
     return replace(
         planned,
         seconds=planned.seconds + work.seconds,
-        steps=work.solves,
+        solves=work.solves,
         reasons=(*planned.reasons, work.reason),
     )
 
@@ -179,7 +178,7 @@ def plan_grid(
     ):
         return _plan_of_flat(scales, period, on)
     if scene.lubrication is not None:
-        return _plan_of_film(scene, error or FILM_ERROR, period, grid, times)
+        return _plan_of_film(scene, error or DEFAULT_ERROR, period, grid, times)
     if scene.adhesion is not None:
         return _plan_of_adhesion(
             scene, grid_requirements(scene), error or DEFAULT_ERROR, period, grid
@@ -190,12 +189,10 @@ def plan_grid(
 
 
 def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
-    """Return the instants to record: `times` if given, else evenly spaced ones up to the end of the load."""
+    """Return `times` as time steps."""
     from contactstudy.evolution.time_steps import TimeSteps  # imported only for scenes in time
 
-    if isinstance(times, TimeSteps):
-        return times
-    return TimeSteps(times)  # type: ignore[arg-type]
+    return TimeSteps.of(times)
 
 
 def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Plan:
@@ -381,7 +378,7 @@ def _plan_of_film(
         dimension=1 if smooth else 2,
         error=error if smooth and grid is None else inf,
         seconds=film.seconds,
-        steps=film.steps,
+        solves=film.solves,
         bytes=film.bytes,
         period_check=requirements.period_check(film.grid.length),
         reasons=film.reasons,
@@ -413,5 +410,5 @@ def _plan_of_adhesion(
         period_check=requirements.period_check(grid.length),
         reasons=(*requirements.reasons(grid, expected_error), *adhesive.reasons),
         warnings=(*requirements.warnings(grid), *adhesive.warnings),
-        steps=adhesive.solves,
+        solves=adhesive.solves,
     )

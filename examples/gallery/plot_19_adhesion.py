@@ -39,7 +39,7 @@ right.set(xlabel="load [N/m]", ylabel="width in contact [mm]")
 pulled = cs.Scene(cs.PullOff(largest), (rubber, rigid), (roller,), adhesion=adhesion)
 smooth = cs.solve(pulled, cs.Grid((512, 1), grid.extent), padding).quantities["pull_off"]
 closed = 3 * (np.pi * scene.contact_modulus * adhesion.work**2 * roller.radius / 16) ** (1 / 3)
-rough, lost = loop.quantities["pull_off"], loop.quantities["work_lost"]
+rough, lost = loop.quantities["pull_off"], loop.quantities["net_work"]
 left.axhline(-rough.value, color="0.4", linestyle="--", label="pull-off")
 left.legend()
 print(f"smooth: {smooth}; closed form {closed:.4g} N/m")

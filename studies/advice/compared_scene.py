@@ -204,7 +204,7 @@ class SceneText:
     def key(self) -> str:
         """Text that is equal for equal scenes alone."""
         file = self.file
-        solved = file.scene, file.grid, file.padding, file.settings, file.time_steps
+        solved = file.scene, file.grid, file.padding, file.options, file.time_steps
         return key(canonical((*solved, file.plan_settings.period)))
 
     def subject(self, error: float = QUICK_ERROR) -> "ComparedScene":
@@ -290,7 +290,7 @@ def compared_scene(
         grid.extent,
         padding,
         unit_of(_with_limited_aspect(grid.cells)),
-        described.settings,
+        described.options,
         described.time_steps if scene.takes_times else None,
         text,
         tuple(notes),

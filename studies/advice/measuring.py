@@ -248,7 +248,7 @@ class _Measurement:
             self.notes += last_of(answer).error.warnings[:1]
         elif (steps := steps_of(answer)) > STEPS_FRACTION * self.error:
             self.notes.append(
-                f"Of that bound {steps:.2g} is by the steps in time, which no grid makes smaller: give [evolve] an "
+                f"Of that bound {steps:.2g} is by the steps in time, which no grid makes smaller: give [time_steps] an "
                 f"error of {STEPS_FRACTION * self.error:.1g}."
             )
         if failure_of(answer):

@@ -172,7 +172,7 @@ def _notes(described: cs.SceneFile) -> list[str]:
     ]
     if described.time_steps != cs.TimeSteps() and not scene.takes_times:
         notes.append(
-            "[evolve] has no effect, because no load, speed or body changes in time: leave it out"
+            "[time_steps] has no effect, because no load, speed or body changes in time: leave it out"
         )
     return notes
 

@@ -156,7 +156,7 @@ class EvolutionCase(PosedCase):
             "iterations": dimensionless(result.iterations, "solver iterations of all steps"),
             "convolutions": dimensionless(result.convolutions, "transform pairs of the full grid"),
             "residual": dimensionless(result.residual, "largest residual"),
-            "solves": dimensionless(result.steps, "solves"),
+            "solves": dimensionless(result.solves, "solves"),
         }
 
 

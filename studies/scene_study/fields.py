@@ -70,8 +70,8 @@ def document_of(described: SceneFile) -> SceneDocument:
     names = [key.name for key in fields(SceneDocument) if hasattr(scene, key.name)]
     entries: dict[str, Any] = {name: getattr(scene, name) for name in names}
     entries |= {"grid": described.grid, "padding": along, "padding_across": across}
-    entries |= {"plan": described.plan_settings, "solve": described.settings}
-    return SceneDocument(**entries | {"evolve": described.time_steps})
+    entries |= {"plan": described.plan_settings, "solve": described.options}
+    return SceneDocument(**entries | {"time_steps": described.time_steps})
 
 
 def find(document: SceneDocument, name: str) -> SceneField:

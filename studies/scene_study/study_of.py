@@ -72,7 +72,7 @@ def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> 
     for number, shape in enumerate(shapes):
         _check(f"Scene.shapes[{number}]", shape, grid)
     padding = point.padding or grid_requirements(point.scene).padding()
-    return Case(replace(point.scene, shapes=shapes), grid, padding, point.settings)
+    return Case(replace(point.scene, shapes=shapes), grid, padding, point.options)
 
 
 def _check(name: str, shape: object, grid: cs.Grid) -> None:

@@ -62,7 +62,8 @@ def follow_load(
     Raises
     ------
     InvalidInput
-        If times decrease, or begin before the load; if the load of a body that creeps changes too fast to roll steadily.
+        If the load does not change, or changes too fast for a body that creeps to roll steadily; if times decrease, or
+        begin before the load.
     """
     load = scene.load
     if not isinstance(load, ChangingLoad):
@@ -134,9 +135,9 @@ def frame_in_equilibrium(
 ) -> Frame:
     """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its rolling where it rolls."""
     fields = {}
-    steps, adhesion = 1, solution.adhesion
+    solves, adhesion = 1, solution.adhesion
     if adhesion is not None:
-        name, steps = "attraction between the bodies", adhesion.outer_iterations
+        name, solves = "attraction between the bodies", adhesion.outer_iterations
         fields = {"attraction": Field(("x", "y"), adhesion.attraction, "Pa", name)}
     return Frame(
         time=time,
@@ -148,8 +149,7 @@ def frame_in_equilibrium(
         status=solution.status,
         residual=solution.residual,
         step_error=0.0,
-        grid_error=inf,
-        steps=steps,
+        solves=solves,
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         solution=solution,
@@ -157,7 +157,7 @@ def frame_in_equilibrium(
     )
 
 
-def work_lost(
+def net_work(
     frames: tuple[Frame, ...], approach_errors: Sequence[float]
 ) -> tuple[float, float, str]:
     """Return the net work of the load in a history [J/m], the bound of its error, and why that is infinite where it is.

@@ -14,12 +14,12 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import ndimage
 
 from contactstudy.domain.checks import InvalidInput, finite
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings, on_cells
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.equilibrium.quasi_static import frame_in_equilibrium
+from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.lubrication.evolve_lubricated import FilmTrajectory, errors_by_steps
@@ -27,7 +27,6 @@ from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.shapes.shape import LengthScales
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
@@ -37,34 +36,10 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 # Largest depth of the first step, over the unit of the gap or the boundary film. Limits of the factor of a step, and the
 # factor below the error that a step aims at. Shortest step over the time between two instants.
 FIRST, SHRINK, GROW, SAFETY, LEAST = 0.01, 0.1, 2.0, 0.8, 1e-6
-# Error of a step where none is asked for. Cells around a grid by which splines continue beyond it.
-STEP_ERROR, PADDED = 1e-3, 4
+# Error of a step where none is asked for.
+STEP_ERROR = 1e-3
 # Count of a rejected pair of steps in the work of an instant.
 REJECTED = np.array((0.0, 0.0, 0.0, 0.0, 1.0))
-
-
-@dataclass(frozen=True, eq=False)
-class WornSurface:
-    """Shape of a worn depth (x, y) [m] in the cells of a grid, smooth from one cell to the next."""
-
-    depth: Array
-    grid: Grid
-    curvature: float = 0.0
-    length_scales: LengthScales = LengthScales()  # noqa: RUF009 (a frozen value)
-
-    def gap(self, grid: Grid) -> Array:
-        """Return the depth on another grid: means over larger cells, a cubic spline between these cells."""
-        if all(n <= m for n, m in zip(grid.cells, self.grid.cells, strict=True)):
-            return on_cells(self.depth, grid.cells)
-        around = np.pad(
-            np.pad(self.depth, ((PADDED, PADDED), (0, 0)), "edge"),
-            ((0, 0), (PADDED, PADDED)),
-            "wrap",
-        )
-        dx, dy = self.grid.cell_size
-        rows, columns = (grid.x - self.grid.x[0]) / dx, (grid.y - self.grid.y[0]) / dy
-        places = np.meshgrid(PADDED + rows, PADDED + columns, indexing="ij")
-        return np.asarray(ndimage.map_coordinates(around, places, order=3, mode="nearest"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,7 +193,7 @@ def follow_wear(
     problem = elastic.problem(grid, padding)
 
     def solved(depth: Array, before: _DryContact | None) -> _DryContact:
-        worn = replace(unworn, shapes=(*unworn.shapes, WornSurface(depth, grid)))
+        worn = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid)))
         if worn.rolls:
             rolling = solve_rolling(worn, grid, padding, options=options)
             return _DryContact(rolling.solution, rolling)
@@ -258,7 +233,7 @@ def follow_wear(
                 ),
                 fields={"worn_depth": worn_depth},
                 step_error=float(change),
-                steps=int(instant.work[1]),
+                solves=int(instant.work[1]),
                 iterations=int(instant.work[2]),
                 convolutions=float(instant.work[3]),
             )
@@ -287,7 +262,7 @@ def follow_film_wear(
     assert lubrication.boundary is not None
 
     def solved(depth: Array, before: FilmSolution | None) -> FilmSolution:
-        worn = replace(unworn, shapes=(*unworn.shapes, WornSurface(depth, grid)))
+        worn = replace(unworn, shapes=(*unworn.shapes, SurfaceDepth(depth, grid)))
         film = solve_lubricated(
             worn,
             grid,

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
 from contactstudy.evolution.states.plastic import PlasticState, YieldingBody
 from contactstudy.evolution.states.state_variables import State
 from contactstudy.evolution.warm_started import with_added_gap
@@ -45,20 +46,8 @@ LOADED = 0.02
 STRAIN_TOLERANCE = 10.0
 
 
-@dataclass(frozen=True, eq=False)
-class Dent:
-    """Shape of a residual displacement (x, y) [m] on one grid."""
-
-    displacement: Array
-    curvature: float = 0.0
-
-    def gap(self, grid: Grid) -> Array:
-        """Return the displacement."""
-        return self.displacement
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PressedFilms(FilmTrajectory):
+class YieldingFilms(FilmTrajectory):
     """Films over a body that yields, with its `plastic` strain and the `states` (time,) of it."""
 
     plastic: PlasticState
@@ -77,8 +66,9 @@ class FilmContact:
 
     def __call__(self, added_gap: Array) -> Solution:
         """Return the film with `added_gap` (x, y) [m] added to its gap, as a contact."""
-        dented = replace(self.scene, shapes=(*self.scene.shapes, Dent(added_gap)))
-        film = self.film = solve_on(dented, self.dry.grid, self.padding, self.controls, self.film)
+        grid = self.dry.grid
+        dented = replace(self.scene, shapes=(*self.scene.shapes, SurfaceDepth(added_gap, grid)))
+        film = self.film = solve_on(dented, grid, self.padding, self.controls, self.film)
         problem = with_added_gap(self.dry, added_gap)
         return Solution(
             problem=problem,
@@ -94,15 +84,15 @@ class FilmContact:
 
 
 @dataclass(eq=False)
-class FilmedState(PlasticState):
-    """Plastic strain below a film."""
+class PlasticStateBelowFilm(PlasticState):
+    """State variable of the plastic strain below a film, in whose tangent lightly loaded cells do not count."""
 
     def _tangent(self, solution: Solution) -> ContactStiffness:
         loaded = solution.pressure > LOADED * solution.pressure.max()
         return super()._tangent(replace(solution, pressure=solution.pressure * loaded))
 
 
-def press_lubricated(
+def follow_yielding_film(
     scene: Scene,
     grid: Grid,
     padding: Padding | Paddings,
@@ -110,7 +100,7 @@ def press_lubricated(
     times: ArrayLike | None,
     options: SolveOptions,
     progress: Callable[[float, float], None] | None = None,
-) -> PressedFilms:
+) -> YieldingFilms:
     """Follow the steady film of a scene whose body yields under a load that changes slowly, or is applied at first.
 
     The load goes from one instant to the next in two or more equal increments, each an implicit step for the plastic
@@ -132,13 +122,13 @@ def press_lubricated(
     instants = instants_of(scene, times)
     check_loaded(scene, instants)
     fine, coarse = (
-        _pressed(scene, grid, padding, instants, factor, options, report)
+        _with_increments(scene, grid, padding, instants, factor, options, report)
         for factor, report in ((2, progress), (1, None))
     )
     return replace(fine, errors_by_steps=errors_by_steps(fine, coarse))
 
 
-def _pressed(
+def _with_increments(
     scene: Scene,
     grid: Grid,
     padding: Padding | Paddings,
@@ -146,7 +136,7 @@ def _pressed(
     factor: int,
     options: SolveOptions,
     progress: Callable[[float, float], None] | None,
-) -> PressedFilms:
+) -> YieldingFilms:
     """Return the film at all instants, after a `factor` times the least load increments to each."""
     load = scene.load
     loads = [load.at(t) if isinstance(load, ChangingLoad) else load.largest for t in instants]
@@ -158,7 +148,7 @@ def _pressed(
         loaded = replace(scene, load=LineLoad(value))
         return FilmContact(loaded, problem, padding, controls, start)
 
-    plastic = FilmedState(
+    plastic = PlasticStateBelowFilm(
         YieldingBody.in_scene(scene),
         contact_under(max(loads), None)(np.zeros(grid.cells)),
         options.precision,
@@ -183,7 +173,7 @@ def _pressed(
         states.append(state)
         if progress is not None:
             progress(time, instants[-1])
-    return PressedFilms(
+    return YieldingFilms(
         tuple(instants),
         tuple(contacts),
         steps,

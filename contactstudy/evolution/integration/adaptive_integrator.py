@@ -29,10 +29,10 @@ SHORTEST = 1e-12
 INCREMENTS, MAX_INCREMENTS = 4, 2**12
 # Largest number of halvings of a step in which bodies start to yield.
 MAX_HALVINGS = 6
-# Errors of first order fall by 0.5 to 0.6 with every halving, so that a difference is up to 1.5 times too small.
+# Halving the steps leaves 0.5 to 0.6 of errors of first order, so that a difference is up to 1.5 times too small.
 FIRST_ORDER_FACTOR = 1.5
-# Errors of wear are of order 1/2 where it begins, since the pressure changes at once: they fall by 2^-1/2, and a
-# difference is 2^1/2 - 1 of the error.
+# Errors of wear are of order 1/2 where it begins, since the pressure changes at once: halving the steps leaves 2^-1/2 of
+# them, and a difference is 2^1/2 - 1 of the error.
 HALF_ORDER_FACTOR = 1 / (2**0.5 - 1)
 # Discretisation error at the end of an integration over that of the last contact alone: with each state variable, which
 # depends on earlier pressures, and with plastic strain, whose cells below the surface add to it. Bounds by the cells
@@ -41,7 +41,7 @@ HALF_ORDER_FACTOR = 1 / (2**0.5 - 1)
 GROWTH_PER_STATE_VARIABLE, GROWTH_PLASTIC = 1.2, 4.0
 # State of an integrator in its checkpoint.
 CHECKPOINTED = ("breakpoint", "arrived", "step_error", "largest_grid_error", "double_step", "rejected", "restarts",
-                "steps", "iterations", "convolutions")  # fmt: skip
+                "solves", "iterations", "convolutions")  # fmt: skip
 
 
 class _Outcome(Enum):
@@ -106,7 +106,7 @@ class AdaptiveIntegrator:
 
     def _reset_counts(self) -> None:
         """Reset the counts of work since the last frame."""
-        self.steps, self.iterations, self.convolutions = 0, 0, 0.0
+        self.solves, self.iterations, self.convolutions = 0, 0, 0.0
         self.statuses: list[Status] = []
 
     def integrate(self) -> None:
@@ -130,7 +130,7 @@ class AdaptiveIntegrator:
             self.breakpoint, self.arrived = self.breakpoint + 1, False
             self._save()
 
-    def _integrate_to(self, point: Breakpoint) -> "_Outcome":
+    def _integrate_to(self, point: Breakpoint) -> _Outcome:
         """Integrate to `point`, which is later than the present time."""
         if self.control is None or not self.stepper.all_state_variables:
             return self._one_step(point)
@@ -167,7 +167,7 @@ class AdaptiveIntegrator:
             self.coarse = self.fine
         return _Outcome.REACHED
 
-    def _step_adaptively(self, point: Breakpoint) -> "_Outcome":
+    def _step_adaptively(self, point: Breakpoint) -> _Outcome:
         """Integrate to `point` by pairs of steps, each checked by one step of twice the length."""
         control = self.control
         assert control is not None
@@ -263,7 +263,7 @@ class AdaptiveIntegrator:
     def _add_work(self, after: Instant, solutions: list[Solution]) -> tuple[Instant, Solution]:
         """Count the work of `solutions`, and return the instant after them with the last of them."""
         for solution in solutions:
-            self.steps += 1
+            self.solves += 1
             self.iterations += solution.iterations
             self.convolutions += solution.convolutions
             self.statuses.append(solution.status)
@@ -276,7 +276,7 @@ class AdaptiveIntegrator:
         self._finish_frames()
 
     def _difference(self, fine: Instant, coarse: Instant) -> float:
-        """Return the L1 difference of two instants' pressures, or of their shears, relative to the first."""
+        """Return the estimated error of `fine` by its steps, of the pressure or of the states: the larger one."""
         pressure = self._relative(fine.pressure - coarse.pressure, fine)
         return max(pressure, self._state_error(fine, coarse))
 
@@ -378,11 +378,10 @@ class AdaptiveIntegrator:
                 status=worst(self.statuses),
                 residual=solution.residual,
                 step_error=self._common_error(),
-                grid_error=parts.total,
                 grid_error_parts=parts,
                 warnings=warnings,
                 adhesion=self.fine.adhesion,
-                steps=self.steps,
+                solves=self.solves,
                 iterations=self.iterations,
                 convolutions=self.convolutions,
             )

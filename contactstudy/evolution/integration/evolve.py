@@ -91,17 +91,9 @@ def coupled_state_variable(
         return None
 
     # imported only for scenes with such a body
-    from contactstudy.evolution.states.plastic import PlasticState, YieldingBody
+    from contactstudy.evolution.states.plastic import PlasticState, YieldingBody, check_paddings
 
-    paddings = problem.paddings
-    assert paddings is not None
-    across, along = paddings
-    if not problem.open_edges or along.window is not None:
-        raise InvalidInput(
-            f"solve.padding is {across!r} across and {along!r} along: plastic strain is supported below a "
-            "surface that is infinite across and periodic along, give padding=ExactPeriodicity(), which leaves the "
-            "width open and repeats the length."
-        )
+    check_paddings(problem)
     return PlasticState(YieldingBody.in_scene(scene), solved(problem), precision)
 
 

@@ -18,7 +18,7 @@ from contactstudy.evolution.rolling.track import (
     rolling_contact,
     with_zero_layers,
 )
-from contactstudy.evolution.states.plastic import YieldingBody, step_solution
+from contactstudy.evolution.states.plastic import YieldingBody, check_paddings, step_solution
 from contactstudy.evolution.states.plastic_volume import embedded, layers
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
@@ -345,10 +345,4 @@ def _check_grid(problem: Problem) -> None:
             f"Grid.cells[1] is {problem.grid.cells[1]}: repeated rolling is supported in plane strain only, "
             "give 1 cell along."
         )
-    assert problem.paddings is not None
-    across, along = problem.paddings
-    if not problem.open_edges or along.window is not None:
-        raise InvalidInput(
-            f"solve.padding is {across!r} across and {along!r} along: the half-space is infinite across "
-            "and periodic along, give padding=ExactPeriodicity(), which leaves the width open and repeats the length."
-        )
+    check_paddings(problem)

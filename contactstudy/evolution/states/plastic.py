@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Precision
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
@@ -22,7 +23,7 @@ from contactstudy.evolution.states.plastic_volume import (
     union,
 )
 from contactstudy.evolution.states.state_variables import Contact, State
-from contactstudy.problem.problem import Field, ResidualStress
+from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
@@ -338,6 +339,18 @@ class PlasticState:
                 self.operators[number] = operator_on(new_volume, body.moduli)
                 any_grown = True
         return any_grown
+
+
+def check_paddings(problem: Problem) -> None:
+    """Raise InvalidInput for a padding of `problem` on which plastic strain has no operator."""
+    assert problem.paddings is not None
+    across, along = problem.paddings
+    if not problem.open_edges or along.window is not None:
+        raise InvalidInput(
+            f"solve.padding is {across!r} across and {along!r} along: plastic strain is supported below a "
+            "surface that is infinite across and periodic along, give padding=ExactPeriodicity(), which leaves the "
+            "width open and repeats the length."
+        )
 
 
 def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:

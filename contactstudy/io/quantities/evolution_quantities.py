@@ -116,7 +116,7 @@ def evolution_quantities(
 
 
 def cycle_quantities(
-    lost_work: tuple[float, float, str],
+    net_work: tuple[float, float, str],
     separation: tuple[float, float] | None,
     jump_in: tuple[float, float] | None,
 ) -> dict[str, Quantity]:
@@ -124,15 +124,15 @@ def cycle_quantities(
 
     Parameters
     ----------
-    lost_work
+    net_work
         Net work done by the load [J/m], the bound of its error, and why that is infinite.
     separation
         Last load held and first load lost [N/m]; None where contact is not lost.
     jump_in
         First load in contact and last load before [N/m]; None where contact is not made.
     """
-    work, error, reason = lost_work
-    quantities = {"work_lost": Quantity(work, "J m-1", "net work of the load", error, reason)}
+    work, error, reason = net_work
+    quantities = {"net_work": Quantity(work, "J m-1", "net work of the load", error, reason)}
     if separation is not None:
         last_stable, first_unstable = separation
         bound = abs(last_stable - first_unstable)

@@ -216,7 +216,7 @@ class SceneDocument:
     rolling: Rolling | None = None
     lubrication: Lubrication | None = None
     adhesion: Adhesion | None = None
-    evolve: TimeSteps = field(default_factory=TimeSteps)
+    time_steps: TimeSteps = field(default_factory=TimeSteps)
     grid: Grid | None = None
     padding: Padding | None = None
     padding_across: Padding | None = None

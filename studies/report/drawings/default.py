@@ -30,7 +30,8 @@ DRAWN = (
 )  # fmt: skip
 # What a case records of its solve, which is no measure.
 RECORDED = (
-    "accuracy_met", "solver_status", "iterations", "linear_iterations", "convolutions", "residual", "passes", "solves",
+    "accuracy_met", "solver_status", "iterations", "linear_iterations", "convolutions", "residual",
+    "outer_iterations", "passes", "solves",
 )  # fmt: skip
 # Relative difference of values that are constant.
 CONSTANT = 1e-6

@@ -47,12 +47,12 @@ def test_a_state_follows_from_the_one_before_however_many_lie_between(loop: cs.E
     np.testing.assert_allclose(last.pressure, other.pressure, atol=1e-3 * other.pressure.max())
 
 
-def test_the_work_lost_is_the_integral_of_the_load_over_the_approach(loop: cs.Evolution) -> None:
+def test_the_net_work_is_the_integral_of_the_load_over_the_approach(loop: cs.Evolution) -> None:
     held = [frame for frame in loop.frames if frame.status is not cs.Status.DETACHED]
     loads = np.array([frame.load_per_length for frame in held])
     approaches = np.array([frame.quantities["approach"].value for frame in held])
     by_hand = np.sum((loads[1:] + loads[:-1]) / 2 * np.diff(approaches))
-    assert loop.quantities["work_lost"].value == pytest.approx(by_hand, rel=1e-6)
+    assert loop.quantities["net_work"].value == pytest.approx(by_hand, rel=1e-6)
 
 
 def test_the_dataset_has_the_attraction_and_the_picture_the_loop(loop: cs.Evolution) -> None:
@@ -147,15 +147,15 @@ def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
     np.testing.assert_array_equal(faint.pressure, bare.pressure)
 
 
-def test_the_work_lost_is_bounded_by_the_instants_while_contact_lasts(loop: cs.Evolution) -> None:
+def test_the_net_work_is_bounded_by_the_instants_while_contact_lasts(loop: cs.Evolution) -> None:
     """Up and down in few instants, beside many."""
     few, many = (
-        cs.solve(SCENE, GRID, LINE, times=times).quantities["work_lost"]
+        cs.solve(SCENE, GRID, LINE, times=times).quantities["net_work"]
         for times in ((0.0, 1.0, 2.0), np.linspace(0, 2, 17))
     )
     assert 0 < abs(few.value - many.value) <= few.bound < np.inf
     assert many.bound < few.bound
-    lost = loop.quantities["work_lost"]
+    lost = loop.quantities["net_work"]
     assert lost.bound == np.inf
     assert "lost between two instants" in lost.reason
 
@@ -177,9 +177,9 @@ def test_a_history_from_a_file_has_errors_of_its_approach_and_work(tmp_path: Pat
         "[64, 64]", "[48, 16]"
     )
     file = tmp_path / "history.toml"
-    file.write_text(text + "\n[evolve]\ninstants = 2\n")
+    file.write_text(text + "\n[time_steps]\ninstants = 2\n")
     found = cs.read_scene(file).solve().quantities
-    for name in ("work_lost", "final_approach"):
+    for name in ("net_work", "final_approach"):
         assert 0 < found[name].bound < inf
 
 

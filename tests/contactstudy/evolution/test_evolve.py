@@ -26,7 +26,8 @@ def test_an_elastic_scene_forgets_its_path() -> None:
     history = cs.LoadHistory((0.0, 1.0, 2.0, 2.0, 3.0), (0.0, 3 * LOAD, LOAD, 2 * LOAD, 0.5 * LOAD))
     found = evolve(replace(ELASTIC, load=history), GRID, EXACT, times=[0.5, 1.0, 2.0, 2.0, 3.0])
     assert found.step_error == 0
-    np.testing.assert_allclose(found.loads / LOAD, [1.5, 3.0, 1.0, 2.0, 0.5], rtol=1e-15)
+    loads = [frame.load / LOAD for frame in found.frames]
+    np.testing.assert_allclose(loads, [1.5, 3.0, 1.0, 2.0, 0.5], rtol=1e-15)
     for frame in found.frames:
         alone = cs.solve(replace(ELASTIC, load=cs.LineLoad(frame.load)).problem(GRID, EXACT))
         np.testing.assert_allclose(frame.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
@@ -90,7 +91,8 @@ def test_a_killed_integration_goes_on_to_the_same_bits(tmp_path: Path, error: fl
     )
     assert min(seen) >= 0.5  # it did not begin again
     np.testing.assert_array_equal(again.pressure, whole.pressure)
-    np.testing.assert_array_equal(again.gap, whole.gap)
+    for one, other in zip(again.frames, whole.frames, strict=True):
+        np.testing.assert_array_equal(one.gap, other.gap)
     assert [frame.step_error for frame in again.frames] == [
         frame.step_error for frame in whole.frames
     ]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.equilibrium.yielding_film import Dent
+from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
 from tests.conftest import STEEL
 
 YIELD, HARDENING = 3.5e8, 1e10
@@ -51,12 +51,14 @@ def test_film_and_strain_are_in_equilibrium() -> None:
     found = solved(scene(BODY))
     assert found.status is cs.Status.CONVERGED
     loaded = found.frames[1]
-    assert found.pressed is not None
-    plastic, state = found.pressed.plastic, found.pressed.states[1]
+    assert found.yielding_films is not None
+    plastic, state = found.yielding_films.plastic, found.yielding_films.states[1]
     dent = plastic.fields(state)["residual_displacement"].values
     assert dent.max() > 0.05 * loaded.film.min()
     dented = replace(scene(STEEL), load=cs.LineLoad(2e5))
-    again = cs.solve(replace(dented, shapes=(*dented.shapes, Dent(dent))), GRID, EXACT)
+    again = cs.solve(
+        replace(dented, shapes=(*dented.shapes, SurfaceDepth(dent, GRID))), GRID, EXACT
+    )
     assert isinstance(again, cs.LubricatedContact)
     np.testing.assert_allclose(again.film, loaded.film, rtol=1e-5)
     (operator,) = plastic.operators
@@ -68,7 +70,7 @@ def test_film_and_strain_are_in_equilibrium() -> None:
     assert np.all(von_mises < limit * (1 + 1e-5))
     assert np.count_nonzero(von_mises > limit * (1 - 1e-5)) > 20
     # less load leaves the strain as it is
-    np.testing.assert_array_equal(found.pressed.states[2]["strain0"], state["strain0"])
+    np.testing.assert_array_equal(found.yielding_films.states[2]["strain0"], state["strain0"])
 
 
 def test_a_film_over_the_second_body_is_that_over_the_first_with_the_motion_exchanged() -> None:

@@ -246,7 +246,7 @@ def test_a_scene_file_frets_on_a_planned_grid_under_a_load_that_changes(tmp_path
     [wear]
     coefficient = 1e-13
     speed = 0.0
-    [evolve]
+    [time_steps]
     times = [0, 1, 2]
     """
     file = tmp_path / "fretting.toml"

@@ -71,7 +71,7 @@ def test_a_file_says_what_the_values_say(tmp_path: Path) -> None:
     assert found.scene == expected
     assert found.grid == cs.Grid((64, 32), (4e-4, 4e-4))
     assert found.padding == cs.Superposition(3)
-    settings = found.settings
+    settings = found.options
     assert (settings.tolerance, settings.solver) == (1e-6, cs.PolonskyKeer())
     assert settings.precision is cs.Precision.SINGLE
 
@@ -103,7 +103,7 @@ def test_a_file_without_settings_has_those_of_the_functions(tmp_path: Path) -> N
     text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
     bare = read(re.sub(r"\[(plan|solve)\]\n(\w.*\n)*", "", text), tmp_path)
     assert bare.plan_settings.error is None
-    assert bare.settings == cs.SolveOptions()
+    assert bare.options == cs.SolveOptions()
     assert bare.plan().error <= 1e-2
 
 
@@ -135,6 +135,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         ('"Cosine"', "3", "shapes[2].feature.profile: it is 3: give a table with a kind."),
         ('"single"', '"half"', "solve.precision: it is 'half': choose from single, double."),
         ("images = 3", "images = 3.5", "padding.images: it is 3.5: give a whole number."),
+        ("[load]", "[evolve]\n[load]", "[evolve] is named [time_steps] now: rename the table."),
         ("[load]", "[load", "is not valid TOML: Expected ']' at the end"),
     ],
 )  # fmt: skip
@@ -200,7 +201,7 @@ def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
     assert TimeSteps(error=1e-3, end=7.0, instants=2).instants_of(load) == [1, 7]
     with pytest.raises(cs.InvalidInput, match=r"^TimeSteps\.instants is 1: give at least 2"):
         TimeSteps(end=7.0, instants=1).instants_of(load)
-    with pytest.raises(cs.InvalidInput, match=r"give evolve\.end or evolve\.times"):
+    with pytest.raises(cs.InvalidInput, match=r"give time_steps\.end or time_steps\.times"):
         TimeSteps().instants_of(cs.LineLoad(1.0))
 
 

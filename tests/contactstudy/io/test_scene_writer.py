@@ -70,13 +70,13 @@ def test_outputs_solver_and_plan_read_back(tmp_path: Path) -> None:
     written = replace(scene(cs.Cylinder(0.01)), outputs=(cs.SubsurfaceStress((1e-5, 2e-5), 0),))
     described = read_back(written, tmp_path)
     settings = replace(
-        described.settings,
+        described.options,
         tolerance=1e-6,
         solver=cs.PolonskyKeer(patience=7),
         precision=cs.Precision.SINGLE,
     )
     described = replace(
-        described, settings=settings, plan_settings=replace(described.plan_settings, error=2e-3)
+        described, options=settings, plan_settings=replace(described.plan_settings, error=2e-3)
     )
     found = read_back(described, tmp_path)
     for one in fields(cs.SceneFile):

@@ -89,7 +89,7 @@ pressure_viscosity = "20 1/GPa"
 [grid]
 cells = [100, 1]
 extent = ["1.2 mm", "1 mm"]
-[evolve]
+[time_steps]
 instants = 3
 error = 0.01
 """

@@ -124,7 +124,7 @@ def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:
     steady, few, many = (
         film_requirements(scene, requirements, 0.01, None, given, n) for n in (0, 2, 101)
     )
-    assert steady.steps == 1 < few.steps < 101 <= many.steps
+    assert steady.solves == 1 < few.solves < 101 <= many.solves
     assert steady.seconds < few.seconds < many.seconds
 
 

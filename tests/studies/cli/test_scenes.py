@@ -127,7 +127,7 @@ def test_a_history_with_adhesion_is_solved(tmp_path: Path) -> None:
     assert pull in text
     scene = tmp_path / "history.toml"
     wide = text.replace(pull, history).replace('extent = ["1.2 mm"', 'extent = ["2.4 mm"')
-    scene.write_text(wide + "\n[evolve]\ninstants = 2\n")
+    scene.write_text(wide + "\n[time_steps]\ninstants = 2\n")
     result = run("solve", str(scene), "--out", str(tmp_path))
     assert result.exit_code == 0, result.output
     assert (tmp_path / "history.nc").is_file()
@@ -175,8 +175,8 @@ def test_a_rolling_scene_says_its_shift_and_resistance(tmp_path: Path) -> None:
 def test_steps_that_nothing_takes_are_said(tmp_path: Path) -> None:
     scene = tmp_path / "still.toml"
     text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
-    scene.write_text(text + "\n[evolve]\ninstants = 5\n", encoding="utf-8")
-    assert "[evolve] has no effect" in run("solve", str(scene), "--out", str(tmp_path)).output
+    scene.write_text(text + "\n[time_steps]\ninstants = 5\n", encoding="utf-8")
+    assert "[time_steps] has no effect" in run("solve", str(scene), "--out", str(tmp_path)).output
 
 
 def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:
@@ -197,7 +197,9 @@ def test_a_film_that_changes_in_time_is_marched_and_drawn(tmp_path: Path) -> Non
     text = (EXAMPLES / "oil.toml").read_text(encoding="utf-8")
     history = '{times = ["0 us", "50 us"], mean_speed = ["0.5 m/s", "1 m/s"]}'
     text = text.replace('mean_speed = "1 m/s"', f"mean_speed = {history}")
-    text += '\n[grid]\ncells = [100, 1]\nextent = ["1.2 mm", "1 mm"]\n\n[evolve]\ninstants = 3\n'
+    text += (
+        '\n[grid]\ncells = [100, 1]\nextent = ["1.2 mm", "1 mm"]\n\n[time_steps]\ninstants = 3\n'
+    )
     (tmp_path / "start.toml").write_text(text, encoding="utf-8")
     result = run("solve", str(tmp_path / "start.toml"), "--out", str(tmp_path / "out"))
     assert result.exit_code == 0, result.output

@@ -22,7 +22,9 @@ def solved(path: Path, out: Path, loads: str = LOADS) -> xr.Dataset:
 
 def test_a_scene_in_time_is_swept_with_the_steps_of_its_solve(smooth: Path, tmp_path: Path) -> None:
     text = smooth.read_text(encoding="utf-8").replace("error = 1e-2", "error = 5e-2")
-    wears = '[wear]\ncoefficient = 1e-16\nspeed = "20 mm/s"\n[evolve]\nend = 1000\ninstants = 2\n'
+    wears = (
+        '[wear]\ncoefficient = 1e-16\nspeed = "20 mm/s"\n[time_steps]\nend = 1000\ninstants = 2\n'
+    )
     (tmp_path / "wear.toml").write_text(text + wears, encoding="utf-8")
     swept = solved(tmp_path / "wear.toml", tmp_path, "100 N/mm")
     single = cs.read_scene(tmp_path / "wear.toml").solve().quantities["final_peak_pressure"]

@@ -247,7 +247,7 @@ extent = ["8 mm", "1 mm"]
 [padding]
 kind = "ExactPeriodicity"
 """
-STEPPED = "[evolve]\ntimes = [0.0, 0.1]\n"
+STEPPED = "[time_steps]\ntimes = [0.0, 0.1]\n"
 YIELDING = """
 [load]
 kind = "LoadHistory"
@@ -268,7 +268,7 @@ cells = [24, 1]
 extent = ["1 mm", "1 mm"]
 [padding]
 kind = "ExactPeriodicity"
-[evolve]
+[time_steps]
 times = [0, 1]
 """
 
@@ -304,9 +304,7 @@ def test_the_common_grid_of_what_wears_is_as_wide_as_it_wears(tmp_path: Path) ->
     """At the end of the file the contact is some ten times as wide as at first: ``a^3 = 1.5 R k s P``."""
     wears = YIELDING.split("[grid]")[0].replace("ElasticPlasticHalfSpace", "HalfSpace")
     wears = wears.replace('yield_stress = "1 GPa"\nhardening_modulus = "10 GPa"\n', "")
-    wears += (
-        '[wear]\ncoefficient = 1e-15\nspeed = "1 m/s"\n[evolve]\nend = 1e4\n[plan]\nerror = 0.1\n'
-    )
+    wears += '[wear]\ncoefficient = 1e-15\nspeed = "1 m/s"\n[time_steps]\nend = 1e4\n[plan]\nerror = 0.1\n'
     wears = wears.replace(
         'per_length = ["100 N/mm", "1 kN/mm"]', 'per_length = ["1 kN/mm", "1 kN/mm"]'
     )

@@ -70,6 +70,10 @@ def show(
 
         name = str(dataset.attrs.get("study", file.stem))
         is_own = name not in BUILT_IN
+        if plot and not is_own:
+            raise InvalidInput(
+                f"--plot is for a study without figures of its own: leave it out for {name}."
+            )
         drawing = default_drawing(figures, names_in(plot)) if is_own else load_drawing(name)
         drawn = {f"{file.stem}-{item.name}": item.figure for item in drawing.figure(dataset)}
     elif plot:

@@ -71,7 +71,6 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
         "pressure_error_l1": dimensionless(
             max(errors), "largest relative L1 error of the pressure"
         ),
-        "last_error_l1": dimensionless(errors[-1], "relative L1 error of the pressure at the end"),
         "step_error": dimensionless(largest("step_error"), "estimated L1 error by the steps"),
         "grid_error": dimensionless(largest("grid_error"), "estimated L1 error by the cells"),
     }

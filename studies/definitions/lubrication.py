@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from math import pi, sqrt
 
-import numpy as np
 import xarray as xr
 
 import contactstudy as cs
@@ -76,7 +75,7 @@ def case_at(point: Point) -> SceneCase:
 
 
 def measures(case: SceneCase, solved: TimedAnswer) -> Mapping[str, xr.Variable]:
-    """Return films in Moes' units, how evenly lubricant flows, friction, fractions of a thin film and the time taken."""
+    """Return films in Moes' units, how evenly lubricant flows, friction, the load on a thin film and the time taken."""
     contact = solved.answer
     assert isinstance(contact, cs.LubricatedContact)
     scales = contact.scales
@@ -84,11 +83,10 @@ def measures(case: SceneCase, solved: TimedAnswer) -> Mapping[str, xr.Variable]:
     units = 8 * load / pi / scales.film
     moes = moes_film(load, scales.viscosity_parameter)
     flat = contact.flow / contact.mean_speed
-    thin_area, thin_load = contact.thinner_than(moes / units / 2)
+    _, thin_load = contact.thinner_than(moes / units / 2)
     converged = contact.status is not cs.Status.FILM_NOT_CONVERGED
     resolved = contact.status is cs.Status.CONVERGED
     largest = contact.peak_pressure / HERTZ.peak_pressure
-    film_range = float(np.ptp(contact.film[contact.grid.cells[0] // 2])) * units
     measured = {
         "central_film": (
             contact.central_film * units,
@@ -99,12 +97,10 @@ def measures(case: SceneCase, solved: TimedAnswer) -> Mapping[str, xr.Variable]:
         "film_over_moes": (flat * units / moes, "film where the pressure is flat over Moes'"),
         "friction": (contact.friction, "friction force over load at 10 % sliding"),
         "flux_spread": (contact.flux_spread, "range of the flow over x over its mean"),
-        "thin_area": (thin_area, "fraction of Hertz's area with less than half of Moes' film"),
         "thin_load": (thin_load, "fraction of the load on less than half of Moes' film"),
         "peak_pressure": (largest, "peak pressure over Hertz's"),
         "converged": (converged, "1 where the iteration converged"),
         "resolved": (resolved, "1 where the cells resolve the film too"),
-        "film_range": (film_range, "range of the film along the axis"),
     }
     label = {"units": "s", "long_name": "wall time of the solve"}
     wall_time = xr.Variable((), solved.seconds, label)

@@ -232,7 +232,7 @@ class _Run:
     def _compute(self, missing: Sequence[str], finished: OnFinished) -> None:
         """Compute the missing cases as the options ask for."""
         workers, scheduler = min(self.options.workers, len(missing)), self.options.scheduler
-        if not workers and not scheduler and self.journal.begun in missing:
+        if not workers and not scheduler and self.journal.interrupted in missing:
             self.log(
                 "the last run ended during a case: cases are computed in a process of their own"
             )

@@ -220,12 +220,12 @@ def _split(text: str, kind: type) -> Iterator[Sequence[str] | Sequence[float]]:
     """Yield the values of each part between commas; a part that is not a range stays as text."""
     for part in text.split(","):
         match = RANGE.fullmatch(part.strip()) if kind is not str else None
-        values = None if match is None else values_between(*match.groups(""), whole=kind is int)
+        values = None if match is None else values_between(*match.groups(""), kind=kind)
         yield (part.strip(),) if values is None else values
 
 
 def values_between(
-    first: str, last: str, count: str, spacing: str, *, whole: bool
+    first: str, last: str, count: str, spacing: str, *, kind: type
 ) -> Sequence[float] | None:
     """Return the values of a range, both ends included; None for text that is not a range.
 
@@ -240,10 +240,10 @@ def values_between(
         Number of values, as text; empty for whole numbers.
     spacing
         "log" for equal ratios, else empty.
-    whole
-        Whether the values are whole numbers.
+    kind
+        Type of the values, int or float.
     """
-    low, high = float(first), float(last)
+    low, high, whole = float(first), float(last), kind is int
     if whole and not (low.is_integer() and high.is_integer()):
         return None
     if not count:

@@ -127,6 +127,6 @@ def _chapter(name: str) -> Chapter:
         return CHAPTERS[name]
     studies = (*BUILT_IN, *OPTIONAL)
     if name not in studies:
-        choices = ["all", *CHAPTERS, *studies]
+        choices = dict.fromkeys(["all", *CHAPTERS, *studies])
         raise InvalidInput(f"Chapter {name!r} is not known: {suggestion(name, choices)}.")
     return chapter_of_study(name)

@@ -58,9 +58,9 @@ class SceneField:
         return ""
 
     @property
-    def is_whole(self) -> bool:
-        """True if the field holds whole numbers."""
-        return self.annotation is int
+    def number_type(self) -> type:
+        """Type of the numbers that the field may hold."""
+        return int if self.annotation is int else float
 
 
 def document_of(described: SceneFile) -> SceneDocument:

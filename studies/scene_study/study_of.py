@@ -30,6 +30,12 @@ from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
 from studies.scene_study.variation import Variation, together, variation
 
+MAX_POINTS = 100_000
+# Largest number of points that are planned; the others take the finest cells of these.
+MAX_PLANNED = 8
+# Order in which the keys of a measured surface are applied: it is read before it is cut and turned.
+ORDER = {"file": 0, "window": 1, "turn": 2}
+
 
 def posed(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
     """Return every point on its grid, and notes on the grids.
@@ -141,18 +147,14 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     return [grid] * len(points), [shared, *notes]
 
 
-# Largest number of points that are planned; the others take the finest cells of these.
-PLANNED = 8
-
-
 def _planned(
     points: Sequence[SceneFile], requirements: Sequence[GridRequirements]
 ) -> list[cs.Grid]:
     """Return a planned grid for each point; of many points some are planned, and their finest cells are used for all."""
-    if len(points) <= PLANNED:
+    if len(points) <= MAX_PLANNED:
         return [point.plan().grid for point in points]
     by_width = sorted(range(len(points)), key=lambda number: requirements[number].half_width)
-    chosen = by_width[:: len(points) // (PLANNED - 1)] + by_width[-1:]
+    chosen = by_width[:: len(points) // (MAX_PLANNED - 1)] + by_width[-1:]
     plans = {number: points[number].plan().grid for number in chosen}
     cells = [min(grid.cell_size[axis] for grid in plans.values()) for axis in (0, 1)]
     width = max(grid.extent[0] for grid in plans.values())
@@ -191,10 +193,6 @@ def _size_text(grid: cs.Grid) -> str:
 def _counted(points: Sequence[SceneFile]) -> str:
     """Return the number of points in words."""
     return f"{len(points)} points" if len(points) > 1 else "1 point"
-
-
-RANKS = {"file": 0, "window": 1, "turn": 2}  # a surface is read before it is cut and turned
-MOST = 100_000
 
 
 def study_of(
@@ -242,7 +240,7 @@ def study_of(
         if names.count(axis) > 1:
             raise InvalidInput(f"{axis} is varied twice: write all its values in one list.")
     axes.sort(key=lambda varied: varied.is_load)
-    check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MOST)
+    check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MAX_POINTS)
     points = list(product(*(varied.axis.values for varied in axes)))
     files = [_file_at(described, axes, point) for point in points]
     placed, notes = posed(files)
@@ -312,7 +310,7 @@ def _file_at(described: SceneFile, axes: list[Variation], point: tuple[Value, ..
     """Return the scene file at a point."""
     document = document_of(described)
     values = zip(axes, point, strict=True)
-    for varied, value in sorted(values, key=lambda pair: RANKS.get(pair[0].field.path[-1], 3)):
+    for varied, value in sorted(values, key=lambda pair: ORDER.get(pair[0].field.path[-1], 3)):
         document = varied.apply(document, value)
     return scene_file_from(document)
 

@@ -1,4 +1,4 @@
-"""The journal of a study: one line for each result, added as it arrives and never changed."""
+"""The journal of a study: an append-only log with one line for each result, from which its state is replayed."""
 
 import hashlib
 import os
@@ -69,8 +69,8 @@ class Journal:
         Values that each axis ever had with this part of the study.
     history
         Time and command of each run.
-    begun
-        Key of the case during which the last run ended; None if it ended otherwise.
+    interrupted
+        Key of the case that was being computed when the last run ended; None if there was none.
     """
 
     def __init__(self, path: Path, context: Context, machine: str) -> None:
@@ -142,7 +142,7 @@ class Journal:
         return cached[1]
 
     def begin(self, key: str) -> None:
-        """Write that this process begins a case, so that the next run knows the case in which a run died."""
+        """Write that this process begins a case, so that the next run knows which case a run died in."""
         self._write({"begin": key})
 
     def add(self, identity: CaseIdentity, outcome: Outcome) -> bool:
@@ -243,7 +243,7 @@ class Journal:
         return is_due
 
     def _write(self, line: Mapping[str, Any]) -> None:
-        """Write a line at the end of the file, and take it in; cut it off where the disk takes only a part."""
+        """Append a line to the file, and apply it; cut it off where the disk takes only a part."""
         raw = encoded(line)
         try:
             unwritten = memoryview(raw)
@@ -254,7 +254,7 @@ class Journal:
                 os.ftruncate(self._descriptor, self._end)
             raise self._refused(error) from None
         self._end += len(raw)
-        self._take(line, raw)
+        self._apply(line, raw)
 
     def _refused(self, error: OSError) -> InvalidInput:
         """Return the error of a journal that cannot be written."""
@@ -263,8 +263,8 @@ class Journal:
             "make room or give another folder with --out, and run the same command again."
         )
 
-    def _forget(self) -> None:
-        """Hold nothing."""
+    def _clear(self) -> None:
+        """Set the state before the first line."""
         self.records: dict[str, Record] = {}
         self.other_records: dict[str, Record] = {}
         self.programs: dict[str, Program] = {}
@@ -273,14 +273,14 @@ class Journal:
         self.axes: dict[str, dict[Any, None]] = {}
         self.history: list[str] = []
         self.times = hashlib.blake2b(digest_size=8)
-        self.begun: str | None = None
+        self.interrupted: str | None = None
         self._present: set[str] = set()
         self._damaged: dict[int, bytes] = {}
         self._is_foreign, self._end = False, 0
 
     def _read(self) -> None:
         """Read the journal from the start."""
-        self._forget()
+        self._clear()
         try:
             with open(open_descriptor(self.path, os.O_RDONLY), "rb") as file:  # noqa: PTH123 (a descriptor)
                 self._read_lines(file)
@@ -293,7 +293,7 @@ class Journal:
 
     @without_garbage_collection()
     def _read_lines(self, file: Iterable[bytes]) -> None:
-        """Take in every line of the file without a torn last one."""
+        """Apply every line of the file without a torn last one."""
         is_journal, is_foreign = True, False
         for number, raw in enumerate(file):
             if number == 0:
@@ -301,7 +301,7 @@ class Journal:
             if not raw.endswith(b"\n"):
                 break  # torn
             line = decoded(raw)
-            if line is None or not self._is_taken(line, raw):
+            if line is None or not self._try_apply(line, raw):
                 self._damaged[number] = raw
             if line is not None:
                 is_journal, is_foreign = True, is_foreign or line.get("format", FORMAT) != FORMAT
@@ -312,19 +312,19 @@ class Journal:
                 "another folder with --out."
             )
         if is_foreign:
-            self._forget()
+            self._clear()
             self._is_foreign = True
 
-    def _is_taken(self, line: Mapping[str, Any], raw: bytes) -> bool:
-        """Take in a line, and return whether it has the form that this version writes."""
+    def _try_apply(self, line: Mapping[str, Any], raw: bytes) -> bool:
+        """Apply a line, and return whether it has the form that this version writes."""
         try:
-            self._take(line, raw)
+            self._apply(line, raw)
         except MALFORMED_LINE:
             return False
         return True
 
-    def _take(self, line: Mapping[str, Any], raw: bytes) -> None:
-        """Take in a line, also as bytes; raise a ``MALFORMED_LINE`` for one that this version does not write."""
+    def _apply(self, line: Mapping[str, Any], raw: bytes) -> None:
+        """Change the state by a line, also given as bytes; raise a ``MALFORMED_LINE`` for one of another form."""
         match line:
             case {"case": key, "program": stamp, "values": dict()}:
                 failure_of(line)
@@ -333,7 +333,7 @@ class Journal:
                 records[key] = Record(
                     key, status, line["seconds"], line["exact"], stamp, state, raw
                 )
-                self.begun = None if self.begun == key else self.begun
+                self.interrupted = None if self.interrupted == key else self.interrupted
             case {"time": _, "machine": machine} if machine != self._machine:
                 pass
             case {"time": key, "program": stamp, "sample": sample}:
@@ -347,7 +347,7 @@ class Journal:
                 self.samples.clear()
                 self.untimed.clear()
             case {"begin": key}:
-                self.begun = key
+                self.interrupted = key
             case {"program": stamp, "part": part, "state": state, "loaded": loaded}:
                 self.programs[stamp] = program = Program(part, state, loaded)
                 if not self._context.changes(program):

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Finding, Table
-from studies.reference.line_contact import HAS_IMAGES
+from studies.reference.line_contact import HAS_IMAGES, total_time
 from studies.report.drawings.settings import AXES, ERROR, against, is_of_hertz, is_timed, shown_at
 from studies.report.style import (
     LAW_STYLE,
@@ -106,12 +106,12 @@ def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
         names.get(name) or str(dataset[name].attrs["long_name"]).removeprefix("relative error of the ")
         for name in errors
     ]  # fmt: skip
-    times = ("setup_time", "solve_time") if is_timed(dataset) else ()
+    timed = is_timed(dataset)
     rows = [
         (
             "zero (not periodic)" if name == "zero" else setting_label(part),
             *(percent(part[error]) for error in errors),
-            *(seconds_text(float(part[time])) for time in times),
+            *([seconds_text(float(total_time(part)))] * timed),
         )
         for name in paddings(dataset)
         for images in dataset["images"].values[0 if name in HAS_IMAGES else -1 :]
@@ -127,8 +127,8 @@ def tables(dataset: xr.Dataset) -> tuple[Table, ...]:
         Table(
             f"Errors of every padding {against(dataset)}, {shown_at(dataset, '')}."
             + text * is_of_hertz(dataset)
-            + " Times on one thread." * bool(times),
-            ("padding", *headings, *(("set-up", "solve") if times else ())),
+            + " Times on one thread." * timed,
+            ("padding", *headings, *["time"] * timed),
             tuple(rows),
         ),
     )

@@ -1,4 +1,4 @@
-"""Settings of any scene: errors over the axis that varies, what n is needed, and the price where times were taken."""
+"""Drawing of the studies of settings: errors over the axis that varies, what n and cells are needed, and the price."""
 
 from collections.abc import Iterator, Sequence
 
@@ -183,13 +183,6 @@ def _points(dataset: xr.Dataset) -> CaptionedFigure:
     return captioned("paddings", fig, caption)
 
 
-def _flat(dataset: xr.Dataset) -> xr.Dataset:
-    """Return all settings in a row, with their errors and times."""
-    both = dataset[[ERROR]].assign(time=total_time(dataset))
-    flat = both.stack(point=dataset["case_status"].dims).reset_index("point")
-    return flat.where(flat[ERROR].notnull() & flat["time"].notnull(), drop=True)
-
-
 def _front(dataset: xr.Dataset) -> CaptionedFigure:
     """Draw errors over times, a panel for at most two periods."""
     periods = dataset["period"].values[[0, -1] if dataset.sizes["period"] > 1 else [0]]
@@ -197,8 +190,9 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
     for ax, period in zip(axes, periods, strict=True):
         part = dataset.sel(period=period)
         for padding in paddings(dataset):
-            flat, style = _flat(part.sel(padding=padding)), padding_style(padding)
-            cost, error = flat["time"].values, flat[ERROR].values
+            settings, style = part.sel(padding=padding), padding_style(padding)
+            cost = total_time(settings).values.ravel()
+            error = settings[ERROR].values.ravel()
             best = pareto_front(cost, error)
             ax.loglog(cost[best], error[best], label=padding, **style)
             ax.loglog(cost, error, **style | {"ls": "none", "ms": 3, "alpha": 0.5})
@@ -215,15 +209,12 @@ def _front(dataset: xr.Dataset) -> CaptionedFigure:
 
 
 def _tables(dataset: xr.Dataset) -> Sequence[Table]:
-    """Return the n or the cells that are needed where several are stored; else the quickest settings, if timed."""
-    tables = []
+    """Return the n or the cells that are needed, where several are stored."""
     if dataset.sizes["images"] > 2 and "circular" in paddings(dataset):
-        tables.append(_needed(_on_one_tolerance(dataset)))
-    elif dataset.sizes["grid"] > 2 and "solver_tolerance" not in dataset.dims:
-        tables.append(_cells(dataset))
-    if is_timed(dataset) and not tables:
-        tables.append(_quickest(dataset))
-    return tables
+        return [_needed(_on_one_tolerance(dataset))]
+    if dataset.sizes["grid"] > 2 and "solver_tolerance" not in dataset.dims:
+        return [_cells(dataset)]
+    return []
 
 
 def _from_then_on(meets: np.ndarray, values: np.ndarray) -> str:
@@ -273,33 +264,6 @@ def _least(part: xr.Dataset, target: float) -> str:
     errors = part[ERROR].sel(padding="circular").values
     cells = float(part[ERROR].sel(padding="exact").min()) if "exact" in paddings(part) else 0.0
     return _from_then_on(errors <= cells + target, part["images"].values)
-
-
-def _quickest(dataset: xr.Dataset) -> Table:
-    """Return the quickest setting of the study for each error."""
-    flat = _flat(dataset)
-    rows = []
-    for target in DECADES:
-        meets = flat.where(flat[ERROR] <= target, drop=True)
-        if not meets.sizes["point"]:
-            continue
-        best = meets.isel(point=int(np.argmin(meets["time"].values)))
-        name = padding_label(str(best["padding"].values), int(best["images"]))
-        other_paddings = meets.where(meets["padding"] != best["padding"], drop=True)
-        beside = "none meets it"
-        if other_paddings.sizes["point"]:
-            alternative = other_paddings.isel(point=int(np.argmin(other_paddings["time"].values)))
-            time = seconds_text(float(alternative["time"]))
-            beside = f"{alternative['padding'].values!s}: {time}"
-        time = seconds_text(float(best["time"]))
-        cells = str(int(best["grid"]))
-        rows.append((percent(target), name, cells, percent(best[ERROR]), time, beside))
-    return Table(
-        "The quickest setting of the study for each error, by the least of its repeats, beside the next padding. "
-        "Differences of some tenths of a millisecond are noise. Errors that no setting reaches are left out.",
-        ("error at most", "padding", "cells across", "measured", "time", "next padding"),
-        tuple(rows),
-    )
 
 
 def _findings(dataset: xr.Dataset) -> Sequence[Finding]:

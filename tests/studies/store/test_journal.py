@@ -52,7 +52,7 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
         journal.start("now", {"number": [1, 2]})
         journal.begin("a")
-        assert journal.begun == "a"
+        assert journal.interrupted == "a"
         journal.add(identity("a"), outcome(3.0, value=7.5))
         journal.begin("b")
     found = opened(tmp_path)
@@ -61,7 +61,7 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
     assert float(record.outcome.variables["square"]) == 7.5
     assert record.is_of(identity("a"))
     assert not record.is_of(identity("a", offset="1"))
-    assert found.begun == "b"
+    assert found.interrupted == "b"
     assert list(found.axes["number"]) == [1, 2]
     assert found.history == ["now"]
 

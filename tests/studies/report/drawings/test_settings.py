@@ -63,10 +63,3 @@ def test_what_is_said_of_n_and_of_the_period_is_of_the_finest_grid() -> None:
     # half of 2.2 %, of 1.25 and 0.27 %, of 0.2 %
     assert "duplicated (1.1 %, 1.1 %); circular, n = 6 (0.62 %, 0.13 %)" in period
     assert not findings("images", axes_text(against="a solution on 96 x 96 cells"))
-
-
-def test_the_quickest_setting_of_each_error_stands_beside_the_next_padding() -> None:
-    dataset = axes_text(timed=True).isel(images=[1], period=[1], grid=[0, 2])
-    table = rows("pareto", dataset)
-    assert table[0] == ("30 %", "duplicated", "12", "2.8 %", "28 ms", "superposed: 46 ms")
-    assert table[-1] == ("0.30 %", "exact", "24", "0.20 %", "84 ms", "none meets it")

@@ -1,0 +1,121 @@
+"""Values of a field of a scene in a text, as on the command line: numbers with units, ranges, lists and tables."""
+
+import re
+import tomllib
+from collections.abc import Iterator
+
+from contactstudy import InvalidInput
+from studies.model.axis import NUMBER, check_count, values_between
+
+QUANTITY = re.compile(rf"({NUMBER})\s*(.*)")
+RANGE = re.compile(
+    rf"({NUMBER})\s*([^:,\d]*):\s*({NUMBER})\s*([^:,\d][^:,]*)?(?::\s*(\d+)\s*(?::\s*(log))?\s*([^:]*))?"
+)
+FORMS = (
+    "give values separated by commas, such as 50 N/mm,100 N/mm, or a range with its number of values, such "
+    "as 50:400:8 N/mm or, in equal ratios, 50:400:8:log N/mm"
+)
+MAX_VALUES = 100_000
+OPEN, CLOSED = "[{", "]}"
+
+
+def parse_values(field: str, text: str, number_type: type) -> list[object]:
+    """Return the values in a text as a scene file could hold them: numbers, texts, lists, tables.
+
+    ``50:400:8 N/mm`` is eight values from 50 to 400 N/mm, ``50:400:8:log N/mm`` in equal ratios, and for a field of
+    whole numbers ``0:10`` all from 0 to 10. A unit after the last of several numbers applies to all of them.
+
+    Parameters
+    ----------
+    field
+        Name of the field, for messages.
+    text
+        Values, separated by commas.
+    number_type
+        Type of the numbers that the field holds.
+
+    Raises
+    ------
+    InvalidInput
+        For a text that is none of these.
+    """
+    parts = [part.strip() for part in _split(field, text)]
+    if not all(parts) or not parts:
+        raise InvalidInput(f"{field} is {text!r}, which lacks a value: {FORMS}.")
+    values = [value for part in parts for value in _expanded(field, part, number_type)]
+    return _with_shared_unit(field, text, values)
+
+
+def _split(field: str, text: str) -> Iterator[str]:
+    """Yield the parts of a text between commas that are in no bracket and no quotation."""
+    depth, quote, begin = 0, "", 0
+    for index, letter in enumerate(text):
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'":
+            quote = letter
+        elif letter in OPEN:
+            depth += 1
+        elif letter in CLOSED:
+            depth -= 1
+        elif letter == "," and depth == 0:
+            yield text[begin:index]
+            begin = index + 1
+    if depth or quote:
+        raise InvalidInput(f"{field} is {text!r}: close its brackets and quotation marks.")
+    yield text[begin:]
+
+
+def _expanded(field: str, part: str, number_type: type) -> list[object]:
+    """Return the values of one part of a text: a value, or all values of a range."""
+    if part[0] in OPEN + "\"'":
+        try:
+            return [tomllib.loads(f"value = {part}")["value"]]
+        except tomllib.TOMLDecodeError as error:
+            raise InvalidInput(f"{field} is {part!r}, which is not valid TOML: {error}.") from None
+    match = RANGE.fullmatch(part)
+    if match is None:
+        return [_plain(part)]
+    groups = ((group or "").strip() for group in match.groups())
+    first, first_unit, last, last_unit, count, log, unit = groups
+    units = {group for group in (first_unit, last_unit, unit) if group}
+    if len(units) > 1:
+        raise InvalidInput(
+            f"{field} is {part!r}, which has the units {sorted(units)}: write both ends in one unit."
+        )
+    check_count(field, int(count or 0), "values", MAX_VALUES)
+    values = values_between(first, last, count, log, kind=number_type)
+    if values is None:
+        raise InvalidInput(
+            f"{field} is {part!r}: give a rising range with its number of values, such as {first}:{last}:8, with :log "
+            "behind it for equal ratios above 0, or of whole numbers such as 0:10."
+        )
+    check_count(field, len(values), "values", MAX_VALUES)
+    suffix = f" {units.pop()}" if units else ""
+    return [f"{value:.12g}{suffix}" if suffix else value for value in values]
+
+
+def _plain(part: str) -> object:
+    """Return a text as a boolean or a number, if it is one."""
+    if part in ("true", "false"):
+        return part == "true"
+    for kind in (int, float):
+        try:
+            return kind(part)
+        except ValueError:
+            continue
+    return part
+
+
+def _with_shared_unit(field: str, text: str, values: list[object]) -> list[object]:
+    """Return values with the unit of the last number given to those before it, if it alone has one."""
+    bare = [isinstance(value, int | float) and not isinstance(value, bool) for value in values]
+    last = QUANTITY.fullmatch(values[-1]) if isinstance(values[-1], str) else None
+    if not any(bare) or last is None or not last[2]:
+        return values
+    if not all(bare[:-1]):
+        raise InvalidInput(
+            f"{field} is {text!r}, where some numbers have a unit and some have none: give each its unit, "
+            "or the last one alone."
+        )
+    return [f"{value} {last[2]}" for value in values[:-1]] + values[-1:]

@@ -10,7 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactstudy.domain.units import display_unit_of, readable
-from contactstudy.io.pictures.figure import LAW_STYLE, SETTINGS, add_legend, name_axes, panels
+from contactstudy.io.pictures.figure import (
+    LAW_STYLE,
+    SETTINGS,
+    add_legend,
+    in_display_unit,
+    name_axes,
+    panels,
+)
 
 # Number of instants whose profiles are drawn.
 PROFILES = 6
@@ -57,14 +64,14 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
         _lines(axes[1], inside, "film", film)
         axes[1].set_yscale("log")
         middle = inside["film"].isel(y=inside.sizes["y"] // 2)
-        length, length_unit = display_unit_of(inside["x"], "m")
+        x, across = in_display_unit(inside["x"], "m", "across")
         mesh = axes[2].pcolormesh(
-            inside["time"], inside["x"] / length, middle.T / film[0],
+            inside["time"], x, middle.T / film[0],
             cmap="viridis", shading="nearest", norm="log", rasterized=True,
         )  # fmt: skip
         axes[2].set(
             xlabel="time [s]",
-            ylabel=f"across [{length_unit}]",
+            ylabel=across,
             title=f"film in the middle [{film[1]}]",
             xlim=inside["time"][[0, -1]],
         )
@@ -81,7 +88,7 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
     """Draw residual stress and plastic strain against depth after some passes, the first dark, the last bright."""
     chosen = np.unique(np.linspace(0, rolled.sizes["pass"] - 1, PROFILES).round().astype(int))
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
-    length, length_unit = display_unit_of(rolled["z"], "m")
+    depth, down = in_display_unit(rolled["z"], "m", "depth")
     factor, pressure_unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(2, columns=2, width=4.6, height=3.4)
@@ -89,13 +96,13 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
             after = rolled.isel({"pass": number})
             label = f"pass {int(after['pass'])}"
             stress = after["residual_stress"].sel(component="xx") / factor
-            axes[0].plot(stress, rolled["z"] / length, color=color, label=label)
+            axes[0].plot(stress, depth, color=color, label=label)
             strain = after["equivalent_plastic_strain"] * 100
-            axes[1].plot(strain, rolled["z"] / length, color=color)
+            axes[1].plot(strain, depth, color=color)
         axes[0].set(xlabel=f"residual stress in the rolling direction [{pressure_unit}]")
         axes[1].set(xlabel="equivalent plastic strain [%]")
         for ax in axes:
-            ax.set(ylabel=f"depth [{length_unit}]")
+            ax.set(ylabel=down)
             ax.invert_yaxis()
         add_legend(figure)
     return figure
@@ -104,15 +111,15 @@ def passes_picture(rolled: xr.Dataset) -> Figure:
 def _lines(ax: Axes, evolved: xr.Dataset, name: str, scale: tuple[float, str]) -> None:
     """Draw a variable across the middle of the length at some instants, the first dark, the last bright."""
     middle = evolved[name].isel(y=evolved.sizes["y"] // 2)
-    length, length_unit = display_unit_of(evolved["x"], "m")
+    x, across = in_display_unit(evolved["x"], "m", "across")
     chosen = _instants(evolved, middle.values)
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     for number, color in zip(chosen, colors, strict=True):
         instant = middle.isel(time=number)
         label = f"{float(instant['time']):.3g} s"
-        ax.plot(evolved["x"] / length, instant / scale[0], color=color, label=label)
+        ax.plot(x, instant / scale[0], color=color, label=label)
     label = evolved[name].attrs["long_name"]
-    ax.set(xlabel=f"across [{length_unit}]", ylabel=f"{label} [{scale[1]}]")
+    ax.set(xlabel=across, ylabel=f"{label} [{scale[1]}]")
     ax.legend(**BESIDE)
 
 
@@ -164,14 +171,12 @@ def _plastic(ax: Axes, evolved: xr.Dataset, name: str) -> None:
     """Draw the equivalent plastic strain below the middle of the length at the last instant."""
     strain = evolved[name].isel(time=-1, y=evolved.sizes["y"] // 2)
     depth = next(str(dimension) for dimension in strain.dims if str(dimension).startswith("z"))
-    length, length_unit = display_unit_of(evolved["x"], "m")
-    across, down = evolved["x"] / length, evolved[depth] / length
-    mesh = ax.pcolormesh(
-        across, down, strain * 100, cmap="viridis", shading="nearest", rasterized=True
-    )
+    scale, unit = display_unit_of(evolved["x"], "m")
+    x, z = evolved["x"] / scale, evolved[depth] / scale
+    mesh = ax.pcolormesh(x, z, strain * 100, cmap="viridis", shading="nearest", rasterized=True)
     ax.set(
-        xlabel=f"across [{length_unit}]",
-        ylabel=f"depth [{length_unit}]",
+        xlabel=f"across [{unit}]",
+        ylabel=f"depth [{unit}]",
         title=f"{strain.attrs['long_name']} at the end [%]",
         aspect="equal",
     )
@@ -205,21 +210,20 @@ def _residual(ax: Axes, evolved: xr.Dataset, name: str) -> None:
 
 def _map(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the mean pressure along the length over time and width."""
-    pressure = evolved["pressure"].mean("y")
-    factor, pressure_unit = display_unit_of(pressure, "Pa")
-    length, length_unit = display_unit_of(evolved["x"], "m")
+    pressure, title = in_display_unit(evolved["pressure"].mean("y"), "Pa", "mean pressure")
+    x, across = in_display_unit(evolved["x"], "m", "across")
     # an instant given twice is a jump: the map has room for one
     time = evolved["time"].values
     distinct = np.append(np.diff(time) > 0, [True])
     mesh = ax.pcolormesh(
         time[distinct],
-        evolved["x"] / length,
-        (pressure / factor).values[distinct].T,
+        x,
+        pressure.values[distinct].T,
         cmap="viridis",
         shading="nearest" if distinct.sum() > 1 else "auto",
         rasterized=True,
     )
-    name_axes(ax, "time [s]", f"across [{length_unit}]", f"mean pressure [{pressure_unit}]")
+    name_axes(ax, "time [s]", across, title)
     if distinct.sum() > 1:
         ax.set_xlim(time[0], time[-1])
     ax.figure.colorbar(mesh, ax=ax)
@@ -244,11 +248,10 @@ def _numbers(ax: Axes, evolved: xr.Dataset) -> None:
 def _loop(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the load against the approach, where the bodies touch: a loop of approach and separation."""
     touching = (evolved["pressure"] > 0).any(("x", "y"))
-    approach, load = (evolved[name].where(touching) for name in ("approach", "load"))
-    factor, length_unit = display_unit_of(approach, "m")
-    ax.plot(approach / factor, load, ".-", color="#0072B2")
+    approach, across = in_display_unit(evolved["approach"].where(touching), "m", "approach")
+    ax.plot(approach, evolved["load"].where(touching), ".-", color="#0072B2")
     ax.axhline(0.0, **LAW_STYLE)
-    name_axes(ax, f"approach [{length_unit}]", "load [N/m]", "approach and separation")
+    name_axes(ax, across, "load [N/m]", "approach and separation")
 
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:

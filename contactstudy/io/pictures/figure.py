@@ -3,9 +3,12 @@
 from math import ceil, log10
 from typing import Any, Literal
 
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter, NullLocator
+
+from contactstudy.domain.units import display_unit_of
 
 SETTINGS: Any = {
     "figure.dpi": 100,
@@ -45,6 +48,12 @@ def panels(
     for spare in axes[count:]:
         spare.set_visible(False)
     return figure, axes[:count]
+
+
+def in_display_unit(values: xr.DataArray, unit: str, name: str) -> tuple[xr.DataArray, str]:
+    """Return `values` of an SI `unit` in the unit for display, and the label `name` with that unit."""
+    scale, symbol = display_unit_of(values, unit)
+    return values / scale, f"{name} [{symbol}]"
 
 
 def name_axes(ax: Axes, across: str, up: str, title: str) -> None:

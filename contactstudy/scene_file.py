@@ -24,7 +24,7 @@ from contactstudy.io.scene_files.scene_schema import (
 )
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import structured
-from contactstudy.planning.plan import Plan, plan
+from contactstudy.planning.plan import Plan, plan, plan_grid
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
@@ -71,27 +71,31 @@ class SceneFile:
 
     def plan(self, *, on: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
         """Return the plan for this scene, on the file's grid if it has one; seconds are for the device `on`."""
-        period, error = None if self.grid else self.plan_settings.period, self.plan_settings.error
-        return plan(
-            self.scene, error=error, period=period, grid=self.grid, times=self.time_steps, on=on
-        )
+        return plan(self.scene, on=on, **self._plan_arguments)
+
+    @property
+    def _plan_arguments(self) -> dict[str, Any]:
+        """What the file gives of the arguments of a plan."""
+        return {
+            "error": self.plan_settings.error,
+            "period": None if self.grid else self.plan_settings.period,
+            "grid": self.grid,
+            "times": self.time_steps,
+        }
 
     def problem(self) -> Problem:
         """Return the problem on the grid and with the padding of the file, or of the plan where it has none."""
         if self.grid is not None and self.padding is not None:
             return self.scene.problem(self.grid, self.padding)
-        planned = self.plan()
+        planned = plan_grid(self.scene, **self._plan_arguments)
         return self.scene.problem(self.grid or planned.grid, self.padding or planned.padding)
 
     def solve(self, **keywords: Any) -> "Contact | LubricatedContact | Evolution":
         """Solve the scene where and as the file says; `keywords` as for :func:`~contactstudy.solve`."""
-        described: dict[str, Any] = {
-            "error": self.plan_settings.error,
-            "period": None if self.grid else self.plan_settings.period,
-            "times": self.time_steps if self.scene.takes_times else None,
-            "options": self.options,
-        }
-        return solve(self.scene, self.grid, self.padding, **(described | keywords))
+        described = self._plan_arguments | {"padding": self.padding, "options": self.options}
+        if not self.scene.takes_times:
+            del described["times"]
+        return solve(self.scene, **(described | keywords))
 
 
 def read_scene(path: str | PathLike[str]) -> SceneFile:

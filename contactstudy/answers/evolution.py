@@ -20,7 +20,7 @@ from contactstudy.io.quantities.evolution_quantities import (
     evolution_quantities,
     passes_quantities,
 )
-from contactstudy.io.quantities.quantity import Quantities, roller_length
+from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from contactstudy.solvers.solution import Status, worst
@@ -140,15 +140,12 @@ class Evolution(Answer):
             plastic_fields = self.trajectory.coupled.over_time([last_frame.coupled_state])
         elif self.yielding_films is not None:
             plastic_fields = self.yielding_films.plastic.over_time(self.yielding_films.states[-1:])
-        turned = getattr(self.posed.scene.wear, "circumference", None)
         numbers = evolution_quantities(
             [frame.quantities for frame in self.frames],
-            [float(time) for time in self.times],
+            self.times.tolist(),
             self._last_fields,
-            roller_length(self.posed),
-            1.0 if turned is None else turned / self.grid.extent[0],
-            (self.grid.cell_area, self.grid.length),
             plastic_fields,
+            self.posed,
             self.error.l1,
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:

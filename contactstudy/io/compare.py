@@ -46,7 +46,7 @@ class Comparison:
     quantities
         ``b / a - 1`` of each further quantity that both datasets have, by its long name.
     time
-        Instant [s] at which two evolutions are compared: that of the highest pressure of a. None for contacts at rest.
+        Instant [s] at which two evolutions are compared: that of the highest pressure of a. None for others.
     """
 
     l1: float
@@ -126,7 +126,7 @@ def compare(a: Any, b: Any) -> Comparison:
     change = p_b - p_a
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
-    touching = [float(((p > 0) * area).sum()) for p in (p_a, p_b)]
+    areas = [float(((p > 0) * area).sum()) for p in (p_a, p_b)]
     difference = xr.Dataset(
         {
             "a": labelled(("x", "y"), p_a, "Pa", "pressure of a"),
@@ -140,7 +140,7 @@ def compare(a: Any, b: Any) -> Comparison:
     return Comparison(
         l1=float(np.abs(means).sum()) / total,
         peak_pressure=float(p_b.max() / p_a.max() - 1),
-        contact_area=touching[1] / touching[0] - 1,
+        contact_area=areas[1] / areas[0] - 1,
         load=float((p_b * area).sum()) / total - 1,
         approach=float(second.get("approach", np.nan) - first.get("approach", np.nan)),
         largest=float(np.abs(change[index])),
@@ -157,7 +157,7 @@ COMPARED = "peak_pressure", "contact_area", "approach", "load_per_length", "tota
 
 
 def _quantities(first: xr.Dataset, second: xr.Dataset) -> dict[str, float]:
-    """Return ``second / first - 1`` of the quantities that both have, by long name; without those that vanish in one."""
+    """Return ``second / first - 1`` of the quantities that both have, by long name, unless it is 0 in the first."""
     names = [str(name) for name in first if f"{name}_bound" in first and name not in COMPARED]
     values = {
         first[name].attrs.get("long_name", name): (float(first[name]), float(second[name]))
@@ -191,7 +191,7 @@ def _flattened(value: object, path: str) -> dict[str, object]:
 
 
 def _check_kinds(first: Mapping[str, object], second: Mapping[str, object]) -> None:
-    """Raise :class:`~contactstudy.InvalidInput` if one contact ends where the other repeats, or is lubricated."""
+    """Raise InvalidInput if only one contact ends at the ends of its grid, or only one is lubricated."""
     paddings = [str(table.get("padding.kind", table.get("padding"))) for table in (first, second)]
     ends = [padding == "ZeroPadding" for padding in paddings]
     if first and second and ends[0] != ends[1]:
@@ -239,10 +239,10 @@ def _labelled(name: str, contact: Any) -> xr.Dataset:
 def _at_one_instant(
     first: xr.Dataset, second: xr.Dataset
 ) -> tuple[xr.Dataset, xr.Dataset, float | None]:
-    """Return both contacts at the instant [s] of the highest pressure of the first; None for contacts at rest."""
+    """Return both contacts at the instant [s] of the highest pressure of the first, and it; None without instants."""
     if ("time" in first["pressure"].dims) != ("time" in second["pressure"].dims):
         raise InvalidInput(
-            "The contacts are of different kinds: one changes in time, the other is at rest: compare two evolutions, or "
+            "The contacts are of different kinds: one changes in time, the other does not: compare two evolutions, or "
             "a contact with one of the frames."
         )
     if "time" not in first["pressure"].dims:

@@ -4,12 +4,10 @@ from dataclasses import dataclass, replace
 from math import pi, sqrt
 
 from contactstudy.domain.grid import Grid
-from contactstudy.evolution.time_steps import DEFAULT_INSTANTS
 from contactstudy.planning.cost import CostModel
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
 from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
 from contactstudy.scene.adhesion import ZONE_CELLS
-from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
 
@@ -39,6 +37,7 @@ def adhesive_requirements(
     error: float,
     period: float | None,
     grid: Grid | None,
+    instants: int = 0,
 ) -> AdhesiveRequirements:
     """Return the grid that a scene with adhesion needs, and its cost.
 
@@ -54,6 +53,8 @@ def adhesive_requirements(
         Length of the grid [m]; chosen if None.
     grid
         Grid to keep; chosen if None.
+    instants
+        Instants that are recorded of a load history; 0 of a constant load.
     """
     adhesion, radius = scene.adhesion, scene.radius
     assert adhesion is not None
@@ -72,10 +73,7 @@ def adhesive_requirements(
         tabor, cells = scale / law.range, ZONE_CELLS
     else:
         tabor, cells = scale / attraction_range, zone / cell
-    load = scene.load
-    solves = SEARCH_SOLVES if isinstance(load, PullOff) else 1
-    if isinstance(load, ChangingLoad):
-        solves = DEFAULT_INSTANTS
+    solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
     of_a_solve = CostModel().seconds(grid, requirements.padding(), pairs)
     seconds = FORECAST.cost_ratio * solves * of_a_solve

@@ -35,9 +35,9 @@ class TimingConstants:
 
     Attributes
     ----------
-    smooth_convolutions, rough_convolutions, tolerance_digits
-        Transform pairs of the full grid in a solve of a smooth and of a rough contact to a tolerance of this number of
-        digits, coarser grids included.
+    smooth_convolutions, rough_convolutions, tolerance
+        Transform pairs of the full grid in a solve of a smooth and of a rough contact to this tolerance, coarser grids
+        included.
     sample_cells, sample_images
         Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
     stress_cells
@@ -55,7 +55,7 @@ class TimingConstants:
 
     smooth_convolutions: float = 35.0
     rough_convolutions: float = 42.0
-    tolerance_digits: int = 8
+    tolerance: float = 1e-8
     sample_cells: int = 128
     sample_images: tuple[int, ...] = (1, 6)
     stress_cells: tuple[int, int] = (64, 64)
@@ -139,7 +139,7 @@ class CostModel:
 def timed(
     problem_on: Callable[[Grid], Problem], grid: Grid, tolerance: float
 ) -> tuple[Solution, Timing]:
-    """Solve on `grid`, and return the solution with the mean seconds of as many runs as take 0.04 s, at least one.
+    """Solve on `grid`, and return the solution with the mean seconds of as many runs as take twice `min_total_seconds`.
 
     Parameters
     ----------
@@ -209,9 +209,7 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     if isinstance(along, Superposition | CircularSuperposition):
         counted = tuple(replace(along, images=images) for images in CONSTANTS.sample_images)
     problems = (partial(scene.problem, padding=(across, each_padding)) for each_padding in counted)
-    return tuple(
-        timed(problem, sample, 10.0**-CONSTANTS.tolerance_digits)[1] for problem in problems
-    )
+    return tuple(timed(problem, sample, CONSTANTS.tolerance)[1] for problem in problems)
 
 
 def _law_key(grid: Grid, padding: Padding | Paddings) -> str:

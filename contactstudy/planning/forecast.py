@@ -204,9 +204,7 @@ def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -
     )
     try:
         levels = refinement.solve_levels(grid.extent)
-        _, timing = timed(
-            lambda of: scene.problem(of, padding), levels[-1].grid, 10.0**-TIMING.tolerance_digits
-        )
+        _, timing = timed(lambda of: scene.problem(of, padding), levels[-1].grid, TIMING.tolerance)
     except InvalidInput as error:  # such as a period that is no whole number of a shape's
         return GridForecast(
             grid,

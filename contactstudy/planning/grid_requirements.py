@@ -133,7 +133,7 @@ class GridRequirements:
 
     @property
     def roller_length(self) -> float:
-        """The shortest length of a roller that a shape names [m]; infinite if one has no length, 0 without rollers."""
+        """The shortest length of a roller that a shape names [m]; infinite if none has a length, 0 without rollers."""
         return min((scales.roller for scales in self.length_scales if scales.roller), default=0.0)
 
     @property

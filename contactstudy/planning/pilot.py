@@ -12,6 +12,7 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.transient_requirements import transient_requirements
@@ -29,8 +30,6 @@ class PilotConstants:
         Most cells (across, along).
     yielding_cells
         Most cells across where bodies yield, whose steps take long.
-    tolerance
-        Tolerance of the elastic solves that are timed.
     time_limit
         Largest seconds of a pilot's steps.
     min_progress
@@ -56,7 +55,6 @@ class PilotConstants:
 
     cells: tuple[int, int] = (48, 12)
     yielding_cells: int = 24
-    tolerance: float = 1e-8
     time_limit: float = 1.0
     min_progress: float = 0.25
     error_step: float = 4.0
@@ -137,9 +135,7 @@ def pilot(
         time_ratio = (bytes_of(grid) / bytes_of(coarse)) ** CONSTANTS.plastic_power
     else:
         problem_on = partial(requirements.narrow.problem, padding=padding)
-        fine, on_pilot = (
-            timed(problem_on, cells, CONSTANTS.tolerance)[1] for cells in (grid, coarse)
-        )
+        fine, on_pilot = (timed(problem_on, cells, TIMING.tolerance)[1] for cells in (grid, coarse))
         time_ratio = (fine.setup + fine.solve) / (on_pilot.setup + on_pilot.solve)
     refinement_factor = CONSTANTS.refinement_cost if refines and ny == 1 else 1.0
     if refines and requirements.plastic is not None:

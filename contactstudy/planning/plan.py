@@ -181,7 +181,7 @@ def plan_grid(
         return _plan_of_film(scene, error or DEFAULT_ERROR, period, grid, times)
     if scene.adhesion is not None:
         return _plan_of_adhesion(
-            scene, grid_requirements(scene), error or DEFAULT_ERROR, period, grid
+            scene, grid_requirements(scene), error or DEFAULT_ERROR, period, grid, times
         )
     if scene.time_dependent_field is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
@@ -360,16 +360,7 @@ def _plan_of_film(
     # imported only for lubricated scenes
     from contactstudy.planning.film_requirements import film_requirements
 
-    requirements, instants = grid_requirements(scene), 0
-    if scene.time_dependent_field is not None:
-        assert scene.lubrication is not None
-        speed = scene.lubrication.mean_speed
-        instants = 2  # at least, where the scene has no end
-        with suppress(InvalidInput):
-            recorded = _time_steps(times).instants_of(
-                scene.load, speed, getattr(scene.friction, "history", None)
-            )
-            instants = instants if recorded is None else len(np.ravel(recorded))
+    requirements, instants = grid_requirements(scene), _count_of_instants(scene, times)
     film = film_requirements(scene, requirements, error, period, grid, instants)
     smooth = film.grid.cells[1] == 1
     return Plan(
@@ -386,18 +377,33 @@ def _plan_of_film(
     )
 
 
+def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> int:
+    """Return the number of instants that are recorded of `scene`: 0 of a static one, else 2 where nothing has an end."""
+    if scene.time_dependent_field is None:
+        return 0
+    speed = None if scene.lubrication is None else scene.lubrication.mean_speed
+    recorded: ArrayLike | None = None
+    with suppress(InvalidInput):
+        recorded = _time_steps(times).instants_of(
+            scene.load, speed, getattr(scene.friction, "history", None)
+        )
+    return 2 if recorded is None else np.size(recorded)
+
+
 def _plan_of_adhesion(
     scene: Scene,
     requirements: GridRequirements,
     error: float,
     period: float | None,
     grid: Grid | None,
+    times: "ArrayLike | TimeSteps | None",
 ) -> Plan:
     """Plan a scene with adhesion."""
     # imported only for such scenes
     from contactstudy.planning.adhesive_requirements import adhesive_requirements
 
-    adhesive = adhesive_requirements(scene, requirements, error, period, grid)
+    instants = _count_of_instants(scene, times)
+    adhesive = adhesive_requirements(scene, requirements, error, period, grid, instants)
     grid, padding = adhesive.grid, requirements.padding()
     expected_error = requirements.error(grid.cell_size)
     return Plan(

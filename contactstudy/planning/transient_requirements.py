@@ -35,7 +35,7 @@ class TransientConstants:
         Fields of plastic strain that a step holds in plane strain, and where strain varies along the length: measured on
         rough cylinders of 48^2 to 128^2 cells.
     rolling_fields
-        Fields that the iteration of a steadily rolling contact hold.
+        Fields that the iteration of a steadily rolling contact holds.
     min_load_fraction
         Loads below this fraction of the largest are not planned for: the cell size goes with the root of the load.
     load_samples

@@ -33,13 +33,16 @@ from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Largest depth of the first step, over the unit of the gap or the boundary film. Limits of the factor of a step, and the
-# factor below the error that a step aims at. Shortest step over the time between two instants.
-FIRST, SHRINK, GROW, SAFETY, LEAST = 0.01, 0.1, 2.0, 0.8, 1e-6
+# Largest depth of the first step, over the unit of the gap or the boundary film: if it is too long, it is rejected.
+FIRST_DEPTH = 0.01
+# Smallest and largest factor on the length of a step, and the fraction of the allowed length that is aimed at.
+MIN_FACTOR, MAX_FACTOR, SAFETY = 0.1, 2.0, 0.8
+# A step shorter than this, over the time between two instants, is never rejected.
+SHORTEST = 1e-6
 # Error of a step where none is asked for.
 STEP_ERROR = 1e-3
-# Count of a rejected pair of steps in the work of an instant.
-REJECTED = np.array((0.0, 0.0, 0.0, 0.0, 1.0))
+# Work: steps, contact solves, two counts of their iterations, and rejected pairs of steps.
+NO_WORK, REJECTED = np.zeros(5), np.array((0.0, 0.0, 0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +62,7 @@ class _DryContact:
 
 
 class _Worn(Protocol):
-    """A steady contact on a worn gap."""
+    """Protocol of a steady contact on a worn gap."""
 
     @property
     def pressure(self) -> Array: ...
@@ -73,22 +76,47 @@ Contact = TypeVar("Contact", bound=_Worn)
 
 @dataclass(frozen=True, eq=False)
 class _Instant(Generic[Contact]):
-    """A contact at a time [s] with the depth (x, y) [m] worn until then, and the one that steps twice as long lead to.
+    """A contact at one time.
 
-    ``work`` are steps, solves and two counts of their iterations, and rejected steps, since the instant before.
+    Attributes
+    ----------
+    time
+        Time [s].
+    contact
+        The contact on the worn gap.
+    depth
+        Depth (x, y) [m] worn until then.
+    coarse
+        The same of the integration with steps twice as long; None where it is not at hand.
+    work
+        Steps, solves, two counts of their iterations, and rejected pairs of steps, since the instant before.
+    largest_change
+        Largest change of the pressure by the correction of a step, relative in L1.
     """
 
     time: float
     contact: Contact
     depth: Array
-    by_double_steps: "_Instant[Contact] | None" = None
-    work: Array = field(default_factory=lambda: np.zeros(5))
+    coarse: "_Instant[Contact] | None" = None
+    work: Array = field(default_factory=NO_WORK.copy)
     largest_change: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class _WearingContact(Generic[Contact]):
-    """A contact that wears: solved with a worn depth from one before, its wear rate (x, y) [m/s], its iterations."""
+    """A contact that wears.
+
+    Attributes
+    ----------
+    solved
+        Solves the contact with a worn depth (x, y) [m], from the one before if there is one.
+    rate
+        Wear rate (x, y) [m/s] of a contact.
+    iterations
+        Two counts of the iterations of a contact.
+    first_depth
+        Largest depth [m] of the first step.
+    """
 
     solved: Callable[[Array, Contact | None], Contact]
     rate: Callable[[Contact], Array]
@@ -96,7 +124,7 @@ class _WearingContact(Generic[Contact]):
     first_depth: float
 
     def step(self, now: _Instant[Contact], duration: float) -> _Instant[Contact]:
-        """Return the contact after a step [s], with the change of pressure by its correction."""
+        """Return the contact after one of Heun's steps [s], with the change of the pressure from its predictor to it."""
         rate = self.rate(now.contact)
         predicted = self.solved(now.depth + duration * rate, now.contact)
         depth = now.depth + duration / 2 * (rate + self.rate(predicted))
@@ -112,7 +140,7 @@ class _WearingContact(Generic[Contact]):
             largest_change=inf if failed else float(change),
         )
 
-    def through(
+    def integrate(
         self,
         cells: tuple[int, int],
         times: Sequence[float],
@@ -121,32 +149,35 @@ class _WearingContact(Generic[Contact]):
     ) -> list[_Instant[Contact]]:
         """Return the contact at each of `times`, by pairs of steps of an `error` each, beside one of both at once."""
         start, depth = min(0.0, times[0]), np.zeros(cells)
-        fine = wide = _Instant(start, self.solved(depth, None), depth)
+        fine = coarse = _Instant(start, self.solved(depth, None), depth)
         rate = float(self.rate(fine.contact).max())
         length = self.first_depth / rate if rate else inf
-        instants, work, largest = [], np.array((0.0, 1.0, *self.iterations(fine.contact), 0.0)), 0.0
+        work, largest = np.array((0.0, 1.0, *self.iterations(fine.contact), 0.0)), 0.0
+        instants = []
         for target in times:
             span = target - fine.time
-            while (remaining := target - fine.time) > LEAST * span:
-                duration = remaining / np.ceil(remaining / min(2 * length, remaining) - LEAST) / 2
+            while (remaining := target - fine.time) > SHORTEST * span:
+                duration = (
+                    remaining / np.ceil(remaining / min(2 * length, remaining) - SHORTEST) / 2
+                )
                 middle = self.step(fine, duration)
-                end, double = self.step(middle, duration), self.step(wide, 2 * duration)
-                work += middle.work + end.work + double.work
+                end, double = self.step(middle, duration), self.step(coarse, 2 * duration)
+                work = work + middle.work + end.work + double.work
                 change = max(middle.largest_change, end.largest_change, double.largest_change / 4)
-                factor = SAFETY * np.sqrt(error / max(change, LEAST * error))
-                factor = float(np.clip(factor, SHRINK, GROW))
-                if change > error and duration > LEAST * span:
-                    work, length = work + REJECTED, duration * factor
+                factor = SAFETY * np.sqrt(error / max(change, SHORTEST * error))
+                next_length = duration * float(np.clip(factor, MIN_FACTOR, MAX_FACTOR))
+                if change > error and duration > SHORTEST * span:
+                    work, length = work + REJECTED, next_length
                     continue
-                fine, wide, largest = end, double, max(largest, change)
+                fine, coarse, largest = end, double, max(largest, change)
                 # a step shortened to end at an instant does not limit the next one
-                length = max(duration * factor, length if duration < length else 0.0)
+                length = max(next_length, length if duration < length else 0.0)
                 if progress is not None:
                     progress(fine.time, times[-1])
             instants.append(
-                replace(fine, time=target, by_double_steps=wide, work=work, largest_change=largest)
+                replace(fine, time=target, coarse=coarse, work=work, largest_change=largest)
             )
-            work = np.zeros(5)
+            work = NO_WORK
         return instants
 
 
@@ -205,23 +236,22 @@ def follow_wear(
         if isinstance(traction, RollingTraction):
             # where it slips, friction times slip is the coefficient of friction times pressure times slip
             pressed = traction.power / getattr(scene.friction, "coefficient", 1.0)
-            return _depth(wear, pressed, grid)
-        return _depth(wear, wear.speed * contact.pressure, grid)
+            return _wear_rate(wear, pressed, grid)
+        return _wear_rate(wear, wear.speed * contact.pressure, grid)
 
     def iterations(contact: _DryContact) -> tuple[float, float]:
         return contact.solution.iterations, contact.solution.convolutions
 
-    contact = _WearingContact(solved, rate, iterations, FIRST * problem.scales.gap)
-    instants = contact.through(grid.cells, *_instants(times, error), progress)
+    contact = _WearingContact(solved, rate, iterations, FIRST_DEPTH * problem.scales.gap)
+    instants = contact.integrate(grid.cells, *_instants(times, error), progress)
     frames = []
     for instant in instants:
-        wide = instant.by_double_steps
-        assert wide is not None
+        assert instant.coarse is not None
         solution, pressure = instant.contact.solution, instant.contact.pressure
         # the picture of an instant names the scene, not the surface that is worn by now
         posed = PosedScene(scene, grid, padding)
         solution = replace(solution, problem=replace(solution.problem, description=posed))
-        change = np.abs(pressure - wide.contact.pressure).sum() / pressure.sum()
+        change = np.abs(pressure - instant.coarse.contact.pressure).sum() / pressure.sum()
         worn_depth = Field(("x", "y"), instant.depth, "m", "worn depth")
         frames.append(
             replace(
@@ -275,13 +305,13 @@ def follow_film_wear(
 
     def rate(film: FilmSolution) -> Array:
         assert film.contact_pressure is not None
-        return _depth(wear, abs(film.sliding_speed) * film.contact_pressure, grid)
+        return _wear_rate(wear, abs(film.sliding_speed) * film.contact_pressure, grid)
 
     def iterations(film: FilmSolution) -> tuple[float, float]:
         return film.iterations, film.linear_iterations
 
-    contact = _WearingContact(solved, rate, iterations, FIRST * lubrication.boundary.film)
-    instants = contact.through(grid.cells, *_instants(times, error), progress)
+    contact = _WearingContact(solved, rate, iterations, FIRST_DEPTH * lubrication.boundary.film)
+    instants = contact.integrate(grid.cells, *_instants(times, error), progress)
     steps, _, first, second, _ = np.sum([instant.work for instant in instants], axis=0)
     films = FilmTrajectory(
         tuple(instant.time for instant in instants),
@@ -291,13 +321,11 @@ def follow_film_wear(
         int(second),
         max(instant.largest_change for instant in instants),
     )
-    doubled = [instant.by_double_steps for instant in instants]
-    contacts = tuple(instant.contact for instant in doubled if instant is not None)
-    by_double_steps = replace(films, contacts=contacts)
-    return replace(films, errors_by_steps=errors_by_steps(films, by_double_steps))
+    coarse = tuple(instant.coarse.contact for instant in instants if instant.coarse is not None)
+    return replace(films, errors_by_steps=errors_by_steps(films, replace(films, contacts=coarse)))
 
 
-def _depth(wear: Wear, pressed: Array, grid: Grid) -> Array:
+def _wear_rate(wear: Wear, pressed: Array, grid: Grid) -> Array:
     """Return the wear rate (x, y) [m/s] where the pressure times the sliding speed is `pressed` (x, y) [W/m^2]."""
     if wear.circumference is None:
         return wear.coefficient * pressed

@@ -243,7 +243,7 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
         period=inf if fretting.period is None else fretting.period,
         least_eigenvalue=least_eigenvalue(scene.contact_modulus, min(problem.grid.cell_size)),
         gap_scale=problem.scales.gap,
-        alike=gives_way_alike(
+        compliances_proportional=gives_way_alike(
             scene.solids, varies=bool((gap != gap[:, :1]).any()), paddings=paddings
         ),
         creep=_relative_creep(scene, problem.scales.length),

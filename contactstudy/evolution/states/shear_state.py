@@ -12,7 +12,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.evolution.states.state_variables import Contribution, CreepState, State, Step
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.load_history import PiecewiseLinear
-from contactstudy.solvers.friction.partial_slip import locked_shear, slip_step
+from contactstudy.solvers.friction.partial_slip import SlipStep, locked_shear, slip_step
 
 # Error of the shear over the difference of two integrations where slip wears: at most 2.4 in twelve contacts, whose
 # errors fall as the steps do or more slowly.
@@ -61,7 +61,7 @@ class ShearState:
     creep
         Creep of the surface under shear over its instantaneous response; None of elastic bodies. It also keeps the
         delayed pressure, under which a rising one locks shear in.
-    alike
+    compliances_proportional
         Whether the tangential compliance is proportional to the normal one.
     grid
         Grid of the contact.
@@ -77,7 +77,7 @@ class ShearState:
     period: float
     least_eigenvalue: float
     gap_scale: float
-    alike: bool
+    compliances_proportional: bool
     creep: CreepState | None
     grid: Grid
     tolerance: float
@@ -87,7 +87,7 @@ class ShearState:
 
     def start(self, shape: tuple[int, int]) -> State:
         """Return no shear, slip or wear on `shape` cells (x, y)."""
-        names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "misplaced"]
+        names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "shear_error"]
         names += ["worn_depth", "slip_iterate"] * (self.wear > 0)
         numbers = ["residual", "applications", *["slip_change"] * (self.wear > 0)]
         state = {name: np.zeros(shape) for name in names} | {name: np.zeros(1) for name in numbers}
@@ -111,32 +111,19 @@ class ShearState:
         return dict(state) | {"slip_iterate": found["slip_iterate"]}
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """Return shear, slip, energy and worn depth at the end of the step."""
+        """Return shear, slip, energy and worn depth at the end of the step.
+
+        1. Take the force or the rigid displacement at the end of the step.
+        2. Let the shear creep, with the delayed pressure.
+        3. Add the shear that a rising pressure locks in.
+        4. Solve for shear and slip under the pressure at the end.
+        5. Add the slip of all half cycles that the step stands for, its energy and its wear.
+        """
+        slope, total, rigid = self._driving(before, step)
         shear = np.stack([state["shear_x"], state["shear_y"]])
-        slope, total, rigid = 0.0, None, None
-        if self.forces is not None:
-            # the first load is applied before the shear
-            first = self.forces.at(step.start) if before.any() else 0.0
-            last = self.forces.at(step.end)
-            rise = step.loads[1] - step.loads[0]
-            if rise > 0 and step.duration > 0:
-                slope = float(np.clip((last - first) / rise, -self.coefficient, self.coefficient))
-            total = np.array([last * self.grid.length / self.grid.cell_area, 0.0])
-        else:
-            assert self.displacements is not None
-            rigid_displacement = self.displacements.at(step.end)
-            rigid_displacement -= self.displacements.at(step.start) if before.any() else 0.0
-            rigid = np.array([rigid_displacement, 0.0])
-        carried, response = np.stack([*shear, before]), self.response
-        if self.creep is not None:
-            # displacement over the response before the step: q + delayed; at its end:
-            # q (1 + compliance_change) + still_delayed
-            delayed, _ = self.creep.after(state, carried, 0.0)
-            still_delayed, compliance_change = self.creep.after(state, carried, step.duration)
-            carried = (carried + delayed - still_delayed) / (1 + compliance_change)
-            response = response.times(1 + compliance_change)
-        reference, misplaced = self._locked(carried[:2], carried[2], after, slope)
-        step_of_slip = slip_step(
+        carried, response = self._crept(state, np.stack([*shear, before]), step)
+        reference, locking_error = self._locked(carried[:2], carried[2], after, slope)
+        solved = slip_step(
             response,
             self.coefficient * after,
             reference,
@@ -145,42 +132,66 @@ class ShearState:
             total=total,
             rigid=rigid,
         )
-        slip = np.where(step_of_slip.stick, 0.0, np.hypot(*step_of_slip.slip))
-        released = (before > 0) & (after == 0)
-        if released.any() and after.any():
-            slip_at_release = (
-                response(step_of_slip.shear - reference) - step_of_slip.rigid[:, None, None]
-            )
-            slip = np.where(released, np.hypot(*slip_at_release), slip)
-        begins = (state["stick"] > 0) | (before == 0)
         half_cycles = self._half_cycles(step)
-        distance = half_cycles * slip
+        distance = half_cycles * _slip_distance(solved, response, reference, before, after)
         explicit = self._fraction_at_start(self.wear * distance)
         work = (explicit * before + (1 - explicit) * after) * distance
-        state = dict(state) | {
-            "shear_x": step_of_slip.shear[0],
-            "shear_y": step_of_slip.shear[1],
-            "stick": step_of_slip.stick.astype(np.float64),
+        begins = (state["stick"] > 0) | (before == 0)
+        end = dict(state) | {
+            "shear_x": solved.shear[0],
+            "shear_y": solved.shear[1],
+            "stick": solved.stick.astype(np.float64),
             "slip_distance": state["slip_distance"] + distance,
             "energy": state["energy"] + self.coefficient * work,
-            "misplaced": np.where(
-                step_of_slip.stick,
-                state["misplaced"] + misplaced,
-                begins * np.abs(step_of_slip.shear[1]),
+            "shear_error": np.where(
+                solved.stick, state["shear_error"] + locking_error, begins * np.abs(solved.shear[1])
             ),
-            "residual": np.array([step_of_slip.residual]),
-            "applications": np.array([float(step_of_slip.applications)]),
+            "residual": np.array([solved.residual]),
+            "applications": np.array([float(solved.applications)]),
         }
         if self.creep is not None:
-            start, end = np.stack([*shear, before]), np.stack([*step_of_slip.shear, after])
-            state |= self.creep.update(state, start, end, step)
+            loads = np.stack([*shear, before]), np.stack([*solved.shear, after])
+            end |= self.creep.update(state, *loads, step)
         if self.wear:
             iterate = half_cycles * state["slip_iterate"]
             error = self.wear * float((after * np.abs(distance - iterate)).max())
-            state["worn_depth"] = state["worn_depth"] + self.wear * work
-            state["slip_iterate"] = distance / half_cycles
-            state["slip_change"] = np.array([error / self.gap_scale])
-        return state
+            end["worn_depth"] = state["worn_depth"] + self.wear * work
+            end["slip_iterate"] = distance / half_cycles
+            end["slip_change"] = np.array([error / self.gap_scale])
+        return end
+
+    def _driving(self, before: Array, step: Step) -> tuple[float, Array | None, Array | None]:
+        """Return what drives a step: force over load where both rise, and the total shear or the rigid displacement.
+
+        The total (2,) [Pa] is the sum of the shear of all cells at the end of the step, the displacement (2,) [m] that
+        of the second body in the step; one of them is None. The first load is applied before the shear.
+        """
+        loaded = bool(before.any())
+        if self.forces is None:
+            assert self.displacements is not None
+            displacement = self.displacements.at(step.end)
+            displacement -= self.displacements.at(step.start) if loaded else 0.0
+            return 0.0, None, np.array([displacement, 0.0])
+        first, last = self.forces.at(step.start) if loaded else 0.0, self.forces.at(step.end)
+        slope, rise = 0.0, step.loads[1] - step.loads[0]
+        if rise > 0 and step.duration > 0:
+            slope = float(np.clip((last - first) / rise, -self.coefficient, self.coefficient))
+        return slope, np.array([last * self.grid.length / self.grid.cell_area, 0.0]), None
+
+    def _crept(self, state: State, carried: Array, step: Step) -> tuple[Array, ShearResponse]:
+        """Return shear and pressure (3, x, y) [Pa] that give the displacement after creep, and the response then.
+
+        Over the response before the step, the displacement is q + delayed before it, and q (1 + compliance_change) +
+        still_delayed at its end.
+        """
+        if self.creep is None:
+            return carried, self.response
+        delayed, _ = self.creep.hereditary_terms(state, carried, 0.0)
+        still_delayed, compliance_change = self.creep.hereditary_terms(
+            state, carried, step.duration
+        )
+        carried = (carried + delayed - still_delayed) / (1 + compliance_change)
+        return carried, self.response.times(1 + compliance_change)
 
     def _locked(
         self, shear: Array, before: Array, after: Array, slope: float
@@ -194,7 +205,7 @@ class ShearState:
         """
         reference, in_contact = locked_shear(shear, before, after, slope), before > 0
         gained = slope * (after - before)
-        if self.alike or not in_contact.any() or not gained.any():
+        if self.compliances_proportional or not in_contact.any() or not gained.any():
             return reference, np.zeros_like(after)
         entering = np.stack([np.where(in_contact, 0.0, gained), np.zeros_like(gained)])
         locked = slip_step(
@@ -262,9 +273,21 @@ class ShearState:
         step, whose direction follows the slip of the whole step.
         """
         size = self._size(state)
-        return float(state["misplaced"].sum()) / size if size > TINY else 0.0
+        return float(state["shear_error"].sum()) / size if size > TINY else 0.0
 
     @staticmethod
     def _size(state: State) -> float:
         """Return the L1 norm of the shear of a state."""
         return sum(float(np.abs(state[name]).sum()) for name in SHEARS)
+
+
+def _slip_distance(
+    solved: SlipStep, response: ShearResponse, reference: Array, before: Array, after: Array
+) -> Array:
+    """Return the distance (x, y) [m] slipped in a step; where contact is lost, that up to the loss."""
+    slip = np.where(solved.stick, 0.0, np.hypot(*solved.slip))
+    released = (before > 0) & (after == 0)
+    if released.any() and after.any():
+        slip_at_release = response(solved.shear - reference) - solved.rigid[:, None, None]
+        slip = np.where(released, np.hypot(*slip_at_release), slip)
+    return slip

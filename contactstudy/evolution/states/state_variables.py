@@ -208,13 +208,25 @@ class CreepState:
 
     def contribution(self, state: State, pressure: Array, step: Step) -> Contribution:
         """Return the hereditary term of past pressures, and the compliance for the pressure at the end of the step."""
-        weighted, compliance = self.after(state, pressure, step.duration)
+        weighted, compliance = self.hereditary_terms(state, pressure, step.duration)
         return Contribution(
             convolved={self.coefficients: weighted}, compliance={self.coefficients: compliance}
         )
 
-    def after(self, state: State, pressure: Array, duration: float) -> tuple[Array, float]:
-        """Return past pressures weighted by the creep compliance after a `duration` [s], and that for the end."""
+    def hereditary_terms(
+        self, state: State, pressure: Array, duration: float
+    ) -> tuple[Array, float]:
+        """Return the past pressures times their creep compliance after a `duration` [s], and the compliance of the next.
+
+        Parameters
+        ----------
+        state
+            State before.
+        pressure
+            Pressure before [Pa], of the shape of the state's fields.
+        duration
+            Time in which the pressure changes linearly to the next [s].
+        """
         weighted = np.zeros_like(pressure)
         compliance = 0.0
         for number, (size, time) in enumerate(self.creep.terms):
@@ -308,15 +320,15 @@ class WearState:
         """Return depth over pressure [m/Pa] worn in the step by the pressure at its start and by that at its end."""
         (first, last), mean, explicit = step.loads, step.mean_load, step.explicit
         depth = self.rate_per_pressure * step.duration
-        carried = explicit * first + (1 - explicit) * last
-        if carried >= mean:
-            scale = mean / carried if carried else 0.0
+        weighted_load = explicit * first + (1 - explicit) * last
+        if weighted_load >= mean:
+            scale = mean / weighted_load if weighted_load else 0.0
             return depth * explicit * scale, depth * (1 - explicit) * scale
         if last == 0:
             return depth * (mean / first if first else 0.0), 0.0
 
         # at most half of the implicit fraction becomes explicit, so that the step stays stable
-        additional = min((mean - carried) / first, (1 - explicit) / 2) if first else 0.0
+        additional = min((mean - weighted_load) / first, (1 - explicit) / 2) if first else 0.0
         explicit += additional
         return depth * explicit, depth * (mean - explicit * first) / last
 

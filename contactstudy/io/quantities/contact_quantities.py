@@ -74,9 +74,9 @@ def contact_quantities(
     peak, place = _largest(pressure, coordinates)
     half_width = _half_width(touching, grid.cell_size[0])
     solved = ErrorParts(residual=solution.residual)
-    width_note = (
-        "" if _wraps(solution) else f", over the grid's width of {readable(grid.extent[0], 'm')}"
-    )
+    paddings = solution.problem.paddings
+    wraps = paddings is not None and paddings[0].wraps
+    width_note = "" if wraps else f", over the grid's width of {readable(grid.extent[0], 'm')}"
     mirrored = _mirrored(pressure, grid.y, place)
     highest = Quantity(peak, "Pa", "peak pressure", position=place, detail=mirrored)
     highest = with_bound(highest, estimate.peak_pressure, fallback_reasons)
@@ -94,15 +94,15 @@ def contact_quantities(
         quantities |= _of_adhesion(solution, solution.adhesion, estimate)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
-    of_mean = estimate.contact_area
+    mean_error = estimate.contact_area
     if solution.adhesion is not None and solution.adhesion.regularised:
-        of_mean = estimate.peak_pressure
-    gap_left = Quantity(solution.mean_gap, "m", "mean gap", detail=width_note)
+        mean_error = estimate.peak_pressure
+    mean_gap = Quantity(solution.mean_gap, "m", "mean gap", detail=width_note)
     quantities |= {
         "contact_area": with_bound(in_contact, estimate.contact_area, fallback_reasons),
         "half_width": Quantity(half_width, "m", "outermost half-width", grid.cell_size[0], ""),
-        "mean_pressure": with_bound(mean, of_mean, fallback_reasons),
-        "mean_gap": with_bound(gap_left, estimate.mean_gap, fallback_reasons),
+        "mean_pressure": with_bound(mean, mean_error, fallback_reasons),
+        "mean_gap": with_bound(mean_gap, estimate.mean_gap, fallback_reasons),
         "approach": _approach(solution, estimate),
     }
     if scene is not None and scene.hardness < inf:
@@ -144,7 +144,7 @@ def approach_datum(solution: Solution) -> float | None:
 def _of_adhesion(
     solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate
 ) -> dict[str, Quantity]:
-    """Return attraction, energy and load of separation, and what says which state this is and how fine its grid."""
+    """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor's parameter, 1 if detached."""
     grid = solution.problem.grid
     attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length)
     touching = bool(solution.pressure.any())
@@ -184,9 +184,10 @@ def _of_traction(
         bound = by_cells + solution.residual * coefficient.value
         coefficient = replace(coefficient, bound=bound, reason="")
     friction = getattr(scene_of(solution), "friction", None)
-    slides_freely = getattr(friction, "displacements", None) is not None
-    if not (isinstance(traction, RollingTraction) or friction is None or slides_freely):
-        coefficient = with_bound(coefficient, ErrorParts(residual=solution.residual))  # given
+    displacement_given = getattr(friction, "displacements", None) is not None
+    if not (isinstance(traction, RollingTraction) or friction is None or displacement_given):
+        # the force is given
+        coefficient = with_bound(coefficient, ErrorParts(residual=solution.residual))
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
     stick = Quantity(sticking, "1", "fraction of the contact that sticks")
     area = estimate.contact_area
@@ -340,12 +341,6 @@ def _of_coating(
     return quantities
 
 
-def _wraps(solution: Solution) -> bool:
-    """Return whether the surface repeats across, so that its width is its own."""
-    paddings = solution.problem.paddings
-    return paddings is not None and paddings[0].wraps
-
-
 def _half_width(touching: np.ndarray, dx: float) -> float:
     """Return half the distance between the outer edges of the outermost cells in contact [m]."""
     rows = np.flatnonzero(touching.any(axis=1))
@@ -374,7 +369,7 @@ def _largest(
 
 
 def _mirrored(values: Array, y: Array, position: Mapping[str, float]) -> str:
-    """Return the mirrored place along the length where a largest value stands again, within a thousandth, as text."""
+    """Return the mirrored place along the length as text, empty unless the value there is as large to a thousandth."""
     if abs(at := position.get("y", 0.0)) <= 0.1 * float(np.ptp(y)):
         return ""
     mirrored = values[:, int(np.abs(y + at).argmin())].max()

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
-from contactstudy.io.quantities.quantity import Quantity, per_length, with_bound
+from contactstudy.domain.fields import Array
+from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
+from contactstudy.scene.scene import PosedScene
 
 if TYPE_CHECKING:
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
@@ -18,14 +20,30 @@ NO_BOUND_OF_SLIP = "No bound: the discretisation error of slip is not estimated;
 NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
 
 
+# Extremes over time: quantity of an instant, which extreme of it, and its label.
+EXTREMES: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
+    ("peak_pressure", max, "largest peak pressure in time"),
+    ("largest_von_mises", max, "largest von Mises stress in time"),
+    ("central_film", min, "lowest central film thickness in time"),
+    ("minimum_film", min, "minimum film thickness in time"),
+    ("friction_coefficient", max, "largest friction force over load in time"),
+    ("traction_coefficient", max, "largest tangential force over load in time"),
+    ("frictional_power", max, "largest frictional power in time"),
+    ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
+)
+# Quantities of an instant whose last value is reported.
+FINAL = (
+    "peak_pressure", "contact_area", "approach", "central_film", "minimum_film", "friction_coefficient",
+    "traction_coefficient", "stick_fraction", "creepage", "frictional_power", "rolling_resistance",
+)  # fmt: skip
+
+
 def evolution_quantities(
     frames: Sequence[Mapping[str, Quantity]],
     times: Sequence[float],
     fields: Mapping[str, Field],
-    length: float | None,
-    around: float,
-    cell: tuple[float, float],
     plastic_fields: Mapping[str, Field],
+    posed: PosedScene,
     error: ErrorParts,
 ) -> dict[str, Quantity]:
     """Return extremes over time with their instants, final values, and permanent changes: wear, dent, residual stress.
@@ -38,29 +56,29 @@ def evolution_quantities(
         The instants [s].
     fields
         Wear, slip and dent (x, y) at the last instant, by name.
-    length
-        Length of the roller [m]; None for an endless contact.
-    around
-        Circumference of a worn body that turns over the width of the grid; 1 where none turns.
-    cell
-        Cell area [m^2] and period [m] of the grid.
     plastic_fields
         Residual stress (time, component, z, x, y) [Pa] of the bodies that yielded, at the last instant.
+    posed
+        The scene with its grid.
     error
         Relative L1 error of the pressure at the worst instant.
     """
-    quantities: dict[str, Quantity] = {}
-    extremes: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
-        ("peak_pressure", max, "largest peak pressure in time"),
-        ("largest_von_mises", max, "largest von Mises stress in time"),
-        ("central_film", min, "lowest central film thickness in time"),
-        ("minimum_film", min, "minimum film thickness in time"),
-        ("friction_coefficient", max, "largest friction force over load in time"),
-        ("traction_coefficient", max, "largest tangential force over load in time"),
-        ("frictional_power", max, "largest frictional power in time"),
-        ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),
-    )
-    for name, extreme, label in extremes:
+    quantities = _extremes(frames, times) | _final(frames[-1])
+    if "worn_depth" in fields:
+        quantities |= _of_wear(fields, frames[-1], posed, error)
+    if "friction_energy" in fields:
+        quantities |= _of_slip(fields, posed)
+    if "residual_displacement" in fields:
+        quantities |= _of_dent(fields["residual_displacement"].values)
+    return quantities | _of_residual_stress(plastic_fields)
+
+
+def _extremes(
+    frames: Sequence[Mapping[str, Quantity]], times: Sequence[float]
+) -> dict[str, Quantity]:
+    """Return the extremes over time, each with its instant."""
+    quantities = {}
+    for name, extreme, label in EXTREMES:
         if name in frames[0]:
             values = [frame[name].value for frame in frames]
             number = values.index(extreme(values))
@@ -68,44 +86,86 @@ def evolution_quantities(
             quantities[name] = replace(
                 frames[number][name], label=label, position=position, detail=""
             )
-    reported = ["peak_pressure", "contact_area", "approach", "central_film", "minimum_film"]
-    reported += ["friction_coefficient", "traction_coefficient", "stick_fraction", "creepage"]
-    reported += ["frictional_power", "rolling_resistance"]
-    peak = frames[-1].get("peak_pressure")
+    return quantities
+
+
+def _final(last: Mapping[str, Quantity]) -> dict[str, Quantity]:
+    """Return the values at the last instant, under names that begin with ``final``."""
+    quantities = {}
+    peak = last.get("peak_pressure")
     is_separated = peak is not None and peak.value == 0  # separated bodies have no approach
-    for name in reported:
-        if name in frames[-1] and not (is_separated and name == "approach"):
-            final = frames[-1][name]
+    for name in FINAL:
+        if name in last and not (is_separated and name == "approach"):
+            final = last[name]
             label, detail = f"{final.label} at the end", "" if final.position else final.detail
             quantities[f"final_{name}"] = replace(final, label=label, position=None, detail=detail)
-    if "worn_depth" in fields:
-        worn, (area, period) = fields["worn_depth"].values, cell
-        volume = float(worn.sum() * area * around)
-        # sliding wears in proportion to the load, which is exact, and to the pressure before
-        by_load = replace(error, images=None, discretisation=None)
-        by_slip = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
-        slips = "friction_energy" in fields or "frictional_power" in frames[-1]
-        of_film = error if "central_film" in frames[-1] else by_load
-        worn_volume = per_length(volume, "m3", "worn volume", length, period)
-        quantities["worn_volume"] = with_bound(worn_volume, by_slip if slips else of_film)
-        deepest = Quantity(float(worn.max()), "m", "largest worn depth")
-        quantities["largest_worn_depth"] = with_bound(deepest, by_slip if slips else error)
-    if "friction_energy" in fields:
-        energy = float(fields["friction_energy"].values.sum() * cell[0])
-        dissipated = per_length(energy, "J", "energy lost to friction", length, cell[1])
-        slid = float(fields["slip_distance"].values.max())
-        quantities["friction_energy"] = replace(dissipated, bound=inf, reason=NO_BOUND_OF_SLIP)
-        label = "largest distance slipped"
-        quantities["largest_slip"] = Quantity(slid, "m", label, inf, NO_BOUND_OF_SLIP)
-    if "residual_displacement" in fields:
-        # into the bodies, from the undeformed surface
-        residual, unbounded = fields["residual_displacement"].values, (inf, NO_BOUND_OF_STRAIN)
-        depth, height = float(residual.max()), float(-residual.min())
-        label = "depth of the dent at the end, below the undeformed surface"
-        quantities["dent_depth"] = Quantity(depth, "m", label, *unbounded)
-        label = "height of its shoulders, above the undeformed surface"
-        quantities["shoulder_height"] = Quantity(height, "m", label, *unbounded)
-    for name, stress in plastic_fields.items():
+    return quantities
+
+
+def _of_wear(
+    fields: Mapping[str, Field],
+    last: Mapping[str, Quantity],
+    posed: PosedScene,
+    error: ErrorParts,
+) -> dict[str, Quantity]:
+    """Return the worn volume, around all of a body that turns, and the largest worn depth.
+
+    Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images
+    nor by cells. On a film it follows from the pressure of asperities. The error of wear by slip is not known.
+    """
+    worn, grid = fields["worn_depth"].values, posed.grid
+    circumference = getattr(posed.scene.wear, "circumference", None)
+    around = 1.0 if circumference is None else circumference / grid.extent[0]
+    of_volume, of_depth = replace(error, images=None, discretisation=None), error
+    if "central_film" in last:
+        of_volume = error
+    if "friction_energy" in fields or "frictional_power" in last:
+        of_volume = of_depth = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
+    volume = per_length(
+        float(worn.sum() * grid.cell_area * around),
+        "m3",
+        "worn volume",
+        roller_length(posed),
+        grid.length,
+    )
+    depth = Quantity(float(worn.max()), "m", "largest worn depth")
+    return {
+        "worn_volume": with_bound(volume, of_volume),
+        "largest_worn_depth": with_bound(depth, of_depth),
+    }
+
+
+def _of_slip(fields: Mapping[str, Field], posed: PosedScene) -> dict[str, Quantity]:
+    """Return the energy lost to friction and the largest distance slipped."""
+    energy = float(fields["friction_energy"].values.sum() * posed.grid.cell_area)
+    dissipated = per_length(
+        energy, "J", "energy lost to friction", roller_length(posed), posed.grid.length
+    )
+    slid, unbounded = float(fields["slip_distance"].values.max()), (inf, NO_BOUND_OF_SLIP)
+    return {
+        "friction_energy": replace(dissipated, bound=inf, reason=NO_BOUND_OF_SLIP),
+        "largest_slip": Quantity(slid, "m", "largest distance slipped", *unbounded),
+    }
+
+
+def _of_dent(residual: Array) -> dict[str, Quantity]:
+    """Return depth and shoulders of a residual displacement (x, y) [m] into the bodies, from the undeformed surface."""
+    deep, high = "depth of the dent at the end, below the", "height of its shoulders, above the"
+    unbounded = inf, NO_BOUND_OF_STRAIN
+    return {
+        "dent_depth": Quantity(
+            float(residual.max()), "m", f"{deep} undeformed surface", *unbounded
+        ),
+        "shoulder_height": Quantity(
+            float(-residual.min()), "m", f"{high} undeformed surface", *unbounded
+        ),
+    }
+
+
+def _of_residual_stress(fields: Mapping[str, Field]) -> dict[str, Quantity]:
+    """Return the highest and lowest residual stress across or along, of each body that yields."""
+    quantities = {}
+    for name, stress in fields.items():
         if name.startswith("residual_stress"):
             of = f" of solids[{name[-1]}]" if name[-1].isdigit() else ""
             for end, extreme in (("highest", np.max), ("lowest", np.min)):

@@ -93,7 +93,7 @@ def _of_formulas(contact: "FilmSolution") -> dict[str, Quantity]:
 
 
 def _rough(shape: object) -> bool:
-    """Return whether a shape is roughness, a texture or a measurement, which has heights on either body."""
+    """Return whether a shape has heights but no curvature, as roughness, textures and measured surfaces do."""
     return (
         not getattr(shape, "curvature", 1.0)
         and getattr(shape, "length_scales", LengthScales()).height > 0

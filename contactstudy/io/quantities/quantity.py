@@ -26,8 +26,6 @@ class Quantity:
         SI unit, such as ``"Pa"`` or ``"m2 m-1"``.
     label
         Name for display.
-    detail
-        What is said of this value alone, behind its label.
     bound
         Upper estimate of the absolute error, in the same unit; infinite where it is not known.
     reason
@@ -35,6 +33,8 @@ class Quantity:
     position
         Coordinates at which the value is found, by the names of the axes, [m], or [s] for ``time``; None where it has
         none.
+    detail
+        What is said of this value alone, behind its label.
     """
 
     value: float
@@ -52,7 +52,7 @@ class Quantity:
 
     @property
     def relative_bound(self) -> float:
-        """Bound over the size of the value."""
+        """Bound over the size of the value; infinite where the value is 0 and the bound is not."""
         if not self.bound:
             return 0.0
         return self.bound / abs(self.value) if self.value else inf
@@ -87,7 +87,7 @@ def with_bound(
 
 
 def roller_length(posed: PosedScene | None) -> float | None:
-    """Return the length [m] of the roller of a scene on a grid; None for an endless one, of which that is a period."""
+    """Return the length [m] of the roller of a scene; None for an endless one, whose load is that of a period."""
     if posed is None:
         return None
     scene = posed.scene
@@ -102,7 +102,7 @@ def roller_length(posed: PosedScene | None) -> float | None:
 def per_length(
     value: float, unit: str, label: str, length: float | None, period: float
 ) -> Quantity:
-    """Return an area or a volume of a roller; per length of an endless contact."""
+    """Return a total over the grid: as it is for a roller of a `length` [m], else divided by the `period` [m]."""
     if length is not None:
         return Quantity(value, unit, label)
     return Quantity(value / period, f"{unit} m-1", f"{label} per length")

@@ -31,7 +31,7 @@ class Material:
     source
         Publications that give the constants and the strength.
     synonyms
-        Synonyms.
+        Further names by which the table is searched.
     yield_strength
         Tensile stress at which it yields [Pa], infinite for brittle materials.
     hardness
@@ -46,7 +46,7 @@ class Material:
     yield_strength: float = inf
     hardness: float = inf
 
-    def as_body(self, kind: object = None) -> dict[str, float]:
+    def body_fields(self, kind: object = None) -> dict[str, float]:
         """Return the fields of a body of this material, by name; `kind` is that of the body in a file."""
         elastic = {"youngs_modulus": self.youngs_modulus, "poisson_ratio": self.poisson_ratio}
         if kind == ElasticPlasticHalfSpace.__name__:
@@ -76,7 +76,7 @@ def material(name: str) -> HalfSpace:
 
     Raises :class:`~contactstudy.InvalidInput` for a name that is not in the table.
     """
-    return HalfSpace(**_material_named("material", name).as_body())
+    return HalfSpace(**_material_named("material", name).body_fields())
 
 
 def _material_named(field: str, name: object) -> Material:
@@ -101,7 +101,7 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         if "material" not in inner:
             return inner
         constants = _material_named(f"{path}.material", inner.pop("material"))
-        return constants.as_body(inner.get("kind")) | inner
+        return constants.body_fields(inner.get("kind")) | inner
 
     solids = table.get("solids")
     if not isinstance(solids, list):

@@ -25,32 +25,13 @@ def scene_text(
     """Return the TOML of `scene`, with its grid, its padding and the tables of `settings` if they are given.
 
     Heights that came from no file are written to files next to the path `scene_path`; without it their digest stands in
-    their place. Raises
-    :class:`~contactstudy.InvalidInput` for a shape or a body that no file can hold.
+    their place.
+
+    Raises
+    ------
+    InvalidInput
+        For a shape or a body that no file can hold.
     """
-    tables = {"grid": grid, **_paddings(padding), **(settings or {})}
-    return _scene_toml(scene, tables, scene_path)
-
-
-def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions) -> str:
-    """Return the TOML tables of a grid, a padding and the options of a solve, to be added to a scene's."""
-    tables = {"grid": grid, **_paddings(padding), "solve": options}
-    return _toml(
-        {name: _toml_value(value, name) for name, value in tables.items() if value is not None}
-    )
-
-
-def _toml(table: Mapping[str, object]) -> str:
-    tomli_w = import_for("contactstudy.write_scene", "tomli_w")
-    return str(tomli_w.dumps(table))
-
-
-def _paddings(padding: Padding | Paddings | None) -> dict[str, object]:
-    across, along = padding if isinstance(padding, tuple) else (None, padding)
-    return {"padding": along, "padding_across": across}
-
-
-def _scene_toml(scene: Scene, settings: Mapping[str, object], scene_path: Path | None) -> str:
     table = _fields(scene, "Scene")
     if scene.shapes:
         table["shapes"] = [
@@ -59,10 +40,26 @@ def _scene_toml(scene: Scene, settings: Mapping[str, object], scene_path: Path |
             else _toml_value(shape, f"Scene.shapes[{number}]")
             for number, shape in enumerate(scene.shapes)
         ]
-    table |= {
-        name: _toml_value(value, name) for name, value in settings.items() if value is not None
-    }
-    return _toml(table)
+    return _toml(table | _tables(grid, padding, settings or {}))
+
+
+def settings_text(grid: Grid, padding: Padding | Paddings, options: SolveOptions) -> str:
+    """Return the TOML tables of a grid, a padding and the options of a solve, to be added to a scene's."""
+    return _toml(_tables(grid, padding, {"solve": options}))
+
+
+def _tables(
+    grid: Grid | None, padding: Padding | Paddings | None, settings: Mapping[str, object]
+) -> dict[str, object]:
+    """Return the tables of what is given of a grid, a padding and `settings`, by their names in a file."""
+    across, along = padding if isinstance(padding, tuple) else (None, padding)
+    tables = {"grid": grid, "padding": along, "padding_across": across, **settings}
+    return {name: _toml_value(value, name) for name, value in tables.items() if value is not None}
+
+
+def _toml(table: Mapping[str, object]) -> str:
+    tomli_w = import_for("contactstudy.write_scene", "tomli_w")
+    return str(tomli_w.dumps(table))
 
 
 def _fields(value: Any, name: str) -> dict[str, Any]:

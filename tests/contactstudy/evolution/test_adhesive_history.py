@@ -215,3 +215,7 @@ def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None
     )
     assert elastic.frames[-1].status is cs.Status.DETACHED
     assert creeping.frames[-1].pressure.any()
+
+
+def test_a_plan_counts_the_instants_that_are_recorded() -> None:
+    assert cs.plan(SCENE, grid=GRID, times=(0.0, 0.5, 1.0)).solves == 3

@@ -12,6 +12,7 @@ from contactstudy.domain.units import readable
 from contactstudy.io.quantities.evolution_quantities import evolution_quantities
 from contactstudy.io.quantities.quantity import as_json, as_text
 from contactstudy.problem.problem import Field
+from contactstudy.scene.scene import PosedScene
 from tests.conftest import STEEL, LineContact
 
 GRID = cs.Grid((4, 2), (4e-3, 6e-3))
@@ -204,9 +205,11 @@ def test_the_residual_stress_at_the_end_is_the_extreme_across_or_along() -> None
     stress[0, 2, 0, 0] = 9e8  # in depth
     dimensions = ("time", "component", "z_1", "x", "y")
     strained = {"residual_stress_1": Field(dimensions, stress, "Pa", "")}
-    numbers = evolution_quantities(
-        [{}], [1.0], {}, None, 1.0, (1.0, 1.0), strained, cs.ErrorParts()
+    steel = cs.HalfSpace(2.1e11, 0.3)
+    posed = PosedScene(
+        cs.Scene(cs.LineLoad(1e5), (steel, steel)), cs.Grid((4, 1), (1.0, 1.0)), cs.ZeroPadding()
     )
+    numbers = evolution_quantities([{}], [1.0], {}, strained, posed, cs.ErrorParts())
     assert numbers["highest_residual_stress_1"].value == 3e8
     assert numbers["lowest_residual_stress_1"].value == -4e8
     assert "of solids[1]" in numbers["lowest_residual_stress_1"].label

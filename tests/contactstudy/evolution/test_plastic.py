@@ -316,6 +316,15 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     assert found.solves < 90
 
 
+def test_a_load_far_beyond_yield_takes_as_few_iterations_as_any_contact() -> None:
+    found = evolve(
+        pressed(6), grid_of(6, 0.2, 9.6), EXACT, times=(0, 0.5, 1), step_error=cs.StepError.NONE
+    )
+    assert found.status is cs.Status.CONVERGED
+    counts = evolution_answer(found).counts
+    assert counts["iterations"][0] <= 40 * counts["solves"][0]
+
+
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
     constants = elastoplastic_step.PlasticConstants(max_iterations=2)
     monkeypatch.setattr(elastoplastic_step, "CONSTANTS", constants)

@@ -45,6 +45,10 @@ def test_rolling_takes_passes() -> None:
     scene = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1))
     plan = cs.plan(scene, error=1e-2)
     assert plan.seconds > plan_grid(scene, error=1e-2).seconds
+    # cells as fine as those of an elastic contact at rest, of which there are 24
+    rest = replace(scene, rolling=None, solids=(cs.HalfSpace(1.0, 0.0), scene.solids[1]))
+    fine = cs.plan(rest, error=1e-2).grid.cell_size[0]
+    assert plan.grid.cell_size[0] == pytest.approx(fine, rel=1 / 24)
     found = solve_rolling(scene, plan.grid, plan.padding)
     assert found.lagged.outer_iterations == pytest.approx(plan.solves, abs=2)
     assert found.solution.status is cs.Status.CONVERGED

@@ -51,6 +51,11 @@ def test_shear_is_drawn_in_the_directions_that_it_has() -> None:
     assert line.get_xydata() == pytest.approx(np.transpose([X * 1e6, [-1.5, -15, -3.5]]))
 
 
+def test_the_attraction_is_drawn_downwards_in_the_middle() -> None:
+    across = contact_picture(labelled(attraction=(("x", "y"), PRESSURE / 10))).axes[2]
+    assert across.lines[1].get_xydata() == pytest.approx(np.transpose([X * 1e6, [-0.3, -3, -0.7]]))
+
+
 def test_stress_is_drawn_over_depth_or_across_at_a_single_depth() -> None:
     stressed = labelled(von_mises=(("z", "x", "y"), STRESS))
     figure = contact_picture(stressed)

@@ -15,6 +15,7 @@ import cloudpickle
 import psutil
 import pytest
 
+from contactstudy import InvalidInput
 from studies.engine.workers import process as module
 from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
 from studies.engine.workers.process import Worker, packed
@@ -79,6 +80,20 @@ def test_the_exit_code_of_a_case_is_said(worker: Worker, tmp_path: Path) -> None
     assert squares(outcomes) == [KILLED, 4]
     assert "its process ended with exit code 3" in outcomes[0].error
     assert log.read_text(encoding="utf-8").split() == ["1.0", "1.0"]
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Ends the process that reads it."""
+
+    def __reduce__(self) -> tuple[object, tuple[int]]:
+        return os._exit, (3,)
+
+
+def test_a_study_that_ends_every_process_that_reads_it_is_given_up() -> None:
+    one = Worker(packed(RunSettings(Ending())))  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match=r"^3 worker processes ended before .* exit code 3"):
+        outcomes_of(one, Trouble(1.0))
 
 
 def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> None:

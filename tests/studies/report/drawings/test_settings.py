@@ -4,7 +4,8 @@ import numpy as np
 import xarray as xr
 
 from studies.model.outcome import CaseStatus
-from tests.studies.report.drawings.drawn import findings, rows
+from studies.registry import load_drawing
+from tests.studies.report.drawings.drawn import findings, labelled, rows
 
 PADDINGS = ["zero", "duplicated", "superposed", "circular", "exact"]
 PERIODS, IMAGES, GRID = [0.6, 2.4], [0, 1, 6], [12, 18, 24]
@@ -63,3 +64,13 @@ def test_what_is_said_of_n_and_of_the_period_is_of_the_finest_grid() -> None:
     # half of 2.2 %, of 1.25 and 0.27 %, of 0.2 %
     assert "duplicated (1.1 %, 1.1 %); circular, n = 6 (0.62 %, 0.13 %)" in period
     assert not findings("images", axes_text(against="a solution on 96 x 96 cells"))
+
+
+def test_errors_stand_over_the_distance_that_a_padding_sees_whatever_its_n() -> None:
+    (over, *_) = load_drawing("images").figure(axes_text().isel(images=[1]))
+    lines = labelled(over.figure.axes[0])
+    for name, reach in (("zero", 0.5), ("duplicated", 1.0), ("circular", 1.5)):
+        seen, error = lines[name]
+        np.testing.assert_allclose(seen, reach * np.array(PERIODS))
+        (wanted,) = axes_text()["pressure_error_l1"].sel(padding=[name], images=1, grid=24).values
+        np.testing.assert_allclose(error, wanted)

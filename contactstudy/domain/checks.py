@@ -94,6 +94,22 @@ def in_range(field: str, value: object, remedy: str) -> float:
     return number
 
 
+def up_to_one(field: str, value: object, remedy: str) -> float:
+    """Return `value` as a float above zero and up to one, or raise :class:`InvalidInput` with `field` and `remedy`."""
+    number = in_range(field, value, remedy)
+    if number > 1:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return number
+
+
+def below_one(field: str, value: object, remedy: str) -> float:
+    """Return `value` as a float above zero and below one, or raise :class:`InvalidInput` with `field` and `remedy`."""
+    number = in_range(field, value, remedy)
+    if number >= 1:
+        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
+    return number
+
+
 def in_range_or_infinite(field: str, value: object, remedy: str) -> float:
     """Return `value` as a float above zero within the limits or infinite, or raise :class:`InvalidInput`."""
     return math.inf if value == math.inf else in_range(field, value, remedy)
@@ -176,6 +192,15 @@ def set_fields(instance: object, **values: object) -> None:
     """Replace values of a frozen dataclass by checked ones, in its ``__post_init__``."""
     for name, value in values.items():
         object.__setattr__(instance, name, value)
+
+
+def check_fields(
+    instance: object, **checks: tuple[Callable[[str, object, str], object], str]
+) -> None:
+    """Replace fields of a frozen dataclass by checked ones, each by one of the functions above and its remedy."""
+    for name, (check, remedy) in checks.items():
+        field = f"{type(instance).__name__}.{name}"
+        set_fields(instance, **{name: check(field, getattr(instance, name), remedy)})
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range,
-    set_fields,
     suggest_fields,
     suggestion,
 )
@@ -107,10 +107,10 @@ class Adhesion:
     branch: str = "from afar"
 
     def __post_init__(self) -> None:
-        set_fields(self, work=in_range("Adhesion.work", self.work, "give a work above 0 J/m^2"))
+        check_fields(self, work=(in_range, "give a work above 0 J/m^2"))
         if self.range is not None:
             remedy = "give a range above 0 m, or None for the limit of short ranges"
-            set_fields(self, range=in_range("Adhesion.range", self.range, remedy))
+            check_fields(self, range=(in_range, remedy))
         for name, choices in (("law", LAWS), ("branch", BRANCHES)):
             value = getattr(self, name)
             if not isinstance(value, str) or value not in choices:

@@ -8,9 +8,9 @@ from math import inf
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range_from_zero,
     positive,
-    set_fields,
     suggest_fields,
     whole_number,
 )
@@ -66,10 +66,7 @@ class Rolling:
         if self.speed is None and self.passes is None:
             raise InvalidInput("Rolling.speed is None: give a speed of at least 0 m/s, or passes.")
         if self.speed not in (None, inf):
-            speed = in_range_from_zero(
-                "Rolling.speed", self.speed, "give a speed of at least 0 m/s"
-            )
-            set_fields(self, speed=speed)
+            check_fields(self, speed=(in_range_from_zero, "give a speed of at least 0 m/s"))
         if self.passes is not None:
             whole_number(
                 "Rolling.passes", self.passes, 1, "give a whole number of passes of at least 1"

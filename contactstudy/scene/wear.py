@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 from contactstudy.domain.checks import (
     InvalidInput,
     body_index,
+    check_fields,
     in_range_from_zero,
     positive,
     set_fields,
@@ -71,12 +72,12 @@ class Wear:
     circumference: Metres | None = None
 
     def __post_init__(self) -> None:
-        coefficient = in_range_from_zero(
-            "Wear.coefficient", self.coefficient, "give a coefficient of at least 0 1/Pa"
+        check_fields(
+            self,
+            coefficient=(in_range_from_zero, "give a coefficient of at least 0 1/Pa"),
+            speed=(in_range_from_zero, "give a speed of at least 0 m/s"),
         )
-        speed = in_range_from_zero("Wear.speed", self.speed, "give a speed of at least 0 m/s")
-        body = body_index("Wear.body", self.body)
-        set_fields(self, coefficient=coefficient, speed=speed, body=body)
+        set_fields(self, body=body_index("Wear.body", self.body))
         if self.circumference is not None:
             positive("Wear.circumference", self.circumference, "give a length above 0 m, or None")
 

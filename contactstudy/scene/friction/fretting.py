@@ -7,6 +7,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     each,
     finite,
     positive,
@@ -19,12 +20,12 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, Seconds, readable
 from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction.friction_law import (
+    COEFFICIENT,
     SAMPLES,
     FrictionContext,
     check_similar,
     check_static,
     check_tangential_response,
-    coefficient,
     sheared,
 )
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, checked_times
@@ -87,7 +88,7 @@ class Fretting:
     period: Seconds | None = None
 
     def __post_init__(self) -> None:
-        set_fields(self, coefficient=coefficient("Fretting", self.coefficient, zero=False))
+        check_fields(self, coefficient=COEFFICIENT)
         if (self.forces is None) == (self.displacements is None):
             raise InvalidInput(
                 "Fretting.forces and Fretting.displacements are both given or both None: give one of them."

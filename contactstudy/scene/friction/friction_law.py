@@ -3,7 +3,7 @@
 from itertools import product
 from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
 
-from contactstudy.domain.checks import InvalidInput, finite, in_range
+from contactstudy.domain.checks import InvalidInput, below_one
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import GeneralConvolution
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from contactstudy.scene.wear import Wear
 
 
+# Check of a coefficient of friction, and its remedy.
+COEFFICIENT = below_one, "give a coefficient of friction above 0, and below 1"
 # Instants at which a force is compared with the friction limit under a load that changes.
 SAMPLES = 201
 
@@ -162,16 +164,6 @@ def shear_coupling(
         return []
     first, second = sheared(solids)
     return normal_displacement(first, second, axes, grid, paddings, datum)
-
-
-def coefficient(name: str, value: object, *, zero: bool) -> float:
-    """Return a coefficient of friction of the law `name`, which may be 0 if `zero`."""
-    remedy = f"give a coefficient of friction {'from' if zero else 'above'} 0, and below 1"
-    field = f"{name}.coefficient"
-    number = finite(field, value, remedy)
-    if number < 0 or number >= 1 or (number == 0 and not zero):
-        raise InvalidInput(f"{field} is {value!r}: {remedy}.")
-    return number if number == 0 else in_range(field, number, remedy)
 
 
 def check_tangential_response(

@@ -4,17 +4,17 @@ from dataclasses import dataclass
 from math import inf
 from typing import ClassVar
 
-from contactstudy.domain.checks import InvalidInput, finite, set_fields, suggest_fields
+from contactstudy.domain.checks import InvalidInput, check_fields, finite, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import NewtonsPerMetre, Number, readable
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
+    COEFFICIENT,
     FrictionContext,
     check_similar,
     check_static,
     check_tangential_response,
-    coefficient,
     gives_way_alike,
     sheared,
 )
@@ -50,11 +50,10 @@ class PartialSlip:
     tangential: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        remedy = "give a force along x [N/m]"
-        set_fields(
+        check_fields(
             self,
-            coefficient=coefficient("PartialSlip", self.coefficient, zero=False),
-            tangential=finite("PartialSlip.tangential", self.tangential, remedy),
+            coefficient=COEFFICIENT,
+            tangential=(finite, "give a force along x [N/m]"),
         )
 
     def check(self, scene: FrictionContext) -> None:

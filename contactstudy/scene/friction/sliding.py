@@ -3,14 +3,18 @@
 from dataclasses import dataclass
 from math import log
 
-from contactstudy.domain.checks import InvalidInput, set_fields, suggest_fields
+from contactstudy.domain.checks import (
+    InvalidInput,
+    check_fields,
+    in_range_from_zero,
+    suggest_fields,
+)
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Number
 from contactstudy.scene.friction.friction_law import (
     FrictionContext,
     are_similar,
-    coefficient,
     dundurs,
     shear_coupling,
 )
@@ -40,7 +44,10 @@ class Sliding:
     coefficient: Number
 
     def __post_init__(self) -> None:
-        set_fields(self, coefficient=coefficient("Sliding", self.coefficient, zero=True))
+        value, remedy = self.coefficient, "give a coefficient of friction from 0, and below 1"
+        check_fields(self, coefficient=(in_range_from_zero, remedy))
+        if self.coefficient >= 1:
+            raise InvalidInput(f"Sliding.coefficient is {value!r}: {remedy}.")
 
     def check(self, scene: FrictionContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""

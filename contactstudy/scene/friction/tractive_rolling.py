@@ -7,18 +7,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, in_range_or_zero, set_fields, suggest_fields
+from contactstudy.domain.checks import InvalidInput, check_fields, in_range_or_zero, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
 from contactstudy.elasticity.tangential import ShearableBody, ShearResponse, shear_response
 from contactstudy.scene.friction.friction_law import (
+    COEFFICIENT,
     SAMPLES,
     FrictionContext,
     Load,
     are_similar,
     check_tangential_response,
-    coefficient,
     shear_coupling,
     sheared,
 )
@@ -78,7 +78,7 @@ class TractiveRolling:
     speed: MetresPerSecond = 1.0
 
     def __post_init__(self) -> None:
-        set_fields(self, coefficient=coefficient("TractiveRolling", self.coefficient, zero=False))
+        check_fields(self, coefficient=COEFFICIENT)
         if (self.longitudinal is None) == (self.tangential is None):
             both = "neither" if self.longitudinal is None else "both"
             raise InvalidInput(
@@ -92,9 +92,8 @@ class TractiveRolling:
             ("spin", "give a rotation over the distance rolled [1/m]"),
             ("speed", "give a speed [m/s], negative if the contact moves to smaller x"),
         ):
-            if (value := getattr(self, name)) is not None:
-                number = in_range_or_zero(f"TractiveRolling.{name}", value, remedy)
-                set_fields(self, **{name: number})
+            if getattr(self, name) is not None:
+                check_fields(self, **{name: (in_range_or_zero, remedy)})
         if self.speed == 0:
             raise InvalidInput(
                 "TractiveRolling.speed is 0: give a speed other than 0 m/s, or PartialSlip for a contact at rest."

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range,
     in_range_or_zero,
-    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre
@@ -33,8 +33,7 @@ class LineLoad:
     per_length: NewtonsPerMetre
 
     def __post_init__(self) -> None:
-        load = in_range_or_zero("LineLoad.per_length", self.per_length, LOAD_REMEDY)
-        set_fields(self, per_length=load)
+        check_fields(self, per_length=(in_range_or_zero, LOAD_REMEDY))
 
     def check_compressive(self) -> None:
         """Raise :class:`~contactstudy.InvalidInput` unless the load presses the bodies together."""
@@ -74,11 +73,9 @@ class TotalLoad:
     length: Metres | None = None
 
     def __post_init__(self) -> None:
-        remedy = "give a load above 0 N"
-        set_fields(self, total=in_range_or_zero("TotalLoad.total", self.total, remedy))
+        check_fields(self, total=(in_range_or_zero, "give a load above 0 N"))
         if self.length is not None:
-            remedy = "give the roller's length above 0 m"
-            set_fields(self, length=in_range("TotalLoad.length", self.length, remedy))
+            check_fields(self, length=(in_range, "give the roller's length above 0 m"))
 
     @property
     def per_length(self) -> float:

@@ -8,6 +8,7 @@ from typing import Protocol, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     each,
     finite,
     in_range,
@@ -205,13 +206,16 @@ class SineLoad:
 
     def __post_init__(self) -> None:
         remedy = "give a load of at least 0 N/m"
-        mean = in_range_from_zero("SineLoad.mean_load", self.mean_load, remedy)
-        amplitude = in_range_from_zero("SineLoad.amplitude", self.amplitude, remedy)
-        if mean == amplitude == 0:
+        check_fields(
+            self, mean_load=(in_range_from_zero, remedy), amplitude=(in_range_from_zero, remedy)
+        )
+        if self.mean_load == self.amplitude == 0:
             raise InvalidInput("SineLoad.amplitude and mean_load are 0: give a load above 0 N/m.")
-        frequency = in_range("SineLoad.frequency", self.frequency, "give a frequency above 0 Hz")
-        phase = finite("SineLoad.phase", self.phase, "give an angle [rad]")
-        set_fields(self, mean_load=mean, amplitude=amplitude, frequency=frequency, phase=phase)
+        check_fields(
+            self,
+            frequency=(in_range, "give a frequency above 0 Hz"),
+            phase=(finite, "give an angle [rad]"),
+        )
 
     @property
     def largest(self) -> float:

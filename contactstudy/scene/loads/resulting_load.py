@@ -5,9 +5,10 @@ from math import log, pi
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    below_one,
+    check_fields,
     in_range,
     in_range_or_zero,
-    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, readable
@@ -43,11 +44,9 @@ class Approach:
     datum: Metres | None = None
 
     def __post_init__(self) -> None:
-        remedy = "give an approach [m]"
-        set_fields(self, approach=in_range_or_zero("Approach.approach", self.approach, remedy))
+        check_fields(self, approach=(in_range_or_zero, "give an approach [m]"))
         if self.datum is not None:
-            remedy = "give a distance above 0 m"
-            set_fields(self, datum=in_range("Approach.datum", self.datum, remedy))
+            check_fields(self, datum=(in_range, "give a distance above 0 m"))
 
     def datum_on(self, width: float) -> float:
         """Return the datum [m] on a grid of this `width` [m]."""
@@ -100,13 +99,12 @@ class PullOff:
     error: Number = 4e-3
 
     def __post_init__(self) -> None:
-        remedy = "give a load [N/m]"
-        set_fields(self, preload=in_range_or_zero("PullOff.preload", self.preload, remedy))
         remedy = "give an error between 1e-6 and 1"
-        error = in_range("PullOff.error", self.error, remedy)
-        if not 1e-6 <= error < 1:
+        check_fields(
+            self, preload=(in_range_or_zero, "give a load [N/m]"), error=(below_one, remedy)
+        )
+        if self.error < 1e-6:
             raise InvalidInput(f"PullOff.error is {self.error!r}: {remedy}.")
-        set_fields(self, error=error)
 
     @property
     def largest(self) -> float:

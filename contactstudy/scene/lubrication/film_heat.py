@@ -7,9 +7,9 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range,
     in_range_from_zero,
-    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.fields import Array
@@ -20,7 +20,7 @@ from contactstudy.domain.units import (
     VolumetricHeatCapacity,
 )
 
-# Roelands (1966): all lubricants have one viscosity [Pa s], at a temperature [K] to which none is cooled.
+# Viscosity [Pa s] and temperature [K] of the pole in which the isobars of all lubricants meet (Roelands 1966).
 LEAST_VISCOSITY, LEAST_TEMPERATURE = exp(-9.67), 138.0
 SUPPLY = "give the temperature of the supply, above 138 K, such as 313"
 
@@ -47,11 +47,11 @@ class ThermalBody:
     heat_capacity: VolumetricHeatCapacity = 3.6e6
 
     def __post_init__(self) -> None:
-        remedy = "must be above 0 W/(m K), such as 46"
-        conductivity = in_range("ThermalBody.conductivity", self.conductivity, remedy)
-        remedy = "must be above 0 J/(m^3 K), such as 3.6e6"
-        capacity = in_range("ThermalBody.heat_capacity", self.heat_capacity, remedy)
-        set_fields(self, conductivity=conductivity, heat_capacity=capacity)
+        check_fields(
+            self,
+            conductivity=(in_range, "must be above 0 W/(m K), such as 46"),
+            heat_capacity=(in_range, "must be above 0 J/(m^3 K), such as 3.6e6"),
+        )
 
 
 @suggest_fields
@@ -84,21 +84,14 @@ class FilmHeat:
     supply_temperature: Kelvins = 313.15
 
     def __post_init__(self) -> None:
-        remedy = "must be at least 0 1/K, such as 0.04"
-        coefficient = in_range_from_zero(
-            "FilmHeat.temperature_viscosity", self.temperature_viscosity, remedy
-        )
-        remedy = "must be above 0 W/(m K), such as 0.14"
-        conductivity = in_range("FilmHeat.conductivity", self.conductivity, remedy)
-        supply = in_range("FilmHeat.supply_temperature", self.supply_temperature, SUPPLY)
-        if supply <= LEAST_TEMPERATURE:
-            raise InvalidInput(f"FilmHeat.supply_temperature is {supply:g} K: {SUPPLY}.")
-        set_fields(
+        check_fields(
             self,
-            temperature_viscosity=coefficient,
-            conductivity=conductivity,
-            supply_temperature=supply,
+            temperature_viscosity=(in_range_from_zero, "must be at least 0 1/K, such as 0.04"),
+            conductivity=(in_range, "must be above 0 W/(m K), such as 0.14"),
+            supply_temperature=(in_range, SUPPLY),
         )
+        if (supply := self.supply_temperature) <= LEAST_TEMPERATURE:
+            raise InvalidInput(f"FilmHeat.supply_temperature is {supply:g} K: {SUPPLY}.")
         for name in ("first", "second"):
             if not isinstance(body := getattr(self, name), ThermalBody):
                 raise InvalidInput(

@@ -7,10 +7,11 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range,
     in_range_from_zero,
-    set_fields,
     suggest_fields,
+    up_to_one,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number, Pascals, PascalSeconds, PressureViscosity
@@ -67,13 +68,11 @@ class Roelands:
 
     def __post_init__(self) -> None:
         remedy = "give an exponent above 0 and up to 1, such as 0.6"
-        exponent = in_range("Roelands.exponent", self.exponent, remedy)
-        if exponent > 1:
-            raise InvalidInput(f"Roelands.exponent is {self.exponent!r}: {remedy}.")
-        pressure = in_range(
-            "Roelands.reference_pressure", self.reference_pressure, "give a pressure above 0 Pa"
+        check_fields(
+            self,
+            exponent=(up_to_one, remedy),
+            reference_pressure=(in_range, "give a pressure above 0 Pa"),
         )
-        set_fields(self, exponent=exponent, reference_pressure=pressure)
 
     def log_ratio(self, pressure: Array, coefficient: float) -> tuple[Array, Array]:
         """Return ``ln(eta / eta0)`` and its derivative [1/Pa] at ``pressure`` [Pa]."""
@@ -126,14 +125,11 @@ class DowsonHigginson:
     saturation: PressureViscosity = 1.7e-9
 
     def __post_init__(self) -> None:
-        set_fields(
+        remedy = "give a compressibility of at least 0 1/Pa"
+        check_fields(
             self,
-            compressibility=in_range_from_zero(
-                "DowsonHigginson.compressibility",
-                self.compressibility,
-                "give a compressibility of at least 0 1/Pa",
-            ),
-            saturation=in_range("DowsonHigginson.saturation", self.saturation, "give 1/Pa above 0"),
+            compressibility=(in_range_from_zero, remedy),
+            saturation=(in_range, "give 1/Pa above 0"),
         )
 
     def ratio(self, pressure: Array) -> tuple[Array, Array]:
@@ -179,8 +175,7 @@ class Eyring:
     reference: Pascals = 5e6
 
     def __post_init__(self) -> None:
-        remedy = "give an Eyring stress above 0 Pa, such as 5e6"
-        set_fields(self, reference=in_range("Eyring.reference", self.reference, remedy))
+        check_fields(self, reference=(in_range, "give an Eyring stress above 0 Pa, such as 5e6"))
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
@@ -209,12 +204,11 @@ class Carreau:
     exponent: Number = 0.5
 
     def __post_init__(self) -> None:
-        reference = in_range("Carreau.reference", self.reference, "must be above 0 Pa, such as 5e6")
-        remedy = "must be above 0 and at most 1, such as 0.5"
-        exponent = in_range("Carreau.exponent", self.exponent, remedy)
-        if exponent > 1:
-            raise InvalidInput(f"Carreau.exponent is {self.exponent!r}: {remedy}.")
-        set_fields(self, reference=reference, exponent=exponent)
+        check_fields(
+            self,
+            reference=(in_range, "must be above 0 Pa, such as 5e6"),
+            exponent=(up_to_one, "must be above 0 and at most 1, such as 0.5"),
+        )
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]."""
@@ -245,9 +239,7 @@ class LimitingShear:
 
     def __post_init__(self) -> None:
         remedy = "give the limiting shear stress over pressure, above 0, such as 0.07"
-        set_fields(
-            self, coefficient=in_range("LimitingShear.coefficient", self.coefficient, remedy)
-        )
+        check_fields(self, coefficient=(in_range, remedy))
 
     def stress(self, newtonian: Array, pressure: Array) -> Array:
         """Return the shear stress [Pa]; zero without pressure."""
@@ -288,12 +280,12 @@ class Lubricant:
     shear: ShearLaw = Newtonian()
 
     def __post_init__(self) -> None:
-        viscosity = in_range("Lubricant.viscosity", self.viscosity, "give a viscosity above 0 Pa s")
         remedy = "give a coefficient of at least 0 1/Pa, such as 2e-8"
-        coefficient = in_range_from_zero(
-            "Lubricant.pressure_viscosity", self.pressure_viscosity, remedy
+        check_fields(
+            self,
+            viscosity=(in_range, "give a viscosity above 0 Pa s"),
+            pressure_viscosity=(in_range_from_zero, remedy),
         )
-        set_fields(self, viscosity=viscosity, pressure_viscosity=coefficient)
         for name, kind, example in (
             ("viscosity_law", ViscosityLaw, "Roelands()"),
             ("density", DensityLaw, "DowsonHigginson()"),

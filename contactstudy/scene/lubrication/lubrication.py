@@ -8,6 +8,7 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     each,
     finite,
     in_range,
@@ -83,11 +84,11 @@ class Boundary:
     coefficient: Number = 0.12
 
     def __post_init__(self) -> None:
-        film = in_range("Boundary.film", self.film, "give a thickness above 0 m, such as 5e-9")
-        coefficient = in_range_from_zero(
-            "Boundary.coefficient", self.coefficient, "must be at least 0, such as 0.12"
+        check_fields(
+            self,
+            film=(in_range, "give a thickness above 0 m, such as 5e-9"),
+            coefficient=(in_range_from_zero, "must be at least 0, such as 0.12"),
         )
-        set_fields(self, film=film, coefficient=coefficient)
 
 
 @runtime_checkable
@@ -202,20 +203,19 @@ class Lubrication:
             raise InvalidInput(
                 f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., pressure_viscosity=...)."
             )
-        speed = self.mean_speed
-        if not isinstance(speed, ChangingSpeed):
+        changes = isinstance(self.mean_speed, ChangingSpeed)
+        if not changes:
             remedy = "give a speed above 0 m/s, or a SpeedHistory; the dry contact is contactstudy.solve's"
-            speed = in_range("Lubrication.mean_speed", speed, remedy)
+            check_fields(self, mean_speed=(in_range, remedy))
         remedy = "give the sliding speed over the mean speed, such as 0.1"
-        ratio = finite("Lubrication.slide_roll_ratio", self.slide_roll_ratio, remedy)
-        set_fields(self, mean_speed=speed, slide_roll_ratio=ratio)
+        check_fields(self, slide_roll_ratio=(finite, remedy))
         if not isinstance(self.cavitation, Cavitation):
             raise InvalidInput(
                 f"Lubrication.cavitation is {self.cavitation!r}: give ElrodAdams() or ReynoldsCavitation()."
             )
         if self.supply is not None:
             remedy = "give the thickness of a layer above 0 m, or None for a flooded inlet"
-            set_fields(self, supply=in_range("Lubrication.supply", self.supply, remedy))
+            check_fields(self, supply=(in_range, remedy))
             if not isinstance(self.cavitation, ElrodAdams):
                 raise InvalidInput(
                     "Lubrication.supply is supported with ElrodAdams() only, which conserves the lubricant: "
@@ -229,7 +229,7 @@ class Lubrication:
             raise InvalidInput(
                 f"Lubrication.boundary is {self.boundary!r}: give a Boundary(film=...), or None."
             )
-        if not isinstance(self.cavitation, ElrodAdams) or isinstance(speed, ChangingSpeed):
+        if not isinstance(self.cavitation, ElrodAdams) or changes:
             raise InvalidInput(
                 "Lubrication.boundary is supported for a steady film with ElrodAdams() only: leave it out."
             )

@@ -9,10 +9,10 @@ import numpy as np
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range,
     in_range_from_zero,
     in_range_or_infinite,
-    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.fields import Array
@@ -42,7 +42,7 @@ class Cylinder:
     radius: Metres
 
     def __post_init__(self) -> None:
-        set_fields(self, radius=in_range("Cylinder.radius", self.radius, "give a radius above 0 m"))
+        check_fields(self, radius=(in_range, "give a radius above 0 m"))
 
     @property
     def curvature(self) -> float:
@@ -80,7 +80,7 @@ class Sphere:
     radius: Metres
 
     def __post_init__(self) -> None:
-        set_fields(self, radius=in_range("Sphere.radius", self.radius, "give a radius above 0 m"))
+        check_fields(self, radius=(in_range, "give a radius above 0 m"))
 
     @property
     def curvature(self) -> float:
@@ -97,7 +97,7 @@ class Sphere:
         return np.asarray((grid.x[:, None] ** 2 + grid.y**2) / (2 * self.radius))
 
 
-HEIGHT_REMEDY = "give a height of 0 m or more"
+HEIGHT_REMEDY, LENGTH_REMEDY = "give a height of 0 m or more", "give the roller's length above 0 m"
 
 
 @suggest_fields
@@ -126,18 +126,17 @@ class Crown:
     length: Metres = inf
 
     def __post_init__(self) -> None:
-        remedy = "give a radius above 0 m, or inf for no crown"
-        radius = in_range_or_infinite("Crown.radius", self.radius, remedy)
-        remedy = "give the roller's length above 0 m"
-        set_fields(
-            self, radius=radius, length=in_range_or_infinite("Crown.length", self.length, remedy)
+        check_fields(
+            self,
+            radius=(in_range_or_infinite, "give a radius above 0 m, or inf for no crown"),
+            length=(in_range_or_infinite, LENGTH_REMEDY),
         )
 
     @classmethod
     def of_drop(cls, end_drop: float, length: float) -> Self:
         """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], at least zero, at both ends."""
         drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT_REMEDY)
-        length = in_range("Crown length", length, "give the roller's length above 0 m")
+        length = in_range("Crown length", length, LENGTH_REMEDY)
         return cls(length**2 / (8 * drop), length) if drop else cls()
 
     @property
@@ -190,21 +189,16 @@ class LundbergProfile:
     straight: Metres = 0.0
 
     def __post_init__(self) -> None:
-        set_fields(
-            self,
-            amplitude=in_range_from_zero(
-                "LundbergProfile.amplitude", self.amplitude, HEIGHT_REMEDY
-            ),
-            end_drop=in_range_from_zero("LundbergProfile.end_drop", self.end_drop, HEIGHT_REMEDY),
-            length=in_range(
-                "LundbergProfile.length", self.length, "give the roller's length above 0 m"
-            ),
-        )
         remedy = "give a length of at least 0 m, below that of the roller"
-        straight = in_range_from_zero("LundbergProfile.straight", self.straight, remedy)
-        if straight >= self.length:
-            raise InvalidInput(f"LundbergProfile.straight is {straight!r}: {remedy}.")
-        set_fields(self, straight=straight)
+        check_fields(
+            self,
+            amplitude=(in_range_from_zero, HEIGHT_REMEDY),
+            end_drop=(in_range_from_zero, HEIGHT_REMEDY),
+            length=(in_range, LENGTH_REMEDY),
+            straight=(in_range_from_zero, remedy),
+        )
+        if self.straight >= self.length:
+            raise InvalidInput(f"LundbergProfile.straight is {self.straight!r}: {remedy}.")
 
     @classmethod
     def for_load(
@@ -233,7 +227,7 @@ class LundbergProfile:
             If the roller is shorter than its contact is wide.
         """
         hertz = HertzLine(load_per_length, radius, contact_modulus)
-        length = in_range("LundbergProfile.length", length, "give the roller's length above 0 m")
+        length = in_range("LundbergProfile.length", length, LENGTH_REMEDY)
         if length < 2 * hertz.half_width:
             raise InvalidInput(
                 f"LundbergProfile.length is {length!r}: give a roller longer than its contact is wide, "
@@ -259,7 +253,7 @@ class LundbergProfile:
             Length L of the roller [m].
         """
         diameter = in_range("LundbergProfile.diameter", diameter, "give a diameter above 0 m")
-        length = in_range("LundbergProfile.length", length, "give the roller's length above 0 m")
+        length = in_range("LundbergProfile.length", length, LENGTH_REMEDY)
         profiled = 2.5 * diameter
         amplitude = diameter * (3.5e-4 if length <= profiled else 5e-4)
         return cls(amplitude, 10 * amplitude, length, max(length - profiled, 0.0))
@@ -311,12 +305,7 @@ class FiniteLength:
     length: Metres
 
     def __post_init__(self) -> None:
-        set_fields(
-            self,
-            length=in_range(
-                "FiniteLength.length", self.length, "give the roller's length above 0 m"
-            ),
-        )
+        check_fields(self, length=(in_range, LENGTH_REMEDY))
 
     @property
     def curvature(self) -> float:

@@ -8,7 +8,8 @@ from scipy import fft
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    finite,
+    below_one,
+    check_fields,
     in_range,
     in_range_from_zero,
     pair,
@@ -43,10 +44,7 @@ class RmsSlope:
     slope: Number
 
     def __post_init__(self) -> None:
-        set_fields(
-            self,
-            slope=in_range_from_zero("RmsSlope.slope", self.slope, "give a slope of 0 or more"),
-        )
+        check_fields(self, slope=(in_range_from_zero, "give a slope of 0 or more"))
 
     def __bool__(self) -> bool:
         return self.slope > 0
@@ -68,8 +66,7 @@ class Ra:
     height: Metres
 
     def __post_init__(self) -> None:
-        remedy = "give a mean height of 0 m or more"
-        set_fields(self, height=in_range_from_zero("Ra.height", self.height, remedy))
+        check_fields(self, height=(in_range_from_zero, "give a mean height of 0 m or more"))
 
     def __bool__(self) -> bool:
         return self.height > 0
@@ -100,7 +97,7 @@ class Roughness:
     cut_off
         Shortest wavelength [m].
     seed
-        Whole number that names the surface.
+        Seed of the random amplitudes, a whole number of at least 0.
     peklenik
         Correlation length across the contact over that along it: below 1 the lay runs along the length, above 1 across
         it. The wavelengths are those across the lay.
@@ -123,29 +120,21 @@ class Roughness:
 
     def __post_init__(self) -> None:
         if not isinstance(self.rms, RmsSlope | Ra):
-            set_fields(
-                self,
-                rms=in_range_from_zero(
-                    "Roughness.rms", self.rms, "give an rms height of 0 m or more"
-                ),
-            )
-        remedy = "give an exponent between 0 and 1"
-        hurst = finite("Roughness.hurst", self.hurst, remedy)
-        if not 0 < hurst < 1:
-            raise InvalidInput(f"Roughness.hurst is {self.hurst!r}: {remedy}.")
-        cut_off = in_range("Roughness.cut_off", self.cut_off, "give a wavelength above 0 m")
-        roll_off = in_range("Roughness.roll_off", self.roll_off, "give a wavelength above 0 m")
-        set_fields(self, hurst=hurst, cut_off=cut_off, roll_off=roll_off)
+            check_fields(self, rms=(in_range_from_zero, "give an rms height of 0 m or more"))
+        wavelength = in_range, "give a wavelength above 0 m"
+        check_fields(
+            self,
+            hurst=(below_one, "give an exponent between 0 and 1"),
+            cut_off=wavelength,
+            roll_off=wavelength,
+        )
         if self.roll_off < self.cut_off:
             raise InvalidInput(
                 f"Roughness.roll_off is {self.roll_off!r}: give a wavelength no shorter than cut_off."
             )
-        set_fields(
-            self,
-            seed=whole_number("Roughness.seed", self.seed, 0, "give a whole number of at least 0"),
-        )
-        remedy = "give a ratio of lengths above 0, 1 for no lay"
-        set_fields(self, peklenik=in_range("Roughness.peklenik", self.peklenik, remedy))
+        remedy = "give a whole number of at least 0"
+        set_fields(self, seed=whole_number("Roughness.seed", self.seed, 0, remedy))
+        check_fields(self, peklenik=(in_range, "give a ratio of lengths above 0, 1 for no lay"))
         if self.extent is not None:
             remedy = "give two lengths, (width, length) [m], or None for the grid's"
             width, length = pair("Roughness.extent", self.extent, remedy)

@@ -8,12 +8,15 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    below_one,
+    check_fields,
+    each,
     finite,
     in_range,
     in_range_from_zero,
+    in_range_or_infinite,
     in_range_or_zero,
     pair,
-    positive,
     set_fields,
     suggest_fields,
     whole_quotient,
@@ -22,6 +25,8 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Metres, Radians
 from contactstudy.scene.shapes.shape import LengthScales
+
+DEPTH_REMEDY = "give a depth of 0 m or more"
 
 
 class Profile(Protocol):
@@ -82,10 +87,10 @@ class Dimple:
 
     def __post_init__(self) -> None:
         _is_profile("Dimple.profile", self.profile)
-        set_fields(
+        check_fields(
             self,
-            depth=in_range_from_zero("Dimple.depth", self.depth, "give a depth of 0 m or more"),
-            diameter=in_range("Dimple.diameter", self.diameter, "give a diameter above 0 m"),
+            depth=(in_range_from_zero, DEPTH_REMEDY),
+            diameter=(in_range, "give a diameter above 0 m"),
         )
 
     @property
@@ -119,10 +124,10 @@ class Groove:
 
     def __post_init__(self) -> None:
         _is_profile("Groove.profile", self.profile)
-        set_fields(
+        check_fields(
             self,
-            depth=in_range_from_zero("Groove.depth", self.depth, "give a depth of 0 m or more"),
-            width=in_range("Groove.width", self.width, "give a width above 0 m"),
+            depth=(in_range_from_zero, DEPTH_REMEDY),
+            width=(in_range, "give a width above 0 m"),
         )
 
     @property
@@ -163,12 +168,7 @@ class Texture:
         if not isinstance(self.feature, Dimple | Groove):
             raise InvalidInput(f"Texture.feature is {self.feature!r}: give a Dimple or a Groove.")
         both = pair("Texture.pitch", self.pitch, "give two lengths, (across, along) [m]")
-        pitch = tuple(
-            inf
-            if distance == inf
-            else in_range(f"Texture.pitch[{axis}]", distance, "give a pitch above 0 m")
-            for axis, distance in enumerate(both)
-        )
+        pitch = each("Texture.pitch", both, in_range_or_infinite, "give a pitch above 0 m")
         finite_pitches = 2 if isinstance(self.feature, Dimple) else 1
         if sum(distance < inf for distance in pitch) != finite_pitches:
             raise InvalidInput(
@@ -189,9 +189,7 @@ class Texture:
         `along` [m] is the pitch along the length, infinite for grooves.
         """
         remedy = "give a fraction of the surface above 0 and below 1"
-        density = positive("Texture area_density", area_density, remedy)
-        if density >= 1:
-            raise InvalidInput(f"Texture area_density is {area_density!r}: {remedy}.")
+        density = below_one("Texture area_density", area_density, remedy)
         if isinstance(feature, Dimple):
             in_range(
                 "Texture along", along, "give the pitch of the dimples along the length, above 0 m"
@@ -281,17 +279,14 @@ class Waviness:
     phase: Radians = 0.0
 
     def __post_init__(self) -> None:
-        set_fields(
+        wavelength = in_range_or_infinite, "give a wavelength above 0 m"
+        check_fields(
             self,
-            amplitude=in_range_or_zero("Waviness.amplitude", self.amplitude, "give a height in m"),
-            phase=finite("Waviness.phase", self.phase, "give an angle in rad"),
+            amplitude=(in_range_or_zero, "give a height in m"),
+            phase=(finite, "give an angle in rad"),
+            across=wavelength,
+            along=wavelength,
         )
-        for name in ("across", "along"):
-            if getattr(self, name) != inf:
-                length = in_range(
-                    f"Waviness.{name}", getattr(self, name), "give a wavelength above 0 m"
-                )
-                set_fields(self, **{name: length})
 
     @property
     def curvature(self) -> float:

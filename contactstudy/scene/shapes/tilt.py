@@ -5,7 +5,7 @@ from math import inf, tan
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, finite, set_fields, suggest_fields
+from contactstudy.domain.checks import InvalidInput, check_fields, finite, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import Radians
@@ -40,10 +40,9 @@ class Tilt:
 
     def __post_init__(self) -> None:
         remedy = f"give an angle between -{MAX_ANGLE:g} and {MAX_ANGLE:g} rad"
-        angle = finite("Tilt.angle", self.angle, remedy)
-        if abs(angle) > MAX_ANGLE:
-            raise InvalidInput(f"Tilt.angle is {angle!r}: {remedy}.")
-        set_fields(self, angle=angle)
+        check_fields(self, angle=(finite, remedy))
+        if abs(self.angle) > MAX_ANGLE:
+            raise InvalidInput(f"Tilt.angle is {self.angle!r}: {remedy}.")
 
     @property
     def curvature(self) -> float:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Protocol, TypeGuard, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     finite,
     in_range_or_infinite,
-    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.units import Number, Pascals
@@ -80,18 +80,14 @@ class HalfSpace:
     hardness: Pascals = math.inf
 
     def __post_init__(self) -> None:
-        remedy = "give a modulus above 0 Pa, or inf for a rigid body"
-        modulus = in_range_or_infinite("HalfSpace.youngs_modulus", self.youngs_modulus, remedy)
-        ratio = poisson_ratio("HalfSpace.poisson_ratio", self.poisson_ratio)
-        remedy = "give a stress above 0 Pa, or inf if it is not known"
-        strength = in_range_or_infinite("HalfSpace.yield_strength", self.yield_strength, remedy)
-        hardness = in_range_or_infinite("HalfSpace.hardness", self.hardness, remedy)
-        set_fields(
+        modulus = "give a modulus above 0 Pa, or inf for a rigid body"
+        stress = "give a stress above 0 Pa, or inf if it is not known"
+        check_fields(
             self,
-            youngs_modulus=modulus,
-            poisson_ratio=ratio,
-            yield_strength=strength,
-            hardness=hardness,
+            youngs_modulus=(in_range_or_infinite, modulus),
+            poisson_ratio=(poisson_ratio, POISSON_RATIO),
+            yield_strength=(in_range_or_infinite, stress),
+            hardness=(in_range_or_infinite, stress),
         )
 
     @property
@@ -111,12 +107,11 @@ class HalfSpace:
         return half_space_shear_compliance(self.compliance, self.poisson_ratio, datum)
 
 
-def poisson_ratio(field: str, value: object) -> float:
-    """Return `value` as a Poisson's ratio above -1 and up to 0.5.
+POISSON_RATIO = "give a ratio above -1 and up to 0.5"
 
-    Raises :class:`~contactstudy.InvalidInput`, which names `field`, for anything else.
-    """
-    remedy = "give a ratio above -1 and up to 0.5"
+
+def poisson_ratio(field: str, value: object, remedy: str) -> float:
+    """Return `value` as a Poisson's ratio above -1 and up to 0.5, or raise InvalidInput with `field` and `remedy`."""
     ratio = finite(field, value, remedy)
     if not -1 < ratio <= 0.5:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput, in_range, set_fields, suggest_fields
+from contactstudy.domain.checks import InvalidInput, check_fields, in_range, suggest_fields
 from contactstudy.domain.units import Metres
 from contactstudy.elasticity.coating import CoatingCoefficients
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
@@ -52,7 +52,7 @@ class CoatedHalfSpace:
             if not isinstance(value, HalfSpace):
                 raise InvalidInput(f"CoatedHalfSpace.{name} is {value!r}: give a HalfSpace.")
         remedy = "give a thickness above 0 m, or the substrate alone for none"
-        set_fields(self, thickness=in_range("CoatedHalfSpace.thickness", self.thickness, remedy))
+        check_fields(self, thickness=(in_range, remedy))
         if math.isinf(self.coating.youngs_modulus):
             raise InvalidInput(
                 "CoatedHalfSpace.coating is rigid: give it a finite Young's modulus, or a rigid HalfSpace as the body."

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range,
     in_range_from_zero,
     in_range_or_infinite,
-    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.scene.solids.bodies import BodyContext, HalfSpace, poisson_ratio
+from contactstudy.scene.solids.bodies import POISSON_RATIO, BodyContext, HalfSpace, poisson_ratio
 
 
 @suggest_fields
@@ -52,17 +52,17 @@ class ElasticPlasticHalfSpace:
     kinematic_modulus: Pascals = 0.0
 
     def __post_init__(self) -> None:
-        name = "ElasticPlasticHalfSpace"
-        remedy = "give a modulus above 0 Pa, or a rigid HalfSpace for a body that does not yield"
-        modulus = in_range(f"{name}.youngs_modulus", self.youngs_modulus, remedy)
-        ratio = poisson_ratio(f"{name}.poisson_ratio", self.poisson_ratio)
-        remedy = "give a stress above 0 Pa, or inf for a body that does not yield"
-        stress = in_range_or_infinite(f"{name}.yield_stress", self.yield_stress, remedy)
-        set_fields(self, youngs_modulus=modulus, poisson_ratio=ratio, yield_stress=stress)
-        for field in ("hardening_modulus", "kinematic_modulus"):
-            remedy = "give a modulus of at least 0 Pa"
-            value = in_range_from_zero(f"{name}.{field}", getattr(self, field), remedy)
-            set_fields(self, **{field: value})
+        modulus = "give a modulus above 0 Pa, or a rigid HalfSpace for a body that does not yield"
+        stress = "give a stress above 0 Pa, or inf for a body that does not yield"
+        hardening = in_range_from_zero, "give a modulus of at least 0 Pa"
+        check_fields(
+            self,
+            youngs_modulus=(in_range, modulus),
+            poisson_ratio=(poisson_ratio, POISSON_RATIO),
+            yield_stress=(in_range_or_infinite, stress),
+            hardening_modulus=hardening,
+            kinematic_modulus=hardening,
+        )
 
     @property
     def instantaneous(self) -> HalfSpace:

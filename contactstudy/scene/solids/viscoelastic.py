@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    check_fields,
     in_range,
     in_range_from_zero,
     pair,
@@ -19,7 +20,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import Number, Pascals, Seconds
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.viscoelastic import Creep, creep_from_relaxation, retarded
-from contactstudy.scene.solids.bodies import Body, HalfSpace, poisson_ratio
+from contactstudy.scene.solids.bodies import POISSON_RATIO, Body, HalfSpace, poisson_ratio
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
@@ -52,26 +53,27 @@ class ViscoelasticHalfSpace:
     relaxation: tuple[tuple[Pascals, Seconds], ...] = ()
 
     def __post_init__(self) -> None:
-        field = "ViscoelasticHalfSpace.equilibrium_modulus"
-        remedy = "give a modulus above 0 Pa, or 0 for a Maxwell fluid"
-        equilibrium = in_range_from_zero(field, self.equilibrium_modulus, remedy)
-        ratio = poisson_ratio("ViscoelasticHalfSpace.poisson_ratio", self.poisson_ratio)
+        modulus = "give a modulus above 0 Pa, or 0 for a Maxwell fluid"
+        check_fields(
+            self,
+            equilibrium_modulus=(in_range_from_zero, modulus),
+            poisson_ratio=(poisson_ratio, POISSON_RATIO),
+        )
         field = "ViscoelasticHalfSpace.relaxation"
         remedy = "give pairs of a modulus [Pa] and a time [s], such as ((1e6, 0.1), (2e6, 1.0))"
         terms = []
         for number, term in enumerate(sequence(field, self.relaxation, remedy)):
             first, second = pair(f"{field}[{number}]", term, remedy)
-            modulus = in_range(f"{field}[{number}][0]", first, "give a modulus above 0 Pa")
-            time = in_range(f"{field}[{number}][1]", second, "give a time above 0 s")
-            terms.append((modulus, time))
-        if equilibrium == 0 and not terms:
+            stiffness = in_range(f"{field}[{number}][0]", first, "give a modulus above 0 Pa")
+            terms.append(
+                (stiffness, in_range(f"{field}[{number}][1]", second, "give a time above 0 s"))
+            )
+        if self.equilibrium_modulus == 0 and not terms:
             raise InvalidInput(
                 "ViscoelasticHalfSpace.equilibrium_modulus is 0 and there is no relaxation: give a "
                 "modulus above 0 Pa, or pairs of a modulus and a time."
             )
-        set_fields(
-            self, equilibrium_modulus=equilibrium, poisson_ratio=ratio, relaxation=tuple(terms)
-        )
+        set_fields(self, relaxation=tuple(terms))
 
     @cached_property
     def creep(self) -> Creep:

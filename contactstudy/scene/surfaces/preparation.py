@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.checks import (
     InvalidInput,
+    below_one,
+    check_fields,
     pair,
-    positive,
     set_fields,
     suggest_fields,
+    up_to_one,
     whole_number,
 )
 from contactstudy.domain.fields import Array
@@ -111,11 +113,7 @@ class HarmonicFill:
     up_to: float = 0.1
 
     def __post_init__(self) -> None:
-        remedy = "give a fraction above 0 and below 1"
-        fraction = positive("HarmonicFill.up_to", self.up_to, remedy)
-        if fraction >= 1:
-            raise InvalidInput(f"HarmonicFill.up_to is {self.up_to!r}: {remedy}.")
-        set_fields(self, up_to=fraction)
+        check_fields(self, up_to=(below_one, "give a fraction above 0 and below 1"))
 
     def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if more points are missing than the fraction allows."""
@@ -255,10 +253,7 @@ class Tapered:
 
     def __post_init__(self) -> None:
         remedy = "give a fraction of the length above 0 and up to 1"
-        fraction = positive("Tapered.fraction", self.fraction, remedy)
-        if fraction > 1:
-            raise InvalidInput(f"Tapered.fraction is {self.fraction!r}: {remedy}.")
-        set_fields(self, fraction=fraction)
+        check_fields(self, fraction=(up_to_one, remedy))
 
     @property
     def lengths(self) -> int:

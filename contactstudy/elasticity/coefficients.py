@@ -83,7 +83,7 @@ class BoussinesqCoefficients:
 
 @dataclass(frozen=True)
 class _Axis:
-    """Axis of a grid with its padding: number of cells, their size, and the period."""
+    """Axis of a grid: number of `cells`, their size `step` [m], the `period` [m] of its images, and its padding."""
 
     cells: int
     step: float
@@ -92,7 +92,7 @@ class _Axis:
 
     @property
     def known(self) -> int:
-        """Number of offsets to evaluate; on a periodic axis the others follow by symmetry."""
+        """Number of offsets to evaluate; on a periodic axis those beyond half a period follow by symmetry."""
         return self.cells // 2 + 1 if self.padding.wraps else self.cells
 
     @property
@@ -118,22 +118,22 @@ def without_shift(
     return unshifted, images * coefficients.rigid_shift(grid.cell_area / period)
 
 
-def kernel(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:
+def influence_coefficients(grid: Grid, paddings: Paddings, coefficients: Coefficients) -> Array:
     """Return `coefficients` (x, y) at offsets of 0, 1, 2 ... cells, summed over the images that the paddings include.
 
     A periodic axis of n cells has ``n // 2 + 1`` offsets, any other axis n.
     """
     axes = zip(grid.cells, grid.cell_size, grid.extent, paddings, strict=True)
     across, along = (_Axis(*axis) for axis in axes)
-    return _kernel(across, along, coefficients)
+    return _on_axes(across, along, coefficients)
 
 
-def _kernel(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
+def _on_axes(across: _Axis, along: _Axis, coefficients: Coefficients) -> Array:
     """Return the `coefficients` (across, along) at the offsets of both axes, images included."""
     cell = across.step, along.step
     if across.padding.window is None:
         if along.padding.window is not None:
-            return _kernel(along, across, coefficients.swap_axes()).T
+            return _on_axes(along, across, coefficients.swap_axes()).T
         x, y = across.offsets[:, None], along.offsets
         return coefficients.lattice(x, y, *cell, across.period, along.period)
     even_x, even_y = coefficients.parity

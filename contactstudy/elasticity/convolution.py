@@ -22,13 +22,13 @@ from contactstudy.elasticity.approximate_inverse import (
 from contactstudy.elasticity.coefficients import (
     BoussinesqCoefficients,
     Coefficients,
-    kernel,
+    influence_coefficients,
     without_shift,
 )
 from contactstudy.elasticity.transforms import (
     TRANSFORMS,
     ComplexField,
-    even_waves,
+    even_transform,
     scale,
     transforms,
 )
@@ -47,7 +47,7 @@ class OperatorConstants:
         Least cells along an axis of a coarser grid. With 64, contacts take up to 1.2 times the convolutions; with 8, as
         many.
     exact_row_cells
-        Most cells of one row whose equations are solved exactly as a preconditioner. It saves half of the convolutions
+        Most cells of one row whose equations a direct solution preconditions. It saves half of the convolutions
         there, and up to a quarter of the time.
     mean_compliance
         Compliance of the mean over the largest coefficient, which makes these equations positive definite. From 1 to
@@ -146,8 +146,8 @@ class Convolution:
         total = 2 * xp.sum(self.spectrum) - stored_once - self.spectrum[0, 0]
         return float(total / self.transform_size)
 
-    def energy_of_product(self, across: Array, along: Array) -> float:
-        """Return the sum of pressure times displacement under the pressure ``across[:, None] * along``.
+    def work_of_product(self, across: Array, along: Array) -> float:
+        """Return the sum of pressure times displacement [Pa m] under the pressure ``across[:, None] * along`` [Pa].
 
         It follows from the spectrum, which is even, without a transform of the field.
         """
@@ -241,7 +241,17 @@ def _aliased(low: Array, high: Array, weights: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class GeneralConvolution:
-    """Convolution of fields (x, y) with coefficients that are even or odd, by their `spectrum` on the padded grid."""
+    """Convolution of fields (x, y) with coefficients that are even or odd along each axis.
+
+    Parameters
+    ----------
+    spectrum
+        Transform of the coefficients on the padded grid (px, py // 2 + 1).
+    cells
+        Cells of the grid (across, along).
+    padded
+        Points (px, py) of the transforms.
+    """
 
     spectrum: ComplexField
     cells: tuple[int, int]
@@ -285,7 +295,7 @@ def convolution(
     Raises
     ------
     InvalidInput
-        If the datum is not above 0 m, or the padding is none.
+        If the datum is not above 0 m, or `padding` is not a padding.
     """
     datum = positive("datum", datum, "give a distance above 0 m")
     return superposed({BoussinesqCoefficients(datum): 1 / (np.pi * contact_modulus)}, grid, padding)
@@ -327,10 +337,11 @@ def superposed(
 
 def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Array:
     """Return the transform of influence coefficients that are even along both axes: it is real and even."""
-    half, padded = kernel(grid, paddings, coefficients), padded_cells(grid, paddings)
+    half = influence_coefficients(grid, paddings, coefficients)
+    padded = padded_cells(grid, paddings)
     for axis, points in enumerate(padded):
         half = _to_half_period(half, points, axis)
-    half = even_waves(half, padded)
+    half = even_transform(half, padded)
     return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
 
 
@@ -343,13 +354,20 @@ def odd_convolution(
     :func:`superposed`.
     """
     paddings = across_and_along(padding)
+    around = on_padded_grid(response.items(), grid, paddings)
+    return GeneralConvolution(fft.rfft2(around), grid.cells, padded_cells(grid, paddings))
+
+
+def on_padded_grid(
+    terms: Iterable[tuple[Coefficients, float]], grid: Grid, paddings: Paddings
+) -> Array:
+    """Return a weighted sum of influence coefficients of any parity at every point (px, py) of the padded grid."""
     padded = padded_cells(grid, paddings)
-    around = sum(
-        weight
-        * mirrored_by_parity(kernel(grid, paddings, coefficients), padded, coefficients.parity)
-        for coefficients, weight in response.items()
-    )
-    return GeneralConvolution(fft.rfft2(around), grid.cells, padded)
+    around: Array = np.zeros(padded)
+    for kind, weight in terms:
+        known = influence_coefficients(grid, paddings, kind)
+        around += weight * mirrored_by_parity(known, padded, kind.parity)
+    return around
 
 
 def by_symmetry(

@@ -9,8 +9,8 @@ import numpy as np
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.reuse import cached_array
-from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients, kernel
-from contactstudy.elasticity.convolution import GeneralConvolution, mirrored_by_parity, padded_cells
+from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
+from contactstudy.elasticity.convolution import GeneralConvolution, on_padded_grid, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import stress_cell
 from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
@@ -19,8 +19,8 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 from contactstudy.elasticity.kernels.traction import SURFACE
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 
-# Weights of two bodies are alike where they differ by less, relative to their sizes: the difference is rounding.
-ALIKE = 1e-14
+# A sum of weights is zero where it is smaller than this fraction of their sizes: the difference is rounding.
+WEIGHT_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,8 @@ class CerrutiCoefficients:
     Parameters
     ----------
     name
-        Name of the field in :data:`~contactstudy.elasticity.kernels.traction.SURFACE`, or "yy".
+        Displacement by shear: along the surface "xx", "xy" or "yy" (``x^2 / r^3``, ``x y / r^3`` and ``y^2 / r^3``),
+        or along the normal "x" or "y" (``x / r^2`` and ``y / r^2``), as in Johnson (1985), eqs. 3.75.
     datum
         Distance [m] from which displacement of a row is counted, for "xx" and "yy", as in
         :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
@@ -97,8 +98,7 @@ def general_convolution(
     padded = padded_cells(grid, paddings)
 
     def spectrum() -> ComplexField:
-        half = kernel(grid, paddings, coefficients)
-        return TRANSFORMS.forward(mirrored_by_parity(half, padded, coefficients.parity), padded)
+        return TRANSFORMS.forward(on_padded_grid([(coefficients, 1.0)], grid, paddings), padded)
 
     key = "general", coefficients, grid, paddings
     return GeneralConvolution(cached_array(key, spectrum), grid.cells, padded)
@@ -109,7 +109,7 @@ class ShearResponse:
     """Displacement along the surface [m] under shear [Pa], both (component, x, y): symmetric and positive.
 
     Of half-spaces ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y``, c their compliance and ``n =
-    nu / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b.
+    nu / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b. Its convolutions are `xx`, `yy` and `xy`.
     """
 
     xx: GeneralConvolution
@@ -155,13 +155,14 @@ def half_space_shear_compliance(
     compliance: float, poisson_ratio: float, datum: float
 ) -> ShearCompliance:
     """Return the compliance under shear of a half-space, whose compliance under pressure is (1 - nu^2) / E [1/Pa]."""
-    alike, shift = compliance / np.pi, compliance / np.pi * poisson_ratio / (1 - poisson_ratio)
+    isotropic = compliance / np.pi
+    by_poisson = isotropic * poisson_ratio / (1 - poisson_ratio)
     normal = compliance * (1 - 2 * poisson_ratio) / (2 * np.pi * (1 - poisson_ratio))
-    all_alike, xx = BoussinesqCoefficients(datum), CerrutiCoefficients("xx", datum)
+    inverse_distance, xx = BoussinesqCoefficients(datum), CerrutiCoefficients("xx", datum)
     return {
-        "xx": {all_alike: alike, xx: shift},
-        "yy": {all_alike: alike + shift, xx: -shift},
-        "xy": {CerrutiCoefficients("xy", datum): shift},
+        "xx": {inverse_distance: isotropic, xx: by_poisson},
+        "yy": {inverse_distance: isotropic + by_poisson, xx: -by_poisson},
+        "xy": {CerrutiCoefficients("xy", datum): by_poisson},
         "x": {CerrutiCoefficients("x", datum): normal},
         "y": {CerrutiCoefficients("y", datum): normal},
     }
@@ -186,9 +187,9 @@ def normal_displacement(
     paddings: Paddings,
     datum: float,
 ) -> list[GeneralConvolution]:
-    """Return the change of the gap by shear along each of the `axes`; none for bodies that are alike in shear.
+    """Return the change of the gap by shear along each of the `axes`; none for elastically similar bodies.
 
-    Bodies are alike where the weights of the first one's coefficients are those of the second one's.
+    Bodies are similar where the weights of the first one's coefficients are those of the second one's.
     """
     first_shear, second_shear = first.shear_compliance(datum), second.shear_compliance(datum)
     weights = {axis: summed_responses(-1, first_shear[axis], second_shear[axis]) for axis in axes}
@@ -208,7 +209,11 @@ def summed_responses(
             signed = sign * weight if number else weight
             summed[coefficients] = summed.get(coefficients, 0.0) + signed
             sizes[coefficients] = sizes.get(coefficients, 0.0) + abs(weight)
-    return {kind: weight for kind, weight in summed.items() if abs(weight) > ALIKE * sizes[kind]}
+    return {
+        kind: weight
+        for kind, weight in summed.items()
+        if abs(weight) > WEIGHT_ROUNDING * sizes[kind]
+    }
 
 
 def _convolutions(

@@ -188,9 +188,10 @@ TRANSFORMS: Ducc | SciPy = Ducc() if find_spec("ducc0") else SciPy()
 STANDARD = Standard()
 
 
-def even_waves(half: Array, points: tuple[int, int]) -> Array:
-    """Return the real transform of a field (x, y) of `points` that is even along both axes, from zero to half the
-    period.
+def even_transform(half: Array, points: tuple[int, int]) -> Array:
+    """Return the Fourier transform, which is real, of a field (x, y) that is even along both axes.
+
+    It is returned from wave number zero to half the number of points along each axis.
 
     Parameters
     ----------

@@ -21,7 +21,9 @@ BISECTIONS = 80
 
 @dataclass(frozen=True)
 class Creep:
-    """Creep function, the answer to a unit step: ``instantaneous + fluidity t + sum(J_i (1 - exp(-t / lambda_i)))``.
+    """Creep function ``instantaneous + fluidity t + sum(J_i (1 - exp(-t / lambda_i)))``.
+
+    It is the strain, or a displacement in proportion to it, under a unit step of stress.
 
     Parameters
     ----------
@@ -63,9 +65,9 @@ def creep_from_relaxation(
 ) -> Creep:
     """Return the creep of a body whose modulus relaxes as ``E_inf + sum(E_i exp(-t / tau_i))``.
 
-    The rates 1 / lambda_i are the zeros of ``E(s) = E_inf + sum(E_i s / (s + 1 / tau_i))``, which lie one between
-    each pair of neighbouring rates 1 / tau_i, so each is bracketed. Source: Park & Schapery (1999), Int. J. Solids
-    Struct. 36, eqs. 13 to 23.
+    The rates -1 / lambda_i are the zeros of ``E(s) = E_inf + sum(E_i s / (s + 1 / tau_i))``: one between each pair of
+    neighbouring rates 1 / tau_i, and one below them all, at 0 in a fluid, so that each is bracketed. Source: Park &
+    Schapery (1999), Int. J. Solids Struct. 36, eqs. 13 to 23.
 
     Parameters
     ----------
@@ -160,40 +162,23 @@ class RetardedCoefficients:
         even_x, even_y = self.inner.parity
         return (self.sign, even_y) if self.axis == 0 else (even_x, self.sign)
 
-    @property
-    def _inner_sign(self) -> int:
-        """Parity of K along the axis of motion."""
-        return self.inner.parity[self.axis]
-
     def swap_axes(self) -> "RetardedCoefficients":
         """Return the coefficients of motion along the other axis."""
         return replace(self, inner=self.inner.swap_axes(), axis=1 - self.axis)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the response to one cell; x and y broadcast."""
+        """Return the response to one cell, at every x and every y: one of them is flat or a row, the other a column."""
         if self.axis == 1:
             return self.swap_axes().cell(y, x, dy, dx)
-
-        def kernel(s: Array) -> Array:
-            return self.inner.cell(s[:, None], np.ravel(y), dx, dy)
-
-        parts = self._part(_open_axis(kernel, np.ravel(x), dx, self.length, self._inner_sign))
-        return parts if np.ndim(y) < 2 else parts.T
+        part = self._part(lambda s: self.inner.cell(s[:, None], np.ravel(y), dx, dy), x, dx)
+        return part if np.ndim(y) < 2 else part.T
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
-        if self.axis == 1:
-
-            def kernel_along(s: Array) -> Array:
-                return self.inner.row(np.ravel(x)[:, None], s, dx, dy, period).T
-
-            axis = np.ravel(y), dy, period
-            return self._part(_periodic_axis(kernel_along, *axis, self.length, self._inner_sign)).T
-
-        def kernel(s: Array) -> Array:
-            return self.inner.row(s[:, None], np.ravel(y), dx, dy, period)
-
-        return self._part(_open_axis(kernel, np.ravel(x), dx, self.length, self._inner_sign))
+        cell, across, along = (dx, dy, period), np.ravel(x), np.ravel(y)
+        if self.axis == 0:
+            return self._part(lambda s: self.inner.row(s[:, None], along, *cell), x, dx)
+        return self._part(lambda s: self.inner.row(across[:, None], s, *cell).T, y, dy, period).T
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
@@ -201,17 +186,18 @@ class RetardedCoefficients:
         """Return the response to an infinite lattice of images along both axes; x is a column, y a row."""
         if self.axis == 1:
             return self.swap_axes().lattice(y.T, x.T, dy, dx, period, width).T
+        cell, along = (dx, dy, width, period), np.ravel(y)
+        return self._part(lambda s: self.inner.lattice(s[:, None], along, *cell), x, dx, width)
 
-        def kernel(s: Array) -> Array:
-            return self.inner.lattice(s[:, None], np.ravel(y), dx, dy, width, period)
-
-        return self._part(
-            _periodic_axis(kernel, np.ravel(x), dx, width, self.length, self._inner_sign)
-        )
-
-    def _part(self, both: tuple[Array, Array]) -> Array:
-        """Return the even or odd part of V, from its values at x and at -x."""
-        trailing, leading = both
+    def _part(
+        self, kernel: Kernel, offsets: Array, step: float, period: float | None = None
+    ) -> Array:
+        """Return the even or odd part of V at `offsets` along the axis of motion, where K repeats after a `period`."""
+        parity, places = self.inner.parity[self.axis], np.ravel(offsets)
+        if period is None:
+            trailing, leading = _open_axis(kernel, places, step, self.length, parity)
+        else:
+            trailing, leading = _periodic_axis(kernel, places, step, period, self.length, parity)
         return (trailing + self.sign * leading) / 2
 
 

@@ -327,7 +327,7 @@ class Scene:
         """Largest load [N/m], or more where the attraction adds to it; the scales follow from it."""
         largest = self.load.largest
         if isinstance(self.load, Approach) and self.radius is not None:
-            largest = self.load.estimated_load(self.radius, self.contact_modulus)
+            largest = self.load.estimated_load(self.contact_modulus)
         adhesion = self.adhesion
         return largest if adhesion is None else max(largest, adhesion.reference_load(self))
 

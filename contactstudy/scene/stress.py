@@ -18,8 +18,7 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Metres
-from contactstudy.elasticity.coefficients import kernel
-from contactstudy.elasticity.convolution import mirrored_by_parity, padded_cells
+from contactstudy.elasticity.convolution import on_padded_grid, padded_cells
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.transforms import TRANSFORMS
 from contactstudy.problem.problem import Field, ResidualStress
@@ -169,17 +168,8 @@ class SubsurfaceStressOperator:
         for number, name in enumerate(COMPONENTS):
             for level, depth in enumerate(self.depths):
                 terms = self.medium.coefficients(traction, name, depth)
-                kernel_values = sum(
-                    (
-                        weight
-                        * mirrored_by_parity(
-                            kernel(self.grid, self.paddings, field), padded, field.parity
-                        )
-                        for weight, field in terms
-                    ),
-                    start=np.zeros(()),
-                )
-                waves = TRANSFORMS.forward(kernel_values, padded, buffer)
+                around = on_padded_grid(terms, self.grid, self.paddings)
+                waves = TRANSFORMS.forward(around, padded, buffer)
                 waves *= spectrum
                 stress[number, level] = TRANSFORMS.backward(waves, self.grid.cells, padded)
         return stress

@@ -361,7 +361,7 @@ def _modulus(problem: Problem, axis: int) -> float:
     across, along = (np.ones(count) for count in problem.grid.cells)
     (along if axis else across)[1::2] = -1
     if isinstance(problem.operator, Convolution):
-        energy = problem.operator.energy_of_product(across, along)
+        energy = problem.operator.work_of_product(across, along)
     else:
         wave = across[:, None] * along
         energy = float((problem.operator(wave) * wave).sum())

@@ -36,7 +36,7 @@ from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.friction.fretting import Fretting
-from contactstudy.scene.friction.friction_law import gives_way_alike
+from contactstudy.scene.friction.friction_law import has_proportional_compliances
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, LoadHistory
 from contactstudy.scene.scene import PosedScene, Scene
@@ -243,7 +243,7 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
         period=inf if fretting.period is None else fretting.period,
         least_eigenvalue=least_eigenvalue(scene.contact_modulus, min(problem.grid.cell_size)),
         gap_scale=problem.scales.gap,
-        compliances_proportional=gives_way_alike(
+        compliances_proportional=has_proportional_compliances(
             scene.solids, varies=bool((gap != gap[:, :1]).any()), paddings=paddings
         ),
         creep=_relative_creep(scene, problem.scales.length),

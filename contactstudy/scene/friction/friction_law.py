@@ -7,7 +7,7 @@ from contactstudy.domain.checks import InvalidInput, below_one
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import GeneralConvolution
-from contactstudy.elasticity.tangential import ALIKE, ShearableBody, normal_displacement
+from contactstudy.elasticity.tangential import WEIGHT_ROUNDING, ShearableBody, normal_displacement
 from contactstudy.problem.problem import FrictionLaw
 from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.solids.bodies import (
@@ -91,10 +91,13 @@ class Friction(Protocol):
         """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
 
 
-def gives_way_alike(solids: tuple[Body, ...], *, varies: bool, paddings: Paddings) -> bool:
-    """Return whether shear along x displaces the surface as the pressure does along z, up to a factor.
+def has_proportional_compliances(
+    solids: tuple[Body, ...], *, varies: bool, paddings: Paddings
+) -> bool:
+    """Return whether the tangential compliance is in proportion to the normal one.
 
-    That is so of bodies without coating in plane strain, and for a Poisson's ratio of 0.
+    Shear along x then displaces the surface along x as pressure does along z. That is so of bodies without coating in
+    plane strain, and for a Poisson's ratio of 0.
     """
     if any(map(is_layered, solids)):
         return False
@@ -146,7 +149,7 @@ def are_similar(solids: tuple[Body, ...]) -> bool:
     if first == second:
         return True
     of_one_material = all(materials[0] == materials[-1] for materials in map(_materials, solids))
-    return of_one_material and abs(dundurs(solids)) <= ALIKE
+    return of_one_material and abs(dundurs(solids)) <= WEIGHT_ROUNDING
 
 
 def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:

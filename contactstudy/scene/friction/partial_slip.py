@@ -15,7 +15,7 @@ from contactstudy.scene.friction.friction_law import (
     check_similar,
     check_static,
     check_tangential_response,
-    gives_way_alike,
+    has_proportional_compliances,
     sheared,
 )
 from contactstudy.scene.solids.bodies import is_layered
@@ -104,4 +104,6 @@ class PartialSlip:
         """Return whether two normal contacts make up the shear exactly."""
         # a pressure that is capped or attracted is no difference of two contacts
         is_elastic = scene.hardness == inf and scene.adhesion is None
-        return is_elastic and gives_way_alike(scene.solids, varies=varies, paddings=paddings)
+        return is_elastic and has_proportional_compliances(
+            scene.solids, varies=varies, paddings=paddings
+        )

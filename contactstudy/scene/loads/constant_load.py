@@ -86,10 +86,7 @@ class TotalLoad:
             )
         return self.total / self.length
 
-    @property
-    def largest(self) -> float:
-        """Mean load over the length of the roller [N/m], which is its own maximum."""
-        return self.per_length
+    largest = per_length
 
     def mean_over(self, period: float) -> float:
         """Return the mean load [N/m] over the `period` [m] of a grid."""

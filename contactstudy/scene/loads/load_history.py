@@ -4,7 +4,7 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from itertools import pairwise
 from math import asin, ceil, floor, pi, sin
-from typing import Protocol, runtime_checkable
+from typing import ClassVar, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -199,6 +199,9 @@ class SineLoad:
         If a number is outside these limits.
     """
 
+    #: Start of the load [s].
+    start: ClassVar[float] = 0.0
+
     mean_load: NewtonsPerMetre
     amplitude: NewtonsPerMetre
     frequency: PerSecond
@@ -221,11 +224,6 @@ class SineLoad:
     def largest(self) -> float:
         """Largest load [N/m]."""
         return self.mean_load + self.amplitude
-
-    @property
-    def start(self) -> float:
-        """Start of the load, 0 s."""
-        return 0.0
 
     @property
     def period(self) -> float:

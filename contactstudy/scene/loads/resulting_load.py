@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import log, pi
+from typing import ClassVar
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -13,7 +14,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Metres, NewtonsPerMetre, Number, readable
 
-# Half-widths of a contact to the datum, from which its size is estimated where no datum is given.
+# Datum over the half-width of the contact in the estimate of its load, in which it enters by its logarithm.
 DATUM_RATIO = 4.0
 
 
@@ -40,6 +41,9 @@ class Approach:
         If a number is not finite, or the datum is not above 0 m; on a grid that is more than twice as wide as the datum.
     """
 
+    #: Largest given load [N/m]: none is given.
+    largest: ClassVar[float] = 0.0
+
     approach: Metres
     datum: Metres | None = None
 
@@ -59,15 +63,11 @@ class Approach:
             )
         return self.datum
 
-    @property
-    def largest(self) -> float:
-        """Zero, for no load [N/m] is given."""
-        return 0.0
+    def estimated_load(self, contact_modulus: float) -> float:
+        """Estimate the load [N/m] of a cylinder at this approach, whatever its radius; 0 if it does not touch.
 
-    def estimated_load(self, radius: float, contact_modulus: float) -> float:
-        """Estimate the load [N/m] of a cylinder of this `radius` [m] at this approach; 0 if it does not touch.
-
-        ``approach = a^2 / (4 R) (2 ln(2 datum / a) + 1)`` with the half-width a, Johnson (1985), sect. 5.6.
+        ``approach = W / (pi E*) (2 ln(2 datum / a) + 1)`` under the load W, Johnson (1985), sect. 5.6, for a datum of
+        `DATUM_RATIO` half-widths a.
         """
         if self.approach <= 0:
             return 0.0
@@ -107,14 +107,11 @@ class PullOff:
             raise InvalidInput(f"PullOff.error is {self.error!r}: {remedy}.")
 
     @property
-    def largest(self) -> float:
-        """Load [N/m] from which the bodies are pulled apart."""
-        return self.preload
-
-    @property
     def per_length(self) -> float:
         """Load [N/m] from which the bodies are pulled apart."""
         return self.preload
+
+    largest = per_length
 
     def mean_over(self, period: float) -> float:
         """Return the preload [N/m], the same over any `period` [m] of a grid."""

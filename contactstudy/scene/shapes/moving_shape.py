@@ -1,6 +1,7 @@
 """Heights that move with a body through a lubricated contact."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy import ndimage
@@ -43,6 +44,9 @@ class MovingShape:
         For a shape with curvature, or another body.
     """
 
+    #: Curvature [1/m]: what moves has none.
+    curvature: ClassVar[float] = 0.0
+
     shape: Shape
     body: int = 0
 
@@ -56,11 +60,6 @@ class MovingShape:
             raise InvalidInput(
                 f"MovingShape.shape is {self.shape!r}: give heights without curvature, such as Roughness."
             )
-
-    @property
-    def curvature(self) -> float:
-        """Zero."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:

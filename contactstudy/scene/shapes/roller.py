@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import expm1, inf, log, pi
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -77,15 +77,13 @@ class Sphere:
         If the radius is not above zero.
     """
 
+    #: Curvature [1/m]: a sphere adds none to the line contact.
+    curvature: ClassVar[float] = 0.0
+
     radius: Metres
 
     def __post_init__(self) -> None:
         check_fields(self, radius=(in_range, "give a radius above 0 m"))
-
-    @property
-    def curvature(self) -> float:
-        """Zero, since a sphere adds no curvature to the line contact."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:
@@ -122,6 +120,9 @@ class Crown:
         If a number is not above zero.
     """
 
+    #: Curvature [1/m]: a crown does not bend the cross-section.
+    curvature: ClassVar[float] = 0.0
+
     radius: Metres = inf
     length: Metres = inf
 
@@ -138,11 +139,6 @@ class Crown:
         drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT_REMEDY)
         length = in_range("Crown length", length, LENGTH_REMEDY)
         return cls(length**2 / (8 * drop), length) if drop else cls()
-
-    @property
-    def curvature(self) -> float:
-        """Zero, since a crown does not bend the cross-section."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:
@@ -182,6 +178,9 @@ class LundbergProfile:
     InvalidInput
         If a number is outside these limits.
     """
+
+    #: Curvature [1/m]: the profile does not bend the cross-section.
+    curvature: ClassVar[float] = 0.0
 
     amplitude: Metres
     end_drop: Metres
@@ -259,11 +258,6 @@ class LundbergProfile:
         return cls(amplitude, 10 * amplitude, length, max(length - profiled, 0.0))
 
     @property
-    def curvature(self) -> float:
-        """Zero, since the profile does not bend the cross-section."""
-        return 0.0
-
-    @property
     def length_scales(self) -> LengthScales:
         """Length scales of the roller that the profile is made for."""
         return LengthScales(roller=self.length)
@@ -302,15 +296,13 @@ class FiniteLength:
         If the length is not above zero.
     """
 
+    #: Curvature [1/m]: the roller's ends do not bend the cross-section.
+    curvature: ClassVar[float] = 0.0
+
     length: Metres
 
     def __post_init__(self) -> None:
         check_fields(self, length=(in_range, LENGTH_REMEDY))
-
-    @property
-    def curvature(self) -> float:
-        """Zero, since the roller's ends do not bend the cross-section."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 from scipy import fft
@@ -110,6 +111,9 @@ class Roughness:
         If a number is outside these limits, or no wave fits the extent.
     """
 
+    #: Mean curvature [1/m].
+    curvature: ClassVar[float] = 0.0
+
     rms: Metres | RmsSlope | Ra
     hurst: Number
     roll_off: Metres
@@ -141,11 +145,6 @@ class Roughness:
             width = in_range("Roughness.extent[0]", width, "give a width above 0 m")
             length = in_range("Roughness.extent[1]", length, "give a length above 0 m")
             set_fields(self, extent=(width, length))
-
-    @property
-    def curvature(self) -> float:
-        """Zero in the mean."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from math import inf, pi
-from typing import Protocol, Self
+from typing import ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -161,6 +161,9 @@ class Texture:
         If features overlap, a pitch is missing, or the pitch along does not divide the grid's period.
     """
 
+    #: Mean curvature [1/m].
+    curvature: ClassVar[float] = 0.0
+
     feature: Dimple | Groove
     pitch: tuple[Metres, Metres]
 
@@ -200,11 +203,6 @@ class Texture:
     def area_density(self) -> float:
         """Textured fraction of the surface."""
         return self.feature.density(self.pitch)
-
-    @property
-    def curvature(self) -> float:
-        """Zero in the mean."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:
@@ -273,6 +271,9 @@ class Waviness:
         If a period of the grid does not hold a whole number of waves along.
     """
 
+    #: Mean curvature [1/m].
+    curvature: ClassVar[float] = 0.0
+
     amplitude: Metres
     across: Metres = inf
     along: Metres = inf
@@ -287,11 +288,6 @@ class Waviness:
             across=wavelength,
             along=wavelength,
         )
-
-    @property
-    def curvature(self) -> float:
-        """Zero in the mean."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import inf, tan
+from typing import ClassVar
 
 import numpy as np
 
@@ -36,6 +37,9 @@ class Tilt:
         If the angle is outside these limits.
     """
 
+    #: Curvature [1/m]: a tilt does not bend the cross-section.
+    curvature: ClassVar[float] = 0.0
+
     angle: Radians
 
     def __post_init__(self) -> None:
@@ -43,11 +47,6 @@ class Tilt:
         check_fields(self, angle=(finite, remedy))
         if abs(self.angle) > MAX_ANGLE:
             raise InvalidInput(f"Tilt.angle is {self.angle!r}: {remedy}.")
-
-    @property
-    def curvature(self) -> float:
-        """Zero, since a tilt does not bend the cross-section."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:

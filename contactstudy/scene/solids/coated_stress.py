@@ -40,7 +40,7 @@ class CoatedStress:
 
     def coefficients(
         self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[float, Coefficients], ...]:
+    ) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m] under a surface `traction`."""
         stress = LayerStress(self.materials, depth / self.thickness)
         remainder = WaveCoefficients(StressWaves(stress, traction), self.thickness, component)
@@ -51,16 +51,16 @@ class CoatedStress:
             return StressCoefficients(FAMILIES[traction][name], depth, ratio)
 
         if not stress.in_layer:
-            return (1.0, half_space(component, depth, nu2)), (1.0, remainder)
-        direct = (1.0, half_space(component, depth, nu1)), (1.0, remainder)
+            return (half_space(component, depth, nu2), 1.0), (remainder, 1.0)
+        direct = (half_space(component, depth, nu1), 1.0), (remainder, 1.0)
         weights = self._strained(component)
         if not weights:  # what does not depend on the material
             return direct
         image = self.thickness * stress.decay_rate
         return (
             *direct,
-            (-1.0, half_space(component, image, nu1)),
-            *((weight, half_space(field, image, nu2)) for field, weight in weights.items()),
+            (half_space(component, image, nu1), -1.0),
+            *((half_space(field, image, nu2), weight) for field, weight in weights.items()),
         )
 
     def _strained(self, name: str) -> dict[str, float]:

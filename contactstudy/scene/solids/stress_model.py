@@ -21,7 +21,7 @@ class StressModel(Protocol):
 
     def coefficients(
         self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[float, Coefficients], ...]:
+    ) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m].
 
         The `traction` is "pressure", or shear "across" or "along".
@@ -46,7 +46,7 @@ class HalfSpaceStress:
 
     def coefficients(
         self, traction: str, component: str, depth: float
-    ) -> tuple[tuple[float, Coefficients], ...]:
+    ) -> tuple[tuple[Coefficients, float], ...]:
         """Return the coefficients of Boussinesq and Cerruti, with the weight 1."""
         family = COMPONENTS
         if traction != "pressure":
@@ -54,7 +54,7 @@ class HalfSpaceStress:
             from contactstudy.elasticity.kernels.traction import CERRUTI_ACROSS, CERRUTI_ALONG
 
             family = CERRUTI_ACROSS if traction == "across" else CERRUTI_ALONG
-        return ((1.0, StressCoefficients(family[component], depth, self.poisson_ratio)),)
+        return ((StressCoefficients(family[component], depth, self.poisson_ratio), 1.0),)
 
 
 @dataclass(frozen=True)

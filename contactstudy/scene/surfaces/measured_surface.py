@@ -6,7 +6,7 @@ from hashlib import blake2b
 from math import ceil, inf
 from os import PathLike
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -76,6 +76,9 @@ class MeasuredSurface:
     InvalidInput
         If the heights or sizes cannot be used.
     """
+
+    #: Curvature [1/m], which is not known: the heights count as roughness.
+    curvature: ClassVar[float] = 0.0
 
     heights: Any = field(repr=False, compare=False)
     extent: tuple[Metres, Metres] | None = None
@@ -212,11 +215,6 @@ class MeasuredSurface:
             return self
         width, length = grid.extent
         return replace(self, extent=(width / self.seam_across.lengths, length / self.seam.lengths))
-
-    @property
-    def curvature(self) -> float:
-        """Zero, since the curvature is not known."""
-        return 0.0
 
     @property
     def length_scales(self) -> LengthScales:

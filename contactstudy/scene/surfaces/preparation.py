@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal, Protocol
+from typing import ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,10 +211,8 @@ class Seam(Protocol):
 class AsMeasured:
     """Unchanged surface: the step between its end and its beginning stays."""
 
-    @property
-    def lengths(self) -> int:
-        """Period of one length of the surface."""
-        return 1
+    #: Period, in lengths of the surface.
+    lengths: ClassVar[int] = 1
 
     def periodic(self, heights: Array) -> Array:
         """Return the heights unchanged."""
@@ -226,10 +224,8 @@ class AsMeasured:
 class Mirrored:
     """Surface followed by its mirror image: no step, twice the period, all heights unchanged."""
 
-    @property
-    def lengths(self) -> int:
-        """Period of two lengths of the surface."""
-        return 2
+    #: Period, in lengths of the surface.
+    lengths: ClassVar[int] = 2
 
     def periodic(self, heights: Array) -> Array:
         """Return the surface and its mirror image."""
@@ -249,16 +245,14 @@ class Tapered:
         Tapered fraction of the length, half of it at each end, above 0 and up to 1.
     """
 
+    #: Period, in lengths of the surface.
+    lengths: ClassVar[int] = 1
+
     fraction: float = 0.1
 
     def __post_init__(self) -> None:
         remedy = "give a fraction of the length above 0 and up to 1"
         check_fields(self, fraction=(up_to_one, remedy))
-
-    @property
-    def lengths(self) -> int:
-        """Period of one length of the surface."""
-        return 1
 
     def periodic(self, heights: Array) -> Array:
         """Return the windowed surface."""

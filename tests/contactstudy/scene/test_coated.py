@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.elasticity.coefficients import kernel
+from contactstudy.elasticity.coefficients import influence_coefficients
 from tests.conftest import STEEL
 
 RIGID = cs.HalfSpace(inf, 0.3)
@@ -27,7 +27,10 @@ def coefficients(
 ) -> np.ndarray:
     """Displacement under unit pressure on one cell, at all offsets."""
     return np.asarray(
-        sum(weight * kernel(grid, paddings, one) for one, weight in body.response(datum).items())
+        sum(
+            weight * influence_coefficients(grid, paddings, one)
+            for one, weight in body.response(datum).items()
+        )
     )
 
 

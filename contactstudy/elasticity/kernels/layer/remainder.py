@@ -106,7 +106,9 @@ class LayerRemainder:
                 result[n] = self.harmonics(middle, y, high - low, dy, period)[0]
             return result
         row = RemainderRow(self, dx, dy, period)
-        form = row.series if row.waves(float(x[near].max())) <= MAX_EVALUATIONS else row.images
+        form = (
+            row.series if row.series_cost(float(x[near].max())) <= MAX_EVALUATIONS else row.images
+        )
         result[near] = form(x[near], y)
         return result
 
@@ -284,7 +286,7 @@ class RemainderRow:
             first *= 2
         return groups
 
-    def waves(self, farthest: float) -> float:
+    def series_cost(self, farthest: float) -> float:
         """Return the cost of :meth:`series` up to a distance `farthest`, in evaluations of the response."""
         cost = 0.0
         for first, end, reach, across in self._groups(farthest):

@@ -45,12 +45,16 @@ class LayerResponse:
     substrate_poisson_ratio: float
 
     @cached_property
-    def _mismatch(self) -> tuple[float, float, float, float]:
-        """Mismatch of the materials (Burmister 1945): lambda, kappa, ``1 - lambda`` and ``1 - kappa``."""
+    def _mismatch(self) -> tuple[float, float, float, float, float]:
+        """Mismatch of the materials (Burmister 1945): lambda, kappa, ``1 - lambda``, ``1 - kappa`` and a cross term.
+
+        The cross term is ``lambda (1 - kappa) + kappa (1 - lambda)``.
+        """
         m, nu1, nu2 = (self.shear_ratio, self.coating_poisson_ratio, self.substrate_poisson_ratio)
         below, above = 1 + m * (3 - 4 * nu2), m + 3 - 4 * nu1
         lam = (m * (3 - 4 * nu2) - (3 - 4 * nu1)) / below
-        return lam, (m - 1) / above, 4 * (1 - nu1) / below, 4 * (1 - nu1) / above
+        kap, one_lam, one_kap = (m - 1) / above, 4 * (1 - nu1) / below, 4 * (1 - nu1) / above
+        return lam, kap, one_lam, one_kap, lam * one_kap + kap * one_lam
 
     @property
     def contrast(self) -> float:
@@ -67,8 +71,7 @@ class LayerResponse:
     @property
     def slope(self) -> float:
         """Derivative of `remainder` at k = 0."""
-        lam, kap, one_lam, one_kap = self._mismatch
-        cross = lam * one_kap + kap * one_lam
+        lam, kap, one_lam, one_kap, cross = self._mismatch
         return (4 * kap + 2 * (2 * lam * kap - self.contrast * cross)) / (one_lam * one_kap)
 
     @property
@@ -95,8 +98,7 @@ class LayerResponse:
         shear along the wave is ``1 / (2 G1 q) (1 - 2 nu1 + h0 exp(-2 k) + R)``, a quarter of a wave behind, with h0 the
         `coupling_contrast`. Source: that of the class; antiplane strain of the layer across the wave.
         """
-        lam, kap, one_lam, one_kap = self._mismatch
-        cross = lam * one_kap + kap * one_lam
+        _, kap, one_lam, one_kap, cross = self._mismatch
         ratio = (self.shear_ratio - 1) / (self.shear_ratio + 1)
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
         antiplane = -2 * ratio**2 * t * u / ((1 - ratio) * (1 - ratio + ratio * u))
@@ -107,8 +109,7 @@ class LayerResponse:
 
     def _remainder(self, k: RealOrComplex, sign: int) -> RealOrComplex:
         """Return the remainder under pressure (`sign` 1) or shear along the wave (-1)."""
-        lam, kap, one_lam, one_kap = self._mismatch
-        cross = lam * one_kap + kap * one_lam
+        lam, kap, one_lam, one_kap, cross = self._mismatch
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
         higher_order, d0 = self._higher_order(k), self.contrast
         above = (
@@ -118,7 +119,7 @@ class LayerResponse:
 
     def _higher_order(self, k: RealOrComplex) -> RealOrComplex:
         """Return the part of the denominator over kappa that is of order k^2."""
-        lam, _, one_lam, _ = self._mismatch
+        lam, _, one_lam, *_ = self._mismatch
         t, u = np.exp(-2 * k), -np.expm1(-2 * k)
         # (1 - t)^2 - 4 k^2 t, of order k^4
         fourth = u * u - 4 * k * k * t
@@ -129,10 +130,12 @@ class LayerResponse:
 
     def taylor(self) -> tuple[float, float, float]:
         """Return the coefficients of k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
-        second, fourth, sixth = self.series(self.remainder)[2:7:2]
+        second, fourth, sixth = self.taylor_coefficients(self.remainder)[2:7:2]
         return second, fourth, sixth
 
-    def series(self, function: Callable[[RealOrComplex], RealOrComplex]) -> list[float]:
+    def taylor_coefficients(
+        self, function: Callable[[RealOrComplex], RealOrComplex]
+    ) -> list[float]:
         """Return the Taylor coefficients at k = 0 of a `function` that is as regular there as the response."""
         around = 0.5 * self.pole_distance_from_zero
         turn = np.exp(2j * np.pi * np.arange(64) / 64)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache, partial
+from typing import ClassVar
 
 import numpy as np
 
@@ -50,18 +51,14 @@ class ShearWaves:
         Terms of long waves that are left out, as they are known in closed form.
     """
 
+    #: Largest number of aliases of a wave number that are summed on either side.
+    max_aliases: ClassVar[float] = MAX_ALIASES
+
+    #: Rate, per wave number times thickness, at which amplitudes decay: exp(-2 k).
+    decay_rate: ClassVar[float] = 2.0
+
     materials: LayerResponse
     subtracted: Subtracted
-
-    @property
-    def decay_rate(self) -> float:
-        """Rate, per wave number times thickness, at which amplitudes decay."""
-        return 2.0
-
-    @property
-    def max_aliases(self) -> float:
-        """Largest number of aliases of a wave number that are summed on either side."""
-        return MAX_ALIASES
 
     def parity(self, name: str) -> tuple[int, int]:
         """Return the parity of a field in x and y."""
@@ -128,7 +125,7 @@ def _terms(materials: LayerResponse) -> tuple[tuple[float, ...], ...]:
         return _remainders(materials, k)[which] * np.exp(2 * k)
 
     return tuple(
-        (constant, *materials.series(partial(growing, which=which))[1:3])
+        (constant, *materials.taylor_coefficients(partial(growing, which=which))[1:3])
         for which, constant in enumerate(constants)
     )
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
+from typing import ClassVar
 
 import numpy as np
 
@@ -36,6 +37,9 @@ class StressWaves:
         Load on the surface, of ``FAMILIES``.
     """
 
+    #: Largest number of aliases of a wave number that are summed on either side.
+    max_aliases: ClassVar[float] = inf
+
     stress: LayerStress
     load: str
 
@@ -43,11 +47,6 @@ class StressWaves:
     def decay_rate(self) -> float:
         """Rate, per wave number times thickness, at which the remainder decays."""
         return self.stress.decay_rate
-
-    @property
-    def max_aliases(self) -> float:
-        """Largest number of aliases of a wave number that are summed on either side."""
-        return inf
 
     @property
     def materials(self) -> LayerResponse:
@@ -64,12 +63,11 @@ class StressWaves:
 
     def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
         """Return the stress over the load under waves across with wave numbers `k`, real or imaginary."""
-        remainder = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
-        normal, shear, across = remainder
         if self.load == "along":
             s_tz, s_lt = self.stress.antiplane(k)
             parts: dict[str, RealOrComplex] = {"yz": s_tz, "xy": 1j * s_lt}
             return np.asarray(parts.get(name, np.zeros(k.size)) + 0j)
+        normal, shear, across = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
         parts = {"zz": normal, "xx": across, "xz": -1j * shear}
         parts["yy"] = self.stress.poisson_ratio * (normal + across)
         factor = 1 if self.load == "pressure" else 1j

@@ -117,8 +117,8 @@ class WaveCoefficients:
 
     def count(self, period: float) -> int:
         """Return the number of waves of a `period` along one axis that are not negligible."""
-        longest = 2 * np.pi * self.waves.decay_rate * self.thickness
-        return int(ROUNDING_EXPONENT * period / longest)
+        decaying_by_e = 2 * np.pi * self.waves.decay_rate * self.thickness
+        return int(ROUNDING_EXPONENT * period / decaying_by_e)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""

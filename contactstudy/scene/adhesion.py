@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import pi, sqrt
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +19,7 @@ from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
-from contactstudy.scene.shapes.shape import Shape
-from contactstudy.scene.solids.bodies import BodyContext, yields
+from contactstudy.scene.solids.bodies import SceneContext, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
 from contactstudy.solvers.solution import Branch
@@ -39,34 +38,6 @@ CONFLICTS = {
 # Cells in the cohesive zone: of a range that is chosen, and the fewest that are allowed. With 6 cells the pull-off load
 # of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
 ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
-
-
-class AdhesionContext(BodyContext, Protocol):
-    """Properties of a scene that adhesion reads."""
-
-    @property
-    def friction(self) -> object:
-        """Friction of the scene, or None."""
-
-    @property
-    def load(self) -> object:
-        """Load of the scene."""
-
-    @property
-    def rolls(self) -> bool:
-        """True if the contact rolls, in a way that takes more than one problem."""
-
-    @property
-    def contact_modulus(self) -> float:
-        """Contact modulus E* [Pa]."""
-
-    @property
-    def shapes(self) -> tuple[Shape, ...]:
-        """Contributions to the undeformed gap."""
-
-    @property
-    def radius(self) -> float | None:
-        """Radius [m] of the shapes' mean curvature; None without curvature."""
 
 
 @suggest_fields
@@ -118,7 +89,7 @@ class Adhesion:
                     f"Adhesion.{name} is {value!r}: {suggestion(str(value), choices)}."
                 )
 
-    def check(self, scene: AdhesionContext) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if adhesion is not defined in this scene."""
         for name, reason in CONFLICTS.items():
             if getattr(scene, name) is not None:
@@ -158,7 +129,7 @@ class Adhesion:
                 "Fretting.times are given together with Adhesion, whose contact jumps: give forces without times."
             )
 
-    def reference_load(self, scene: AdhesionContext) -> float:
+    def reference_load(self, scene: SceneContext) -> float:
         """Return the load [N/m] that without adhesion makes the width of an adhesive contact at zero load; 0 if flat.
 
         It is twice the unit ``(pi E* w^2 R)^(1/3)`` of the line contact of Johnson, Kendall & Roberts.
@@ -167,18 +138,18 @@ class Adhesion:
             return 0.0
         return float(2 * (pi * scene.contact_modulus * self.work**2 * scene.radius) ** (1 / 3))
 
-    def reference_pressure(self, scene: AdhesionContext, width: float) -> float:
+    def reference_pressure(self, scene: SceneContext, width: float) -> float:
         """Return the pressure [Pa] that opens a crack as long as this `width` [m], ``sqrt(2 E* w / (pi width))``."""
         return sqrt(2 * scene.contact_modulus * self.work / (pi * width))
 
-    def cohesive(self, scene: AdhesionContext, cell: float) -> CohesiveLaw:
+    def cohesive(self, scene: SceneContext, cell: float) -> CohesiveLaw:
         """Return the traction as a function of the gap, on cells of this size [m]."""
         if self.range is not None:
             return LAWS[self.law](self.work, self.range)
         strength = sqrt(pi * scene.contact_modulus * self.work / (4 * ZONE_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
-    def solver_on(self, scene: AdhesionContext, gap: Array, grid: Grid) -> AdhesiveSolver:
+    def solver_on(self, scene: SceneContext, gap: Array, grid: Grid) -> AdhesiveSolver:
         """Return the solver of this scene on a grid with an undeformed `gap` (x, y) [m].
 
         The cohesive zone is ``pi E* w / (4 sigma0^2)`` long, with the largest traction sigma0 (Dugdale).

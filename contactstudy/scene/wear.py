@@ -1,7 +1,6 @@
 """Sliding wear of the bodies."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
 
 from contactstudy.domain.checks import (
     InvalidInput,
@@ -14,30 +13,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, PerPascal
 from contactstudy.scene.loads.load_history import ChangingLoad
-
-if TYPE_CHECKING:
-    from contactstudy.scene.lubrication.lubrication import Lubrication
-    from contactstudy.scene.rolling import Rolling
-
-
-class WearContact(Protocol):
-    """Properties of a scene that wear reads."""
-
-    @property
-    def load(self) -> object:
-        """Load of the scene."""
-
-    @property
-    def rolling(self) -> "Rolling | None":
-        """Rolling, or None."""
-
-    @property
-    def friction(self) -> object | None:
-        """Friction, or None."""
-
-    @property
-    def lubrication(self) -> "Lubrication | None":
-        """Film, or None."""
+from contactstudy.scene.solids.bodies import SceneContext
 
 
 @suggest_fields
@@ -81,7 +57,7 @@ class Wear:
         if self.circumference is not None:
             positive("Wear.circumference", self.circumference, "give a length above 0 m, or None")
 
-    def check(self, scene: WearContact) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the motion of `scene` gives another sliding or turning."""
         film, drives = scene.lubrication, getattr(scene.friction, "is_steady", False)
         turns = drives or scene.rolling is not None

@@ -22,13 +22,13 @@ from contactstudy.elasticity.tangential import ShearResponse, shear_response
 from contactstudy.scene.friction.friction_law import (
     COEFFICIENT,
     SAMPLES,
-    FrictionContext,
     check_similar,
     check_static,
     check_tangential_response,
     sheared,
 )
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, checked_times
+from contactstudy.scene.solids.bodies import SceneContext
 from contactstudy.solvers.friction.fretting import FrettingShear
 
 
@@ -140,7 +140,7 @@ class Fretting:
         down[-1] = -amplitude
         return cls(coefficient, (amplitude, *down, *(-force for force in down)))
 
-    def check(self, scene: FrictionContext) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         self._check_motion(scene)
         check_tangential_response(scene, "Fretting", creep="follows")
@@ -156,7 +156,7 @@ class Fretting:
                     f"{readable(limit, 'N m-1')}, above which the contact slides fully: give a smaller force."
                 )
 
-    def _check_motion(self, scene: FrictionContext) -> None:
+    def _check_motion(self, scene: SceneContext) -> None:
         """Raise InvalidInput for another motion, or changes while the forces name no times."""
         if self.times is None or scene.rolling is not None:
             check_static(scene, "Fretting", "give Fretting.times [s] to its forces")
@@ -172,7 +172,7 @@ class Fretting:
                 "pressure follows from forces only, give Fretting.forces, or a LineLoad."
             )
 
-    def _check_forces(self, scene: FrictionContext) -> None:
+    def _check_forces(self, scene: SceneContext) -> None:
         """Raise InvalidInput where a force in time is more than friction transmits."""
         history, load = self.history, scene.load
         if self.forces is None or history is None:
@@ -189,7 +189,7 @@ class Fretting:
                 )
 
     def law(
-        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrettingShear:
         """Return the law for this scene on a grid."""
         assert self.forces is not None
@@ -199,12 +199,12 @@ class Fretting:
 
     @staticmethod
     def response(
-        scene: FrictionContext, grid: Grid, paddings: Paddings, datum: float
+        scene: SceneContext, grid: Grid, paddings: Paddings, datum: float
     ) -> ShearResponse:
         """Return the displacement of both bodies of `scene` under shear."""
         return shear_response(sheared(scene.solids), grid, paddings, datum)
 
-    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         count = len(self.forces or self.displacements or ())
         return (

@@ -1,7 +1,7 @@
 """What laws of friction share: their protocol, the checks of a scene, and the response of its bodies to shear."""
 
 from itertools import product
-from typing import TYPE_CHECKING, Literal, Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, below_one
 from contactstudy.domain.fields import Array
@@ -9,13 +9,12 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import WEIGHT_ROUNDING, ShearableBody, normal_displacement
 from contactstudy.problem.problem import FrictionLaw
-from contactstudy.scene.shapes.shape import Shape
 from contactstudy.scene.solids.bodies import (
     Body,
-    BodyContext,
     HalfSpace,
     Homogeneous,
     Inelastic,
+    SceneContext,
     creeps,
     is_layered,
     yields,
@@ -23,71 +22,25 @@ from contactstudy.scene.solids.bodies import (
 from contactstudy.scene.solids.coated import CoatedHalfSpace
 from contactstudy.scene.solids.viscoelastic import RollingHalfSpace
 
-if TYPE_CHECKING:
-    from contactstudy.analytic import HertzLine
-    from contactstudy.scene.adhesion import Adhesion
-    from contactstudy.scene.wear import Wear
-
-
 # Check of a coefficient of friction, and its remedy.
 COEFFICIENT = below_one, "give a coefficient of friction above 0, and below 1"
 # Instants at which a force is compared with the friction limit under a load that changes.
 SAMPLES = 201
 
 
-class Load(Protocol):
-    """Load per length, as a friction law reads it."""
-
-    @property
-    def largest(self) -> float:
-        """Largest load [N/m]."""
-
-
-class FrictionContext(BodyContext, Protocol):
-    """Properties of a scene that a friction law reads."""
-
-    @property
-    def load(self) -> Load:
-        """Load of the scene."""
-
-    @property
-    def shapes(self) -> tuple[Shape, ...]:
-        """Shapes of the scene."""
-
-    @property
-    def contact_modulus(self) -> float:
-        """Contact modulus E* [Pa]."""
-
-    @property
-    def time_dependent_field(self) -> str | None:
-        """Name of a field that changes in time, or None."""
-
-    @property
-    def hertz(self) -> "HertzLine | None":
-        """Smooth line contact of the scene, or None."""
-
-    @property
-    def wear(self) -> "Wear | None":
-        """Wear of the scene."""
-
-    @property
-    def adhesion(self) -> "Adhesion | None":
-        """Adhesion of the scene."""
-
-
 @runtime_checkable
 class Friction(Protocol):
     """Friction law, as a value in ``Scene.friction``."""
 
-    def check(self, scene: FrictionContext) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
 
     def law(
-        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrictionLaw:
         """Return the law for this scene on a grid."""
 
-    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
 
 
@@ -170,7 +123,7 @@ def shear_coupling(
 
 
 def check_tangential_response(
-    scene: FrictionContext,
+    scene: SceneContext,
     name: str,
     alternative: str = "",
     creep: Literal["follows", "refused"] = "refused",
@@ -190,7 +143,7 @@ def check_tangential_response(
         )
 
 
-def check_similar(scene: FrictionContext, name: str, alternative: str = "") -> None:
+def check_similar(scene: SceneContext, name: str, alternative: str = "") -> None:
     """Raise InvalidInput for elastically dissimilar bodies, which slip under normal load alone, with the law `name`."""
     if not are_similar(scene.solids):
         raise InvalidInput(
@@ -199,7 +152,7 @@ def check_similar(scene: FrictionContext, name: str, alternative: str = "") -> N
         )
 
 
-def check_static(scene: FrictionContext, name: str, remedy: str = "") -> None:
+def check_static(scene: SceneContext, name: str, remedy: str = "") -> None:
     """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
     if scene.rolling is not None:
         raise InvalidInput(

@@ -11,14 +11,13 @@ from contactstudy.domain.units import NewtonsPerMetre, Number, readable
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
     COEFFICIENT,
-    FrictionContext,
     check_similar,
     check_static,
     check_tangential_response,
     has_proportional_compliances,
     sheared,
 )
-from contactstudy.scene.solids.bodies import is_layered
+from contactstudy.scene.solids.bodies import SceneContext, is_layered
 from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
 
 
@@ -56,7 +55,7 @@ class PartialSlip:
             tangential=(finite, "give a force along x [N/m]"),
         )
 
-    def check(self, scene: FrictionContext) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
         check_static(scene, "PartialSlip")
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
@@ -69,7 +68,7 @@ class PartialSlip:
             )
 
     def law(
-        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> CiavarellaJaeger | PartialSlipShear:
         """Return superposition where it is exact for this gap, else the problem of two components."""
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
@@ -78,7 +77,7 @@ class PartialSlip:
         response = shear_response(sheared(scene.solids), grid, paddings, datum)
         return PartialSlipShear(self.coefficient, self.tangential, response)
 
-    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
         if self.superposes(scene, varies=varies, paddings=paddings):
             return (
@@ -100,7 +99,7 @@ class PartialSlip:
         )
 
     @staticmethod
-    def superposes(scene: FrictionContext, *, varies: bool, paddings: Paddings) -> bool:
+    def superposes(scene: SceneContext, *, varies: bool, paddings: Paddings) -> bool:
         """Return whether two normal contacts make up the shear exactly."""
         # a pressure that is capped or attracted is no difference of two contacts
         is_elastic = scene.hardness == inf and scene.adhesion is None

@@ -13,12 +13,11 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import Number
 from contactstudy.scene.friction.friction_law import (
-    FrictionContext,
     are_similar,
     dundurs,
     shear_coupling,
 )
-from contactstudy.scene.solids.bodies import creeps
+from contactstudy.scene.solids.bodies import SceneContext, creeps
 from contactstudy.solvers.friction.laws import FullSliding
 
 
@@ -49,7 +48,7 @@ class Sliding:
         if self.coefficient >= 1:
             raise InvalidInput(f"Sliding.coefficient is {value!r}: {remedy}.")
 
-    def check(self, scene: FrictionContext) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the coupling of these bodies is not supported."""
         beta = dundurs(scene.solids)
         if scene.rolling is not None and scene.rolling.passes is not None:
@@ -73,7 +72,7 @@ class Sliding:
             )
 
     def law(
-        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
         """Return the law for this scene on a grid, with the coupling of shear and normal displacement."""
         if self.coefficient == 0:
@@ -81,7 +80,7 @@ class Sliding:
         coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
         return FullSliding(self.coefficient, coupling[0] if coupling else None)
 
-    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: one if the bodies are elastically similar, else a sequence of them."""
         beta = dundurs(scene.solids)
         if are_similar(scene.solids) or self.coefficient == 0:

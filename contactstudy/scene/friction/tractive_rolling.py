@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import partial
 from math import isinf
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,8 +15,6 @@ from contactstudy.elasticity.tangential import ShearableBody, ShearResponse, she
 from contactstudy.scene.friction.friction_law import (
     COEFFICIENT,
     SAMPLES,
-    FrictionContext,
-    Load,
     are_similar,
     check_tangential_response,
     shear_coupling,
@@ -25,7 +23,7 @@ from contactstudy.scene.friction.friction_law import (
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.shapes.shape import length_scales_of
-from contactstudy.scene.solids.bodies import yields
+from contactstudy.scene.solids.bodies import SceneContext, yields
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
@@ -99,7 +97,7 @@ class TractiveRolling:
                 "TractiveRolling.speed is 0: give a speed other than 0 m/s, or PartialSlip for a contact at rest."
             )
 
-    def check(self, scene: FrictionContext) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if steady rolling is not defined in this scene."""
         if any(map(yields, scene.solids)):
             raise InvalidInput(
@@ -128,7 +126,7 @@ class TractiveRolling:
             )
 
     def law(
-        self, scene: FrictionContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
+        self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> TractiveShear:
         """Return the law for this scene on a grid.
 
@@ -155,11 +153,11 @@ class TractiveRolling:
         )
 
     @staticmethod
-    def _has_moving_roughness(scene: FrictionContext) -> bool:
+    def _has_moving_roughness(scene: SceneContext) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
         return any(not isinf(scales.finest[0]) for scales in length_scales_of(scene.shapes))
 
-    def explanation(self, scene: FrictionContext, *, varies: bool, paddings: Paddings) -> str:
+    def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""
         sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
         if not are_similar(scene.solids):
@@ -174,9 +172,9 @@ def _response(
     return shear_response(bodies, grid, paddings, datum)
 
 
-def _least(load: Load | ChangingLoad) -> float:
+def _least(load: Any) -> float:
     """Return the least load [N/m]."""
     if not isinstance(load, ChangingLoad):
-        return load.largest
+        return float(load.largest)
     times = np.linspace(load.start, load.end, SAMPLES).tolist()
     return min(load.at(time) for time in (*times, *load.breaks(load.end)))

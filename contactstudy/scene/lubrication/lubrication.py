@@ -20,23 +20,7 @@ from contactstudy.domain.units import Metres, MetresPerSecond, Number, Seconds
 from contactstudy.scene.loads.load_history import History
 from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY, FilmHeat
 from contactstudy.scene.lubrication.lubricant import Lubricant
-from contactstudy.scene.solids.bodies import BodyContext, creeps, yields
-
-
-class FilmContext(BodyContext, Protocol):
-    """Properties of a scene that decide whether it can have a film."""
-
-    @property
-    def friction(self) -> object | None:
-        """Dry friction, or None."""
-
-    @property
-    def time_dependent_field(self) -> str | None:
-        """Name of a field that changes in time, or None."""
-
-    @property
-    def shapes(self) -> tuple[object, ...]:
-        """Contributions to the undeformed gap."""
+from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 
 
 @suggest_fields
@@ -253,7 +237,7 @@ class Lubrication:
                 "for ever: give another one, or leave Lubrication.thermal out."
             )
 
-    def check(self, scene: "FilmContext") -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a scene with an effect that is not supported with a film."""
         for present, field, reason in (
             (
@@ -287,7 +271,7 @@ class Lubrication:
             if yields(solid):
                 self._check_yielding(scene, number)
 
-    def _check_yielding(self, scene: "FilmContext", number: int) -> None:
+    def _check_yielding(self, scene: SceneContext, number: int) -> None:
         """Raise InvalidInput unless the body that yields, of this `number`, stands still below a steady film."""
         at_rest = -2.0 if number == 0 else 2.0
         if self.slide_roll_ratio != at_rest:

@@ -4,8 +4,9 @@ import math
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeGuard, runtime_checkable
+from typing import TYPE_CHECKING, Any, Protocol, TypeGuard, runtime_checkable
 
+from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
     check_fields,
@@ -15,6 +16,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
+from contactstudy.scene.shapes.shape import Shape
 
 if TYPE_CHECKING:
     from contactstudy.elasticity.tangential import ShearCompliance
@@ -166,28 +168,72 @@ class Inelastic(Protocol):
 class RestrictedBody(Protocol):
     """Body that is not defined in every scene."""
 
-    def check(self, scene: "BodyContext") -> None:
+    def check(self, scene: "SceneContext") -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the body is not defined in this scene."""
 
 
-class BodyContext(Protocol):
-    """Properties of a scene that decide whether a body can be in it."""
+class SceneContext(Protocol):
+    """Properties of a scene that its bodies and effects read, to say whether they are defined together."""
 
     @property
     def solids(self) -> tuple[Body, Body]:
         """Both bodies."""
 
     @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Contributions to the undeformed gap."""
+
+    @property
+    def load(self) -> Any:
+        """Load of the scene."""
+
+    @property
     def hardness(self) -> float:
         """Hardness [Pa], infinite for none."""
+
+    @property
+    def outputs(self) -> tuple[object, ...]:
+        """Further results."""
+
+    @property
+    def friction(self) -> Any:
+        """Law of friction, or None."""
+
+    @property
+    def lubrication(self) -> Any:
+        """Film between the bodies, or None."""
+
+    @property
+    def adhesion(self) -> Any:
+        """Adhesion, or None."""
+
+    @property
+    def wear(self) -> Any:
+        """Wear, or None."""
 
     @property
     def rolling(self) -> "Rolling | None":
         """Rolling, or None."""
 
     @property
-    def outputs(self) -> "tuple[object, ...]":
-        """Further results."""
+    def rolls(self) -> bool:
+        """True if the contact rolls, in a way that takes more than one problem."""
+
+    @property
+    def time_dependent_field(self) -> str | None:
+        """Name of a field that changes in time, or None."""
+
+    @property
+    def contact_modulus(self) -> float:
+        """Contact modulus E* [Pa]."""
+
+    @property
+    def radius(self) -> float | None:
+        """Radius [m] of the shapes' mean curvature; None without curvature."""
+
+    @property
+    def hertz(self) -> HertzLine | None:
+        """Smooth line contact of the scene, or None."""
 
 
 def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:

@@ -14,7 +14,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import Coefficients
-from contactstudy.scene.solids.bodies import POISSON_RATIO, BodyContext, HalfSpace, poisson_ratio
+from contactstudy.scene.solids.bodies import POISSON_RATIO, HalfSpace, SceneContext, poisson_ratio
 
 
 @suggest_fields
@@ -83,7 +83,7 @@ class ElasticPlasticHalfSpace:
         """True if some finite load makes the body yield."""
         return self.yield_stress < math.inf
 
-    def check(self, scene: BodyContext) -> None:
+    def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for an effect that is not supported together with plastic strain."""
         if not self.yields:
             return

@@ -327,7 +327,9 @@ class _Request:
             return contact_answer(rolling.solution, rolling=rolling)
 
         answer = replace(solve_on(grid), requested=self.requested)
-        return answer if self.grid is not None else self._refined(answer, solve_on)
+        # a short attraction has its range from the grid, which is therefore not refined
+        is_refined = self.grid is None and self.scene.adhesion is None
+        return self._refined(answer, solve_on) if is_refined else answer
 
     def repeated_rolling(self) -> "Evolution":
         """Roll a contact over a body that yields, as often as its scene says."""

@@ -19,7 +19,7 @@ from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
-from contactstudy.scene.solids.bodies import SceneContext, yields
+from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
 from contactstudy.solvers.solution import Branch
@@ -32,7 +32,6 @@ BRANCHES = {branch.value: branch for branch in (Branch.FROM_AFAR, Branch.FROM_FU
 # Effects that adhesion is not combined with, and why.
 CONFLICTS = {
     "wear": "Archard's law does not say how much the attraction wears",
-    "rolling": "a contact that rolls closes ahead by another state than it opens by behind",
     "lubrication": "a film keeps the surfaces out of each other's reach",
 }
 # Cells in the cohesive zone: of a range that is chosen, and the fewest that are allowed. With 6 cells the pull-off load
@@ -67,9 +66,9 @@ class Adhesion:
     Raises
     ------
     InvalidInput
-        If a value is outside these limits; in a scene with wear, rolling or a lubricant, or without a range with
-        friction or a body that yields; with a first load that is not above zero on bodies from afar; on a grid with
-        less than two cells in the cohesive zone.
+        If a value is outside these limits; in a scene with wear, a lubricant or Fretting in time; where a body that
+        creeps rolls, or one that yields in passes; without a range with friction or a body that yields; with a first
+        load that is not above zero on bodies from afar; on a grid with less than two cells in the cohesive zone.
     """
 
     work: JoulesPerSquareMetre
@@ -96,10 +95,17 @@ class Adhesion:
                 raise InvalidInput(
                     f"Scene.{name} is {getattr(scene, name)!r} together with Adhesion: {reason}, leave one of them out."
                 )
-        if scene.rolls:
+        repeated = scene.rolling is not None and scene.rolling.passes is not None
+        if scene.rolls and (repeated or any(map(creeps, scene.solids))):
+            name, value = (
+                ("friction", scene.friction)
+                if scene.rolling is None
+                else ("rolling", scene.rolling)
+            )
             raise InvalidInput(
-                f"Scene.friction rolls over a body that creeps together with Adhesion: {CONFLICTS['rolling']}, leave "
-                "one of them out."
+                f"Scene.{name} is {value!r} together with Adhesion, and not of elastic bodies: others part behind with "
+                "more work than they join with ahead, which is not computed, give elastic bodies, or leave one of them "
+                "out."
             )
         self._check_friction(scene.friction)
         if self.range is None and any(map(yields, scene.solids)):
@@ -130,16 +136,17 @@ class Adhesion:
             )
 
     def reference_load(self, scene: SceneContext) -> float:
-        """Return the load [N/m] that without adhesion makes the width of an adhesive contact at zero load; 0 if flat.
+        """Return a load [N/m] for the scales of an adhesive contact at zero load; 0 if flat.
 
-        It is twice the unit ``(pi E* w^2 R)^(1/3)`` of the line contact of Johnson, Kendall & Roberts.
+        It is twice the unit ``(pi E* w^2 R)^(1/3)`` of the line contact of Johnson, Kendall & Roberts. Without adhesion
+        2.52 units, ``32^(2/3) / 4``, make the same width.
         """
         if scene.radius is None:
             return 0.0
         return float(2 * (pi * scene.contact_modulus * self.work**2 * scene.radius) ** (1 / 3))
 
     def reference_pressure(self, scene: SceneContext, width: float) -> float:
-        """Return the pressure [Pa] that opens a crack as long as this `width` [m], ``sqrt(2 E* w / (pi width))``."""
+        """Return the pressure [Pa] that opens a crack of this half-length `width` [m], ``sqrt(2 E* w / (pi width))``."""
         return sqrt(2 * scene.contact_modulus * self.work / (pi * width))
 
     def cohesive(self, scene: SceneContext, cell: float) -> CohesiveLaw:

@@ -263,6 +263,11 @@ class Scene:
                 f"Scene.load is a PullOff together with {self.time_dependent_field}, which has a history: give a "
                 "LoadHistory that falls until contact is lost."
             )
+        if isinstance(self.load, PullOff) and self.rolling is not None:
+            raise InvalidInput(
+                "Scene.load is a PullOff together with Scene.rolling: elastic bodies that roll part at the load at "
+                "which they do at rest, leave rolling out."
+            )
         if not isinstance(self.load, Approach):
             return
         conflicting = self.time_dependent_field if self.lubrication is None else "Scene.lubrication"

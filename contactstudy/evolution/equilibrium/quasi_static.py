@@ -70,13 +70,13 @@ def follow_load(
         raise InvalidInput("Scene.load does not change: give a LoadHistory.")
     breakpoints = schedule(load, times)
     first = load.at(breakpoints[0].time)
-    law = None if scene.adhesion is None else _under(scene, first).problem(grid, padding).adhesion
-    assert law is None or isinstance(law, AdhesiveSolver)
     elastic = scene
     if (speed := scene.rolling_speed) is not None:
         if any(map(creeps, scene.solids)):
             check_slow("Scene.rolling", speed, load, scene.hertz)
         elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
+    law = None if scene.adhesion is None else _under(elastic, first).problem(grid, padding).adhesion
+    assert law is None or isinstance(law, AdhesiveSolver)
     largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
     last: Solution | None = None
@@ -86,11 +86,11 @@ def follow_load(
             rolling = None
             if value == 0 and law is None:
                 last = unloaded(largest)
-            elif speed is not None:
+            elif speed is not None and law is None:
                 rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
                 last = rolling.solution
             else:
-                last = _next_solution(_problem_under(largest, scene, value, law), last, options)
+                last = _next_solution(_problem_under(largest, elastic, value, law), last, options)
             if times is None or point.times_recorded > len(loads) - 1 - number:
                 frames.append(frame_in_equilibrium(point.time, value, last, rolling))
         if progress is not None:

@@ -91,7 +91,9 @@ class SteadyRolling:
 
     @cached_property
     def coarse(self) -> "SteadyRolling | None":
-        """This contact on cells of twice the size; None where the scene has no such grid."""
+        """This contact on cells of twice the size; None where the scene has no such grid, or the attraction none."""
+        if self.solution.adhesion is not None:  # whose range may belong to the grid
+            return None
         try:
             return self.solve_on(halved(self.solution.problem.grid))
         except InvalidInput:
@@ -99,11 +101,13 @@ class SteadyRolling:
 
     @property
     def resistance_error(self) -> float:
-        """Upper estimate of its relative error; infinite without a coarser grid to compare with.
+        """Upper estimate of its relative error; 0 for elastic bodies, infinite without a coarser grid to compare with.
 
         It is the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the change
         may be small by chance.
         """
+        if not self.antisymmetric_weights:
+            return 0.0
         if self.coarse is None or not np.isfinite(self.lagged.change):
             return inf
         if not self.resistance:

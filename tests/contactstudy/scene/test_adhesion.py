@@ -11,6 +11,7 @@ import contactstudy as cs
 from contactstudy.domain.units import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
+CREEPING = cs.ViscoelasticHalfSpace(1e6, 0.5, ((1e6, 1.0),))
 SCENE = cs.Scene(
     cs.LineLoad(2.0), (SOFT, RIGID), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(work=0.05)
 )
@@ -37,7 +38,22 @@ def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> No
     [
         ({"friction": cs.Sliding(0.1)}, r"^Adhesion\.range is None together with Scene\.friction"),
         ({"wear": cs.Wear(1e-17, 1.0)}, r"^Scene\.wear is Wear"),
-        ({"rolling": cs.Rolling(1.0)}, r"^Scene\.rolling is Rolling"),
+        (
+            {"rolling": cs.Rolling(1.0), "solids": (CREEPING, RIGID)},
+            r"^Scene\.rolling is Rolling.* together with Adhesion, and not of elastic bodies",
+        ),
+        (
+            {
+                "friction": cs.TractiveRolling(0.3, longitudinal=1e-3),
+                "solids": (CREEPING, RIGID),
+            },
+            r"^Scene\.friction is TractiveRolling.* together with Adhesion, and not of elastic bodies",
+        ),
+        ({"rolling": cs.Rolling(passes=1)}, r"^Scene\.rolling is Rolling.* together with Adhesion"),
+        (
+            {"rolling": cs.Rolling(1.0), "load": cs.PullOff(1.0)},
+            r"^Scene\.load is a PullOff together with Scene\.rolling",
+        ),
         (
             {"solids": (cs.ElasticPlasticHalfSpace(1e6, 0.3, 1e4, 0.0), RIGID)},
             r"^Adhesion\.range is None together with a body that yields",
@@ -47,6 +63,32 @@ def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> No
 def test_adhesion_is_refused_beside_effects_undefined_with_it(effect: Any, message: str) -> None:
     with pytest.raises(cs.InvalidInput, match=message):
         replace(SCENE, **effect)
+
+
+@pytest.mark.parametrize("work_range", [None, 2e-6])
+def test_elastic_bodies_that_roll_adhere_as_at_rest_and_lose_nothing(
+    work_range: float | None,
+) -> None:
+    at_rest = replace(SCENE, adhesion=cs.Adhesion(work=0.05, range=work_range))
+    rolling = replace(at_rest, rolling=cs.Rolling(0.1))
+    grid = cs.Grid((192, 1), (4e-3, 1e-3))
+    still, rolled = (cs.solve(scene, grid, LINE) for scene in (at_rest, rolling))
+    np.testing.assert_array_equal(rolled.pressure, still.pressure)
+    np.testing.assert_array_equal(rolled.adhesion.attraction, still.adhesion.attraction)
+    assert rolled.error.l1.total == still.error.l1.total
+    resistance = rolled.quantities["rolling_resistance"]
+    assert (resistance.value, resistance.bound) == (0.0, 0.0)
+
+
+def test_a_load_history_of_rolling_bodies_that_adhere_is_that_at_rest() -> None:
+    falling = replace(SCENE, load=cs.LoadHistory((0.0, 1.0, 2.0), (5.0, 10.0, -1.0)))
+    grid = cs.Grid((192, 1), (4e-3, 1e-3))
+    still, rolled = (
+        cs.solve(scene, grid, LINE, times=(0.0, 1.0, 2.0)).to_dataset()
+        for scene in (falling, replace(falling, rolling=cs.Rolling(0.1)))
+    )
+    np.testing.assert_array_equal(rolled["pressure"], still["pressure"])
+    assert rolled["pressure"].isel(time=-1).any()
 
 
 @pytest.mark.parametrize(

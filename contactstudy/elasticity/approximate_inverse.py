@@ -293,9 +293,9 @@ class BlockExtension(CoveringExtension):
 
 
 def hole_width(active: Array) -> float:
-    """Return the mean number of cells between two cells of an `active` set (x, y) along a row or column.
+    """Return the mean width in cells of the stripes between cells of an `active` set (x, y); half that of square holes.
 
-    It is 0 where no cell of the set has a neighbour outside.
+    It is twice the cells outside over the sides between a cell outside and one of the set, and 0 where there are none.
     """
     xp, inside = arrays(), active > 0
     ends = int(xp.count_nonzero(inside[1:, :] != inside[:-1, :]))
@@ -305,7 +305,10 @@ def hole_width(active: Array) -> float:
 
 
 def at_unpadded_waves(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-    """Return the spectrum of a padded grid at the wave numbers of the unpadded one, above zero."""
+    """Return the spectrum of a padded grid at the wave numbers of the unpadded one, bounded from below.
+
+    The bound is a thousandth of the smallest magnitude beside the mean across.
+    """
     xp, put = arrays(), device().to_device
     (nx, ny), (px, py) = cells, padded
     if px % nx == 0 and py % ny == 0:

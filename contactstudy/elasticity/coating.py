@@ -102,7 +102,7 @@ class CoatingShearCoefficients:
     thickness
         Thickness of the layer [m].
     name
-        "xx", "xy", "yy", "x" or "y", as in :class:`~contactstudy.elasticity.tangential.CerrutiCoefficients`.
+        Field "xx", "xy", "yy", "x" or "y", as in :class:`~contactstudy.elasticity.tangential.CerrutiCoefficients`.
     datum
         Distance [m] as in :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
     """
@@ -158,7 +158,7 @@ class CoatingShearCoefficients:
         return np.asarray(varying + self._strip(x.ravel(), dx)[:, None] * (dy / period))
 
     def _strip(self, x: Array, dx: float) -> Array:
-        """Return the response to a strip of width `dx`, endless along y, at offsets `x`."""
+        """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
         depth = 2 * self.thickness
         along, across, coupling = (terms[0] for terms in self._terms)
         remainder = self.thickness * self._waves(Subtracted.FIRST).strip(x, dx)

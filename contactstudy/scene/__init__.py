@@ -1,1 +1,1 @@
-"""What a user names: load, solids, shapes, outputs; a scene makes a problem of them. May import `problem` and below."""
+"""What a user names of a contact, and the scene that makes a problem of it. May import `problem` and below."""

@@ -225,6 +225,7 @@ class Scene:
                 solid.check(self)
 
     def _check_solids(self) -> None:
+        """Check the bodies and the hardness."""
         if len(self.solids) != 2:
             raise InvalidInput(
                 f"Scene.solids has {len(self.solids)} bodies: give two, one of which may be rigid."
@@ -281,6 +282,7 @@ class Scene:
             )
 
     def _check_outputs(self) -> None:
+        """Check the outputs, of each kind of which there may be one."""
         for number, output in enumerate(self.outputs):
             remedy = "give an output, such as SubsurfaceStress(depths=(1e-4,))"
             _instance(f"Scene.outputs[{number}]", output, Output, remedy)
@@ -452,13 +454,13 @@ class Scene:
         return scales.length
 
     def repeats(self, padding: Padding | Paddings) -> bool:
-        """Return whether `padding` repeats a roller along which no shape ends or is crowned: an endless one."""
+        """Return whether `padding` makes a roller infinite: it repeats its length, and no shape ends or crowns it."""
         scales = [getattr(shape, "length_scales", None) for shape in self.shapes]
         is_free = _is_free(across_and_along(padding)[1])
         return not is_free and all(of_shape and not of_shape.roller for of_shape in scales)
 
     def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
-        """Return the constant load over the period of `grid` [N/m]; a total one on an endless roller over its length."""
+        """Return the constant load over the period of `grid` [N/m]; a total one on an infinite roller over its own."""
         load = self.load
         if isinstance(load, TotalLoad) and self.repeats(padding):
             return load.per_length
@@ -479,7 +481,10 @@ class Scene:
 
     @property
     def time_dependent_field(self) -> str | None:
-        """Name of the first field that makes the scene change in time; None if it does not."""
+        """Name of the first field that changes in time by itself, such as a body that creeps; None if there is none.
+
+        In steady :class:`~contactstudy.Rolling` the contact with such a body is steady all the same.
+        """
         if not isinstance(self.load, ConstantLoad | Approach | PullOff):
             return "Scene.load"
         if self.wear is not None:

@@ -146,7 +146,7 @@ once = cs.TimeSteps((0,), step_error=cs.StepError.NONE)
 cs.solve(yields, cs.Grid((16, 1), (8e-4, 1e-4)), exact, times=once)
 assert "contactstudy.elasticity.eigenstrain.plane_strain_operator" in sys.modules
 """,
-        "contactstudy.elasticity.eigenstrain.periodic_operator contactstudy.elasticity.eigenstrain.spectral_block",
+        "contactstudy.elasticity.eigenstrain.periodic_operator contactstudy.elasticity.eigenstrain.fourier_modes",
     ),
     ("cs.solve(scene.problem(grid, exact)).to_dataset()", "matplotlib contactstudy.scene.stress"),
 )

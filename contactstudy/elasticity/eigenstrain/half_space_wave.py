@@ -15,7 +15,7 @@ from scipy.special import gammainc
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli
 
-# q times a depth at which a wave has died out, but does not underflow.
+# q times a depth at which a wave has decayed, but does not underflow.
 MAX_DECAY = 700.0
 # nn, tt, zz, nz / i, nt, tz / i
 Tensor = tuple[Array, Array, Array, Array, Array, Array]
@@ -47,8 +47,9 @@ class Sources:
     def from_strain(cls, strain: Tensor, moduli: Moduli) -> "Sources":
         """Return the sources of a plastic `strain`.
 
-        At the sides of a layer the waves make traction and displacement along the normal n and z continuous: `f` takes
-        up the stress s_zz of the layer, half of it on either side, `g` its misfit nn - zz and `h` its misfit nz.
+        At the sides of a layer the waves make traction and displacement in n and z continuous. Of their amplitudes, `f`
+        balances half of the stress s_zz that the layer would have without displacement along z, and `g` and `h` make up
+        for its strains nn - zz and nz.
         """
         nn, tt, zz, nz, nt, tz = strain
         nu, shear, half = moduli.poisson_ratio, moduli.shear, moduli.plane_strain / 2
@@ -224,7 +225,7 @@ def _wave_stress(down: Array, up: Array, layer_means: tuple[Array, Array], nu: f
 class Components(Enum):
     """Set of stress components to compute.
 
-    Its value has one sign for each component: -1 for one that changes its sign when the body is turned upside down.
+    Its value has one sign for each component: -1 for one with a single index z, which is odd in depth.
     """
 
     #: The five of the deviator, in the basis of the operator.
@@ -234,7 +235,7 @@ class Components(Enum):
 
     @property
     def signs(self) -> Array:
-        """Sign of each component upside down (components,)."""
+        """Parity of each component in depth (components,)."""
         return np.array(self.value)
 
 

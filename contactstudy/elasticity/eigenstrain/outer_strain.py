@@ -24,11 +24,11 @@ POWERS = np.array([3.0, 5.0])
 
 @dataclass(frozen=True, eq=False)
 class OuterStrain:
-    """Influence of uniform strain profiles (component, layers) on the left and on the right of an operator's volume.
+    """Influence of plastic strain beyond the volume of an `operator`, at smaller x (left) and at larger x (right).
 
-    Coefficients are summed over all cells of either side. Sums of terms that are even across follow from the closed form
-    of the sum over both sides. Odd terms are replaced by their asymptote beyond `DEPTHS` depths, with an error of 1e-6
-    of the largest.
+    On either side strain does not vary along x: it is a profile (3, layers). Coefficients are summed over all cells of
+    a side. Sums of terms that are even across follow from the closed form of the sum over both sides. Odd terms are
+    replaced by their asymptote beyond `DEPTHS` depths, with an error of 1e-6 of the largest.
     """
 
     operator: PlaneStrainOperator

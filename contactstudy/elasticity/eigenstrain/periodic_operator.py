@@ -17,6 +17,7 @@ from scipy import fft
 from contactstudy.domain.device import threads
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.airy_function import log_distance
+from contactstudy.elasticity.eigenstrain.fourier_modes import Complex, SurfaceLoad, Waves
 from contactstudy.elasticity.eigenstrain.half_space_wave import Components
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     PLANE_STRAIN_BASIS,
@@ -24,7 +25,6 @@ from contactstudy.elasticity.eigenstrain.plane_strain_operator import (
     convolved,
     real_spectrum,
 )
-from contactstudy.elasticity.eigenstrain.spectral_block import Complex, SurfaceLoad, Waves
 from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Number of the component that is odd in x.
@@ -125,8 +125,8 @@ class PeriodicOperator:
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. The mean along the length is plane
     strain and antiplane shear, in closed form on an infinite axis. The part that varies along the length is a
     sum of waves that repeat across, with periods so long that an image contributes at most the fraction `WRAP`. Waves
-    longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own and on
-    adjacent layers.
+    longer than two cells act on all layers. Shorter waves, which represent the edges of cells, act on their own layer
+    and on those less than `NEAR` cells away.
     """
 
     volume: Volume
@@ -294,7 +294,8 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
         window = slice(max(volume.first - decay_cells, 0), min(volume.last + decay_cells, nx))
         reach = max(volume.last - window.start, window.stop - volume.first)
         period = _odd(max(reach + decay_cells, window.stop - window.start))
-        # shorter waves decay over a shorter distance and may use the same period
+        # shorter waves decay over a shorter distance and may use the same period, up to twice the first order, where
+        # that saves more than transforms of few orders cost
         count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
         orders = slice(order, min(order + count, last + 1))
         order = orders.stop

@@ -19,7 +19,7 @@ from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 CORNER_DISTANCE = 4.0
 GAUSS_ZONES = ((CORNER_DISTANCE, 7), (9.0, 5), (20.0, 4), (80.0, 3), (1000.0, 2))
 
-# X, Y, z, distance, Poisson's ratio -> the field
+# Field at offsets x, y and depth z, with the distance from the origin and Poisson's ratio.
 KernelFunction = Callable[[Array, Array, float, Array, float], Array]
 
 
@@ -34,11 +34,12 @@ class CellKernel:
     parity
         1 for a field that is even across and along, -1 for one that is odd.
     point
-        2 pi times the field, such as the stress, under a unit force at the origin.
+        2 pi times the field, such as the stress, under a unit force at the origin: from offsets x and y, depth z,
+        distance r and Poisson's ratio.
     corner
-        Integral of `point` over x and y.
+        Integral of `point` over x and y, of the same arguments.
     plane
-        pi times the field in plane strain, from the angle and the pole of a :class:`Strip`.
+        pi times the field in plane strain under unit load on a :class:`Strip`, from it and Poisson's ratio.
     swapped
         Name of the field with the axes exchanged.
     family
@@ -60,7 +61,7 @@ class CellKernel:
 
 @dataclass(frozen=True, eq=False)
 class Strip:
-    """Loaded strip, endless along y, as seen from a point (Johnson 1985, sect. 2.5(a)).
+    """Loaded strip, infinite along y, as seen from a point (Johnson 1985, sect. 2.5(a)).
 
     Parameters
     ----------

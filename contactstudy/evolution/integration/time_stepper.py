@@ -15,7 +15,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import Convolution, superposed, weighted_sum
-from contactstudy.elasticity.local_compliance import WithWinklerLayer
+from contactstudy.elasticity.winkler_layer import WithWinklerLayer
 from contactstudy.evolution.states.state_variables import (
     AnyStateVariable,
     Contribution,

@@ -138,8 +138,8 @@ def check_tangential_response(
         elif creeps(solid):
             reason = "it keeps shear from before, which is not computed"
         raise InvalidInput(
-            f"Scene.solids[{number}] is a {type(solid).__name__} together with {name}: {reason}, give a HalfSpace or a "
-            f"CoatedHalfSpace{alternative}."
+            f"Scene.solids[{number}] is of the type {type(solid).__name__} together with {name}: {reason}, give a "
+            f"HalfSpace or a CoatedHalfSpace{alternative}."
         )
 
 

@@ -40,7 +40,7 @@ class PartialSlip:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with elastically dissimilar bodies, or a change in time.
+        For other values; in a scene with elastically dissimilar bodies, a change in time, or rolling.
     """
 
     sticks: ClassVar[bool] = True
@@ -85,7 +85,7 @@ class PartialSlip:
                 + ("Poisson's ratio is 0." if varies else "nothing varies along the length.")
             )
         return (
-            "friction: partial slip for both components of shear, for "
+            "friction: partial slip for both components of shear, since "
             + (
                 "a hardness limits the pressure;"
                 if scene.hardness != inf

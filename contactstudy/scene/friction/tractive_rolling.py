@@ -1,7 +1,6 @@
 """Steady rolling with friction: creepage or tangential force, stick and slip."""
 
 from dataclasses import dataclass
-from functools import partial
 from math import isinf
 from typing import Any, ClassVar
 
@@ -11,7 +10,7 @@ from contactstudy.domain.checks import InvalidInput, check_fields, in_range_or_z
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, PerMetre, readable
-from contactstudy.elasticity.tangential import ShearableBody, ShearResponse, shear_response
+from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
     COEFFICIENT,
     SAMPLES,
@@ -62,7 +61,8 @@ class TractiveRolling:
     Raises
     ------
     InvalidInput
-        For other values; in a scene with yielding bodies, a change in time, or roughness that moves with a body.
+        For other values; in a scene with bodies that yield, heights that move with a body, or a load that changes too
+        fast to roll steadily.
     """
 
     is_steady: ClassVar[bool] = True
@@ -141,13 +141,14 @@ class TractiveRolling:
                 "enter it again one period later: give ZeroPadding across."
             )
         solids = rolling_bodies(scene.solids, (self.speed, self.speed))
+        bodies = sheared(solids)
         coupling = shear_coupling(solids, "xy", grid, paddings, datum)
         return TractiveShear(
             self.coefficient,
             Creepage(self.longitudinal or 0.0, self.lateral, self.spin),
             self.tangential,
             self.speed,
-            partial(_response, sheared(solids), paddings, datum),
+            lambda on: shear_response(bodies, on, paddings, datum),
             ShearPressureCoupling(*coupling) if coupling else None,
             STATIONARY_HEIGHTS if self._has_moving_roughness(scene) else "",
         )
@@ -163,13 +164,6 @@ class TractiveRolling:
         if not are_similar(scene.solids):
             sentence += ", and again with the pressure under this shear until neither changes"
         return f"{sentence}." + f" {STATIONARY_HEIGHTS}" * self._has_moving_roughness(scene)
-
-
-def _response(
-    bodies: tuple[ShearableBody, ...], paddings: Paddings, datum: float, grid: Grid
-) -> ShearResponse:
-    """Return the response of `bodies` to shear on `grid`, the argument that is given last."""
-    return shear_response(bodies, grid, paddings, datum)
 
 
 def _least(load: Any) -> float:

@@ -63,7 +63,10 @@ class ChangingLoad(History, Protocol):
 
 
 class PiecewiseLinear:
-    """Values at instants, which may jump there: linear between them, zero before the first and held after the last."""
+    """Values at `times` [s], which may jump there: linear between them, zero before the first, held after the last.
+
+    Subclasses name their `values`, one for each instant.
+    """
 
     times: tuple[float, ...]
 
@@ -270,4 +273,5 @@ class SineLoad:
         return self.mean_load + self.amplitude * sin(middle) * sin(half) / half
 
     def _angle(self, time: float) -> float:
+        """Return the angle of the sine [rad] at a `time` [s]."""
         return 2 * pi * self.frequency * time + self.phase

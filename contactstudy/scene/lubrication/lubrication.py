@@ -234,7 +234,7 @@ class Lubrication:
         if abs(self.slide_roll_ratio) == 2:
             raise InvalidInput(
                 f"Lubrication.slide_roll_ratio is {self.slide_roll_ratio:g}, where a surface stands still and heats up "
-                "for ever: give another one, or leave Lubrication.thermal out."
+                "without limit: give another one, or leave Lubrication.thermal out."
             )
 
     def check(self, scene: SceneContext) -> None:

@@ -1,4 +1,4 @@
-"""Heights that move with a body through a lubricated contact."""
+"""Heights that move with a body through a contact with a film."""
 
 from dataclasses import dataclass
 from typing import ClassVar

@@ -163,11 +163,12 @@ class Roughness:
 
     @property
     def _rms(self) -> float:
+        """Root mean square of the height [m], where it is given."""
         assert not isinstance(self.rms, RmsSlope)  # whose height follows from the spectrum
         return self.rms.rms if isinstance(self.rms, Ra) else self.rms
 
     def _rms_height_and_slope(self) -> tuple[float, float]:
-        """Return rms height [m] and rms slope, the missing one from the spectrum of an endless surface without lay."""
+        """Return rms height [m] and rms slope, the missing one from the spectrum of an infinite surface without lay."""
         # the moments of k^(-2 (1 + H)) between the wave numbers, flat below the first
         low, high = 2 * np.pi / self.roll_off, 2 * np.pi / self.cut_off
         span, hurst = high / low, self.hurst

@@ -33,7 +33,7 @@ class Profile(Protocol):
     """Shape of the flank of a dimple or a groove, from its middle to its rim."""
 
     def __call__(self, t: Array) -> Array:
-        """Return the fraction of the depth at the fraction `t` in [0, 1] of the way from the middle to the rim."""
+        """Return the fraction of the depth at each fraction `t`, of any shape, of the way from middle (0) to rim (1)."""
 
 
 @suggest_fields
@@ -244,6 +244,7 @@ def _from_nearest(position: Array, pitch: float) -> Array:
 
 
 def _is_profile(name: str, profile: object) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` unless `profile` can be called."""
     if isinstance(profile, type) or not callable(profile):
         raise InvalidInput(f"{name} is {profile!r}: give a profile, such as Cosine().")
 

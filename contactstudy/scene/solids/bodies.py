@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class Body(Protocol):
-    """Elastic body, described by the displacement of its surface under pressure."""
+    """Body, described by the instantaneous displacement of its surface under pressure."""
 
     @property
     def compliance(self) -> float:

@@ -121,6 +121,7 @@ class CoatedHalfSpace:
 
     @property
     def _layer(self) -> LayerResponse:
+        """Response of the layer to a wave, by the ratio of the shear moduli and Poisson's ratios."""
         coating, substrate = (
             solid.youngs_modulus / (2 * (1 + solid.poisson_ratio))
             for solid in (self.coating, self.substrate)

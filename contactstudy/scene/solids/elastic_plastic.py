@@ -42,7 +42,7 @@ class ElasticPlasticHalfSpace:
     Raises
     ------
     InvalidInput
-        If a number is outside these limits; in a scene with a hardness, partial slip, or steady rolling.
+        If a number is outside these limits; in a scene with a hardness, steady rolling, or outputs beside passes.
     """
 
     youngs_modulus: Pascals

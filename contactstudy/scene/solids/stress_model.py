@@ -39,7 +39,7 @@ class HasStressModel(Protocol):
 
 @dataclass(frozen=True)
 class HalfSpaceStress:
-    """Stress in a homogeneous half-space."""
+    """Stress in a homogeneous half-space of this `poisson_ratio`; it has no interface, and so no `faces`."""
 
     poisson_ratio: float
     faces: ClassVar[tuple[float, ...]] = ()
@@ -59,7 +59,17 @@ class HalfSpaceStress:
 
 @dataclass(frozen=True)
 class StressCoefficients:
-    """Influence coefficients of one stress component at one depth [m]."""
+    """Influence coefficients of one stress component at one depth, over pressure or shear.
+
+    Parameters
+    ----------
+    component
+        Component, with the load on the surface that causes it.
+    depth
+        Depth below the surface [m].
+    poisson_ratio
+        Poisson's ratio of the half-space.
+    """
 
     component: CellKernel
     depth: float

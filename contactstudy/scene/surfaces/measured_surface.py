@@ -289,6 +289,7 @@ class MeasuredSurface:
         return cell_means(closed, axis, extent=period, cells=cells, width=width, ends="periodic")
 
     def _on_cells(self, heights: Array, grid: Grid) -> Array:
+        """Return depths (x, y) [m] of `heights` that are given for each cell of `grid`."""
         count = self.heights.shape[1]
         points = len(heights), 1 if count == 1 else count * self.seam.lengths
         if points not in (grid.cells, (grid.cells[0], 1)):

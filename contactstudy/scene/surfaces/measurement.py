@@ -243,6 +243,7 @@ def _plane(heights: Any) -> Array:
 
 
 def _labelled(heights: Any) -> Measurement:
+    """Return points and sizes of a DataArray, in the order of :data:`DIMENSIONS` and of rising coordinates."""
     if heights.ndim != 2:
         return _plane(heights), None
     for names in DIMENSIONS:
@@ -281,6 +282,7 @@ def _size(name: str, coordinate: Any) -> tuple[float, float]:
 
 
 def _in_metres(field: str, labelled: Any) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` unless a DataArray has no unit or is in metres."""
     unit = labelled.attrs.get("units")
     if unit not in METRES:
         raise InvalidInput(f"{field} has the units {unit!r}: convert to m.")

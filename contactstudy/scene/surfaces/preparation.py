@@ -100,7 +100,7 @@ class RefuseMissing:
 @suggest_fields
 @dataclass(frozen=True)
 class HarmonicFill:
-    """Rule that lays missing points on the membrane spanned by their neighbours (Laplace's equation).
+    """Rule that interpolates missing points by Laplace's equation.
 
     Each is the mean of its neighbours, so that none is higher or lower than the points around the hole.
 
@@ -130,12 +130,12 @@ class HarmonicFill:
         if not holes.any():
             return heights
         filled = heights.copy()
-        filled[holes] = _membrane(heights, holes)
+        filled[holes] = _harmonic_heights(heights, holes)
         return filled
 
 
-def _membrane(heights: Array, holes: NDArray[np.bool_]) -> Array:
-    """Return the heights at the holes, in the order of the mask."""
+def _harmonic_heights(heights: Array, holes: NDArray[np.bool_]) -> Array:
+    """Return the heights at the `holes`, in the order of that mask, each the mean of its neighbours."""
     from scipy import sparse  # imported only where it is needed
     from scipy.sparse.linalg import spsolve
 

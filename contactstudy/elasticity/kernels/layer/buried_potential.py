@@ -28,6 +28,9 @@ from contactstudy.elasticity.kernels.displacement_periodic import (
 
 # Beyond FAR_DISTANCE cells a line's field is analytic in a Bernstein ellipse of rho >= 160: 4 Gauss points suffice.
 FAR_DISTANCE, FAR_POINTS = 40.0, 4
+# Waves of a periodic logarithm that are summed; of more, near a shallow axis, the nearest zeros are split off, and
+# SMOOTH_POINTS Gauss points leave 5.8^-48 of the rest.
+MAX_SERIES_WAVES, SMOOTH_POINTS = 200, 24
 
 
 def buried_cell(x: ArrayLike, y: ArrayLike, dx: float, dy: float, depth: float) -> Array:
@@ -216,7 +219,7 @@ def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Arr
     Its mean over a period W is left out; x is up to half of it (Johnson 1985, sect. 13.2).
     """
     waves = int(np.ceil(-np.log(QUADRATURE_ERROR) / (2 * np.pi * depth / width)))
-    if waves <= 200:
+    if waves <= MAX_SERIES_WAVES:
         k = np.arange(1, waves + 1)
         strength = 2 / k * np.exp(-2 * np.pi * k * depth / width) * np.sinc(2 * k * half / width)
         return np.asarray(-np.cos(np.multiply.outer(x, 2 * np.pi * k / width)) @ strength)
@@ -224,7 +227,7 @@ def _log_mean_periodic(x: Array, half: float, depth: float, width: float) -> Arr
     near += log_mean(width + x, half, depth)
     # the sine without its nearest zeros is smooth: the next ones lie two widths away
     smooth = np.zeros(x.shape)
-    for node, weight in mean_gauss_rule(24):
+    for node, weight in mean_gauss_rule(SMOOTH_POINTS):
         w = (x + node * half + 1j * depth) / width
         smooth += weight * 2 * np.log(np.abs(2 * np.sin(np.pi * w) / (w * (1 - w) * (1 + w))))
     return np.asarray(near + smooth - 6 * np.log(width) - 2 * np.pi * depth / width)

@@ -27,6 +27,9 @@ NEGLIGIBLE_DECAY, VARYING_PERIODS = 37.0, 6.0
 MAX_EVALUATIONS, TERM_COST = 5e6, 0.02
 # Distance, times that of the singularity of R nearest to zero, beyond which three powers of the distance suffice.
 FAR_FIELD_DISTANCE = 100.0
+# Images that are interpolated lie a period or more beyond the interval of half a period on either side: SMOOTH_POINTS
+# Chebyshev points leave 5.8^-24 along it. The far field begins at twice the distance across: TAIL_TERMS leave 4^-14.
+SMOOTH_POINTS, TAIL_TERMS, IMAGES_AT_ONCE = 24, 14, 64
 # Waves that a Fourier series of both axes may take, and that of strips; beyond them images are summed in space.
 MAX_LATTICE_WAVES, MAX_STRIP_WAVES = 4e6, 3000
 
@@ -271,10 +274,10 @@ class RemainderRow:
         return int(LAST_WAVE / self.remainder.thickness * self.period / (2 * np.pi))
 
     def _groups(self, farthest: float) -> list[tuple[int, int, float, float]]:
-        """Return groups of harmonics.
+        """Return groups of harmonics up to a distance `farthest`.
 
-        A group is its first and last harmonic, the last exclusive, the distance across beyond which they are negligible,
-        and the period across of their sum.
+        A group is a tuple of its first harmonic, the first one after it, the distance across beyond which they are
+        negligible or not asked for, and the period across of their sum.
         """
         groups, first = [], 1
         while first <= self._count:
@@ -342,7 +345,7 @@ class RemainderRow:
         slim = period / reach
         count = int(np.ceil(NEGLIGIBLE_DECAY / np.arcsinh(slim))) + 2
         nodes_x = reach * chebyshev.chebpts1(count)
-        nodes_y = period / 2 * chebyshev.chebpts1(24)
+        nodes_y = period / 2 * chebyshev.chebpts1(SMOOTH_POINTS)
         far_field = (
             FAR_FIELD_DISTANCE
             * self.remainder.thickness
@@ -351,7 +354,7 @@ class RemainderRow:
         last = int(np.ceil(max(far_field, 2 * (reach + self.dx / 2)) / period)) + 2
         values = self._tail(nodes_x, nodes_y, last)
         images = np.arange(2.0, last + 1)
-        for block in np.array_split(images, max(1, images.size // 64)):
+        for block in np.array_split(images, max(1, images.size // IMAGES_AT_ONCE)):
             numbers = np.concatenate([-block, block])
             away = (nodes_y + period * numbers[:, None]).ravel()
             cells = self.remainder.cell(nodes_x[:, None], away, self.dx, self.dy)
@@ -374,7 +377,7 @@ class RemainderRow:
             for node_y, weight_y in mean_gauss_rule(4):
                 v = y + node_y * self.dy / 2
                 for power, strength in powers:
-                    for k in range(14):
+                    for k in range(TAIL_TERMS):
                         order = power + 2 * k
                         ends = sum(zeta(order, last + 1 + side * v / period) for side in (1, -1))
                         term = binom(-power / 2, k) * (u / period) ** (2 * k) * ends

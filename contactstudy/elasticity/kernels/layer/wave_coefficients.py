@@ -126,7 +126,7 @@ class WaveCoefficients:
         return np.asarray(mean[:, None] + self.varying(x, y, dx, dy, period))
 
     def strip(self, x: Array, dx: float) -> Array:
-        """Return the response to a strip of width `dx`, endless along y, at offsets `x`."""
+        """Return the response to a strip of width `dx`, infinite along y, at offsets `x`."""
         distances, which = np.unique(np.abs(x), return_inverse=True)
         return np.asarray(np.where(x < 0, self.parity[0], 1) * self._line(distances, dx)[which])
 
@@ -156,7 +156,7 @@ class WaveCoefficients:
         return _lattice(self.waves, self.thickness, dx, dy, across, along)[self.name]
 
     def _line(self, x: Array, dx: float) -> Array:
-        """Return the response to a strip, endless along y, at distances `x` at least 0, in order."""
+        """Return the response to a strip, infinite along y, at distances `x` at least 0, in order."""
         lower, upper = ((x + side * dx / 2) / self.thickness for side in (-1, 1))
         if self.parity[0] < 0:
             return self._between(np.abs(lower), upper)  # what lies on both sides cancels

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from contactstudy.domain.grid import Grid
+from contactstudy.elasticity.eigenstrain.fourier_modes import Waves
 from contactstudy.elasticity.eigenstrain.half_space_wave import Components
 from contactstudy.elasticity.eigenstrain.periodic_operator import (
     AntiplaneOperator,
     PeriodicOperator,
 )
 from contactstudy.elasticity.eigenstrain.plane_strain_operator import PlaneStrainOperator
-from contactstudy.elasticity.eigenstrain.spectral_block import Waves
 from contactstudy.elasticity.eigenstrain.volume import EigenstrainOperator, Moduli, Volume
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
 from contactstudy.elasticity.kernels.stress_periodic import stress_cell_periodic

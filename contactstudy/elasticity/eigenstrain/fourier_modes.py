@@ -1,4 +1,4 @@
-"""A block of waves: stress and displacement by plastic strain and pressure that are constant in cells.
+"""Stress and displacement by plastic strain and pressure that are constant in cells, by their Fourier modes.
 
 Waves shorter than two cells represent the edges of cells; at the middles of cells they equal longer waves.
 """
@@ -31,7 +31,8 @@ from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Number of orders of short waves that are summed one by one; shorter waves are summed together.
 SUMMED_ORDERS = 2
-# Depth in cells at which short waves of pressure have decayed; short waves of strain from half that depth are reflected.
+# Depth in cells at which short waves of pressure have decayed. Those of strain reach the surface and come back from less
+# than half that depth.
 DEEP = 3.0
 # Layers from which short waves do not reach the surface are treated as if they were at this multiple of that depth.
 REMOTE_DEPTHS = 1e3
@@ -57,7 +58,10 @@ class SurfaceLoad(Enum):
 
 @dataclass(frozen=True, eq=False)
 class LayerCoupling:
-    """Stress in `layers` by strain in as many `sources`: `blocks` (components, 5, waves) [Pa] for each pair."""
+    """Stress in `layers` by strain in as many layers `sources`, each layer by the one of the same place in `sources`.
+
+    `blocks` (components, 5, waves) [Pa] are the stress by unit strain, the same for each pair.
+    """
 
     layers: slice
     sources: slice
@@ -249,7 +253,10 @@ class Waves:
         return _complex(total, components, strain.shape[2:])
 
     def stress_of_traction(self, waves: Complex, traction: SurfaceLoad) -> Complex:
-        """Return the deviatoric stress of cells (5, layers, ...) by `waves` (period, orders) of a traction."""
+        """Return the deviatoric stress of cells (5, layers, period, orders) by `waves` (period, orders) of a traction.
+
+        Stress is in the unit of the traction.
+        """
         unit, shape = self._by_unit[traction], waves.shape
         if traction is SurfaceLoad.SHEAR:
             waves = 1j * waves

@@ -169,6 +169,15 @@ def pair(field: str, value: object, remedy: str) -> tuple[object, object]:
     return both[0], both[1]
 
 
+def width_and_length(field: str, value: object, remedy: str) -> tuple[float, float]:
+    """Return `value` as two lengths [m] above zero, (width, length), or raise :class:`InvalidInput`."""
+    width, length = pair(field, value, remedy)
+    return (
+        in_range(f"{field}[0]", width, "give a width above 0 m"),
+        in_range(f"{field}[1]", length, "give a length above 0 m"),
+    )
+
+
 def whole_quotient(field: str, length: float, period: float) -> int:
     """Return ``period / length``, which must be a whole number, or raise :class:`InvalidInput`."""
     times = period / length

@@ -21,6 +21,10 @@ from contactstudy.domain.device import Cpu, arrays, device, threads
 from contactstudy.domain.fields import Array, compiled_loops, in_blocks, in_threads
 
 ComplexField = NDArray[np.complexfloating[Any, Any]]
+# Number of cells or points (x, y).
+Cells = tuple[int, int]
+# Array that a transform may overwrite, if there is one.
+Work = ComplexField | None
 
 
 # Transforms of fewer numbers run on one thread: waking others takes longer than it saves.
@@ -31,15 +35,11 @@ class Transforms(ABC):
     """Pair of transforms; they may overwrite `work`, an array for Fourier coefficients, where the library takes one."""
 
     @abstractmethod
-    def forward(
-        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
-    ) -> ComplexField:
+    def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
         """Return the Fourier coefficients (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
 
     @abstractmethod
-    def backward(
-        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
-    ) -> Array:
+    def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
         """Return the first (nx, ny) cells of the field with the Fourier coefficients `waves`, which are overwritten."""
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
@@ -53,17 +53,13 @@ class Transforms(ABC):
 class Standard(Transforms):
     """Transforms by the device's array library."""
 
-    def forward(
-        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
-    ) -> ComplexField:
+    def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
         """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
         fft = arrays().fft
         waves: ComplexField = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
         return waves
 
-    def backward(
-        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
-    ) -> Array:
+    def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
         """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
         fft = arrays().fft
         rows = fft.ifft(waves, axis=0)[: cells[0], :]
@@ -74,17 +70,13 @@ class Standard(Transforms):
 class SciPy(Transforms):
     """Transforms by scipy.fft, on the threads of the device."""
 
-    def forward(
-        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
-    ) -> ComplexField:
+    def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
         """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
         workers = threads()
         rows = fft.rfft(field, padded[1], axis=1, workers=workers)
         return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=workers))
 
-    def backward(
-        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
-    ) -> Array:
+    def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
         """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
         workers = threads()
         rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[: cells[0]]
@@ -119,9 +111,7 @@ class Ducc(Transforms):
                 self._widened = True
         return count
 
-    def forward(
-        self, field: Array, padded: tuple[int, int], work: ComplexField | None = None
-    ) -> ComplexField:
+    def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
         """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
         nx, ny = field.shape
         if work is None:
@@ -138,9 +128,7 @@ class Ducc(Transforms):
         self._fft.c2c(work, axes=(0,), out=work, nthreads=self._threads(work.size))
         return work
 
-    def backward(
-        self, waves: ComplexField, cells: tuple[int, int], padded: tuple[int, int]
-    ) -> Array:
+    def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
         """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
         count = self._threads(waves.size)
         self._fft.c2c(waves, axes=(0,), forward=False, inorm=2, out=waves, nthreads=count)

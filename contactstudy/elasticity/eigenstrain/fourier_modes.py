@@ -6,10 +6,9 @@ Waves shorter than two cells represent the edges of cells; at the middles of cel
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise, product
 from math import pi
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -215,8 +214,6 @@ def _runs(numbers: list[int]) -> Iterator[tuple[int, int]]:
 
 
 Complex = NDArray[np.complex128]
-K = TypeVar("K")
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +245,7 @@ class Waves:
         tensor = layer_stresses(sources, self._layers, self.moduli.poisson_ratio)
         total = direction.stress(tensor, components)
         total *= direction.weight
-        for coupling in self._couplings[components]:
+        for coupling in self._couplings(components):
             coupling.add(total, e)
         return _complex(total, components, strain.shape[2:])
 
@@ -257,7 +254,7 @@ class Waves:
 
         Stress is in the unit of the traction.
         """
-        unit, shape = self._by_unit[traction], waves.shape
+        unit, shape = self._by_unit(traction), waves.shape
         if traction is SurfaceLoad.SHEAR:
             waves = 1j * waves
         parts = np.stack((waves.real.ravel(), waves.imag.ravel()))
@@ -266,7 +263,7 @@ class Waves:
     def residual_displacement(self, strain: Complex) -> Complex:
         """Return the surface displacement (period, orders) [m] by `strain` (5, layers, period, orders)."""
         e = _real(strain)
-        parts, unit = np.zeros((2, e.shape[3])), self._by_unit[SurfaceLoad.PRESSURE]
+        parts, unit = np.zeros((2, e.shape[3])), self._by_unit(SurfaceLoad.PRESSURE)
         for number, thickness in enumerate(self.volume.thicknesses):
             parts += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
@@ -287,21 +284,10 @@ class Waves:
         # waves to either side cancel in odd blocks
         is_even = np.outer(signs, signs) > 0
         blocks *= is_even
-        for coupling in self._couplings[Components.DEVIATOR]:
+        for coupling in self._couplings(Components.DEVIATOR):
             if coupling.sources == coupling.layers:
                 blocks[coupling.layers] -= is_even * (coupling.blocks @ fraction)
         return blocks
-
-    @property
-    def bytes(self) -> int:
-        """Memory held by the waves [bytes]."""
-        return (
-            sum(array.nbytes for array in self._by_unit.values())
-            + sum(
-                coupling.blocks.nbytes for group in self._couplings.values() for coupling in group
-            )
-            + 8 * 8 * len(self._direction.q)
-        )
 
     @cached_property
     def _short(self) -> Aliases:
@@ -322,14 +308,14 @@ class Waves:
         return tuple(layers[thickness] for thickness in thicknesses)
 
     @cached_property
-    def _couplings(self) -> "_OnRequest[Components, tuple[LayerCoupling, ...]]":
-        """Couplings of layers by short waves, by components."""
-        return _OnRequest(lambda components: tuple(self._short.couplings(components)))
+    def _couplings(self) -> Callable[[Components], tuple[LayerCoupling, ...]]:
+        """Function that returns the couplings of layers by short waves, by components, each found once."""
+        return cache(lambda components: tuple(self._short.couplings(components)))
 
     @cached_property
-    def _by_unit(self) -> "_OnRequest[SurfaceLoad, Array]":
-        """Deviatoric stress (5, layers, waves) by a unit of each traction."""
-        return _OnRequest(self._stress)
+    def _by_unit(self) -> Callable[[SurfaceLoad], Array]:
+        """Function that returns the deviatoric stress (5, layers, waves) by a unit of a traction, each found once."""
+        return cache(self._stress)
 
     def _stress(self, traction: SurfaceLoad) -> Array:
         """Return the deviatoric stress (5, layers, waves) by a unit of a traction."""
@@ -340,19 +326,6 @@ class Waves:
             tensor = traction.stress(direction, top, layer, self.moduli.poisson_ratio)
             total[:, number] += direction.weight * direction.stress(tensor, Components.DEVIATOR)
         return total
-
-
-class _OnRequest(dict[K, T]):
-    """Values by a key, each made when it is first looked up."""
-
-    def __init__(self, make: Callable[[K], T]) -> None:
-        super().__init__()
-        self._make = make
-
-    def __missing__(self, key: K) -> T:
-        """Make and keep the value of `key`."""
-        self[key] = self._make(key)
-        return self[key]
 
 
 def _real(strain: Complex) -> Array:

@@ -177,11 +177,6 @@ class PeriodicOperator:
             blocks += group.waves.self_blocks(group.fractions / ny)
         return blocks
 
-    @property
-    def bytes(self) -> int:
-        """Memory held by the operator [bytes]."""
-        return sum(group.waves.bytes for group in self._groups)
-
     def _from_strain(self, strain: Array, components: Components, sign: float) -> Array:
         """Return the `components` of the stress that `strain` relaxes, times -`sign`."""
         layers, across, ny = self.volume.shape
@@ -205,12 +200,9 @@ class PeriodicOperator:
         layers, across, ny = self.volume.shape
         waves = fft.rfft(values, axis=-1)
         along = np.zeros((5, layers, across, ny // 2 + 1), dtype=np.complex128)
-        mean, plane = ny * values.mean(axis=-1, keepdims=True), self._plane
-        of = {
-            SurfaceLoad.PRESSURE: plane.stress_of_pressure,
-            SurfaceLoad.SHEAR: plane.stress_of_shear,
-        }
-        along[:3, ..., :1] = of[traction](mean)
+        mean, is_shear = ny * values.mean(axis=-1, keepdims=True), traction is SurfaceLoad.SHEAR
+        of_mean = self._plane.stress_of_shear if is_shear else self._plane.stress_of_pressure
+        along[:3, ..., :1] = of_mean(mean)
         for group in self._groups:
             around = np.zeros((group.period, waves[:, group.orders].shape[1]), dtype=np.complex128)
             around[group.around_window] = waves[group.window, group.orders]

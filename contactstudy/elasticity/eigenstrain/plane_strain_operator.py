@@ -5,9 +5,9 @@ x, the others are even, and multiplying the waves of the odd one by -i makes the
 twice the cells, which is exact.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from scipy import fft
@@ -186,20 +186,18 @@ class PlaneStrainOperator:
         return np.array(self.volume.edges) / self.volume.grid.cell_size[0]
 
     @cached_property
-    def _spectra(self) -> dict[TractionKernel, Array]:
-        """Spectra from tractions on the surface to in-plane stress that were computed so far."""
-        return {}
+    def _spectrum_of(self) -> Callable[[TractionKernel], Array]:
+        """Function that returns the spectrum (3, layers, waves) from a traction to in-plane stress, each found once."""
+        return cache(self._spectrum)
 
-    def _spectrum_of(self, kind: TractionKernel) -> Array:
+    def _spectrum(self, kind: TractionKernel) -> Array:
         """Return the spectrum (3, layers, waves) from a traction, pressure or shear, to in-plane stress."""
-        if kind not in self._spectra:
-            volume, padded = self.volume, self._padded_grid
-            offsets = np.arange(volume.first - volume.grid.cells[0] + 1, volume.last)
-            xx, zz, xz = kind(offsets.astype(np.float64), self.edges_in_cells)
-            around = np.zeros((3, volume.shape[0], padded))
-            around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
-            self._spectra[kind] = np.asarray(fft.rfft(around, axis=-1))
-        return self._spectra[kind]
+        volume, padded = self.volume, self._padded_grid
+        offsets = np.arange(volume.first - volume.grid.cells[0] + 1, volume.last)
+        xx, zz, xz = kind(offsets.astype(np.float64), self.edges_in_cells)
+        around = np.zeros((3, volume.shape[0], padded))
+        around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
+        return np.asarray(fft.rfft(around, axis=-1))
 
     def relaxed_means(self, count: int, layer: int) -> Iterator[tuple[int, int, Array]]:
         """Yield the in-plane stress [Pa] of one `layer` that in-plane strain relaxes, for each pair of components.

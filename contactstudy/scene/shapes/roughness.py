@@ -13,11 +13,11 @@ from contactstudy.domain.checks import (
     check_fields,
     in_range,
     in_range_from_zero,
-    pair,
     set_fields,
     suggest_fields,
     whole_number,
     whole_quotient,
+    width_and_length,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -141,10 +141,7 @@ class Roughness:
         check_fields(self, peklenik=(in_range, "give a ratio of lengths above 0, 1 for no lay"))
         if self.extent is not None:
             remedy = "give two lengths, (width, length) [m], or None for the grid's"
-            width, length = pair("Roughness.extent", self.extent, remedy)
-            width = in_range("Roughness.extent[0]", width, "give a width above 0 m")
-            length = in_range("Roughness.extent[1]", length, "give a length above 0 m")
-            set_fields(self, extent=(width, length))
+            check_fields(self, extent=(width_and_length, remedy))
 
     @property
     def length_scales(self) -> LengthScales:

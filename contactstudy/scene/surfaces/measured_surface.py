@@ -12,11 +12,10 @@ import numpy as np
 
 from contactstudy.domain.checks import (
     InvalidInput,
-    in_range,
-    pair,
     set_fields,
     suggest_fields,
     whole_quotient,
+    width_and_length,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -97,11 +96,7 @@ class MeasuredSurface:
         points, sizes = measurement.measurement(self.heights)
         if self.extent is not None:
             remedy = "give two lengths, (width, length) [m]"
-            width, length = pair("MeasuredSurface.extent", self.extent, remedy)
-            extent = (
-                in_range("MeasuredSurface.extent[0]", width, "give a width above 0 m"),
-                in_range("MeasuredSurface.extent[1]", length, "give a length above 0 m"),
-            )
+            extent = width_and_length("MeasuredSurface.extent", self.extent, remedy)
             if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
                 raise InvalidInput(
                     f"MeasuredSurface.extent is {extent!r}: leave it out, since the coordinates of the "

@@ -101,6 +101,11 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
     assert "give 32 or more" in said
     (said,) = waves.warnings(cs.Grid((32, 31), (8.0, 4.0)))
     assert said.startswith("Grid.cells[1] is 31")
+    # shares of the error that is expected, by the power of the cells over the wave along either axis
+    cell = (0.1, 0.2)
+    across, along = waves.errors(cell)
+    assert across + along == pytest.approx(waves.error(cell))
+    assert across < along
     odd = replace(waves, length_scales=(replace(WAVES, period=0.3),))
     assert ": give a multiple" in odd.warnings(cs.Grid((32, 64), (8.0, 4.0)))[0]
 

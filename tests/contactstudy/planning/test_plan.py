@@ -244,6 +244,12 @@ def test_a_device_that_is_none_is_refused(line_contact: LineContact) -> None:
         cs.plan(line_contact.scene, on=2)  # type: ignore[arg-type]
 
 
+def test_a_plan_for_two_threads_has_the_grid_of_one_for_one(line_contact: LineContact) -> None:
+    one, two = (cs.plan(line_contact.scene, error=1e-2, on=cs.Cpu(count)) for count in (1, 2))
+    assert (two.grid, two.on) == (one.grid, cs.Cpu(2))
+    assert two.seconds > 0
+
+
 def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for(
     line_contact: LineContact,
 ) -> None:

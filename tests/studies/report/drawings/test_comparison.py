@@ -1,13 +1,20 @@
 """The drawing of a comparison of settings, by hand."""
 
 from math import inf
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import matplotlib.pyplot as plt
 import pytest
 
+from studies.advice.nested_answers import Budget
+from studies.advice.stored import store
 from studies.report.drawings.comparison import _label_ends, parts
+from studies.report.scene_sections import comparison_of
 from studies.report.wording import alternatives_text, verdict_text
 from tests.studies.advice.test_measuring import COPIED, EXACT, of, one
+from tests.studies.conftest import quiet
 
 COARSE = one(EXACT, 32, 0.04, (1e-3,) * 9)
 FINE = one(EXACT, 64, 0.02, (4e-3,) * 9)
@@ -28,6 +35,13 @@ def test_the_verdict_names_setting_error_bound_and_time() -> None:
     )
 
 
+def test_a_coarser_grid_that_the_bound_of_the_reference_rules_out_says_so() -> None:
+    measured = of(one(EXACT, 32, 0.028, (1e-3,) * 9), FINE, reference_bound=0.004)
+    assert alternatives_text(measured, measured.verdict()).endswith(
+        "in 0.25 times the time, which meets the request only without the bound of the reference."
+    )
+
+
 def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> None:
     measured = of(FINE, reference_bound=inf)
     verdict = measured.verdict()
@@ -45,6 +59,14 @@ def test_a_table_of_costs_lists_the_quickest_setting_of_each_error_that_is_reach
     assert shown["3.0\xa0%"] == ("64 x 64 cells", "4 ms", "duplicated: 1.5 times")
     assert "1.0\xa0%" not in shown
     assert "2.0\xa0% ± 0.40\xa0%" in table.caption
+
+
+def test_a_comparison_stored_for_the_same_error_is_read_and_not_measured(tmp_path: Path) -> None:
+    nothing_meets = of(FINE, reference_bound=inf)
+    store(nothing_meets, "key", tmp_path)
+    unmeasurable: Any = SimpleNamespace(key="key", subject=None)
+    found = comparison_of(unmeasurable, 0.03, Budget(1.0), tmp_path, quiet)
+    assert found.settings == nothing_meets.settings
 
 
 def test_what_a_padding_alone_does_is_listed_with_its_sign() -> None:

@@ -91,13 +91,13 @@ def test_steel_in_mineral_oil_has_the_film_and_friction_of_the_reference(
     )
 
 
-@pytest.mark.whole
 def test_a_width_whose_inlet_costs_most_of_the_error_leaves_half_of_it_to_the_cells() -> None:
     error = solve_lubricated(by_moes(20, 5), grid(96, 2.5), error=1e-2).estimate
     assert error.minimum_film.by_cause["inlet"] > 0.5e-2
     assert error.minimum_film.by_cause["discretisation"] <= 0.5e-2
 
 
+@pytest.mark.whole
 def test_the_peak_beside_a_spike_has_no_estimate_and_says_why() -> None:
     error = solve_lubricated(by_moes(20, 10), error=2e-2).estimate
     assert total(error.peak_pressure) == np.inf

@@ -22,7 +22,8 @@ from .evolution.time_steps import Scheme, StepError, TimeSteps
 from .io.compare import Comparison, compare
 from .io.quantities.quantity import Quantity
 from .io.scene_files.materials import material
-from .planning.plan import Plan, plan
+from .planning.plan import plan
+from .planning.planned import Plan
 from .problem.bare_problem import BareProblem
 from .problem.constraint import (
     Compressive,

@@ -24,7 +24,8 @@ from contactstudy.io.scene_files.scene_schema import (
 )
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.io.scene_files.structuring import structured
-from contactstudy.planning.plan import Plan, plan, plan_grid
+from contactstudy.planning.plan import plan, plan_grid
+from contactstudy.planning.planned import Plan
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad

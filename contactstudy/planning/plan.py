@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, prod
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
-from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
+from contactstudy.domain.grid import ExactPeriodicity, Grid
 from contactstudy.domain.units import readable
 from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import CostModel, memory, speedup, stress_seconds
@@ -30,6 +30,7 @@ from contactstudy.planning.grid_requirements import (
     grid_requirements,
     measured_length_scales,
 )
+from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.shape import LengthScales
 
@@ -42,53 +43,6 @@ DEFAULT_ERROR = 1e-2
 WIDENING = 1.5
 # Fraction of the machine's memory that a plan may take.
 MEMORY_FRACTION = 0.8
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A grid and a padding for a scene, with expected error and cost.
-
-    Solve it with ``solve(scene, plan.grid, plan.padding)``.
-
-    Attributes
-    ----------
-    grid
-        The grid.
-    padding
-        The boundary conditions.
-    dimension
-        Dimension of the grid: 1 in plane strain, where nothing varies along the length; 2 in three dimensions.
-    error
-        Relative L1 error of the pressure to expect, by a law for a smooth contact, else from solutions on coarse grids;
-        of a film, that of its thickness. Infinite where it is not predicted.
-    seconds
-        Seconds of processor time of a solve to the error: its plan, all grids and steps, their estimates, and the stress
-        that a steady scene names, from solves timed just now. Imports, compilation, files and pictures are not counted.
-    bytes
-        Bytes that a solve holds at most.
-    period_check
-        A sentence on how the period suits the scene.
-    reasons
-        A sentence for each choice.
-    warnings
-        A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
-    solves
-        Number of contacts or films that are solved one after the other, in a scene that changes in time or rolls.
-    on
-        Device that the seconds are for.
-    """
-
-    grid: Grid
-    padding: Padding | Paddings
-    dimension: int
-    error: float
-    seconds: float
-    bytes: int
-    period_check: str
-    reasons: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
-    solves: int = 1
-    on: Device = ONE_THREAD
 
 
 def plan(
@@ -178,11 +132,17 @@ def plan_grid(
     ):
         return _plan_of_flat(scales, period, on)
     if scene.lubrication is not None:
-        return _plan_of_film(scene, error or DEFAULT_ERROR, period, grid, times)
+        # imported only for lubricated scenes
+        from contactstudy.planning.film_plan import plan_of_film
+
+        instants = _count_of_instants(scene, times)
+        return plan_of_film(scene, error or DEFAULT_ERROR, period, grid, instants)
     if scene.adhesion is not None:
-        return _plan_of_adhesion(
-            scene, grid_requirements(scene), error or DEFAULT_ERROR, period, grid, times
-        )
+        # imported only for scenes with adhesion
+        from contactstudy.planning.adhesive_plan import plan_of_adhesion
+
+        instants = _count_of_instants(scene, times)
+        return plan_of_adhesion(scene, error or DEFAULT_ERROR, period, grid, instants)
     if scene.time_dependent_field is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
     return _plan_static(scene, error, period, grid, on)
@@ -202,7 +162,6 @@ def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Pla
     return Plan(
         grid=grid,
         padding=padding,
-        dimension=1 if grid.cells[1] == 1 else 2,
         error=inf,
         seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
@@ -245,7 +204,6 @@ def _plan_static(
     return Plan(
         grid=grid,
         padding=padding,
-        dimension=1 if grid.cells[1] == 1 else 2,
         error=expected_error,
         seconds=forecast.seconds / speedup(grid, padding, on),
         bytes=memory(grid, padding),
@@ -349,34 +307,6 @@ def _warnings(
         yield forecast.message
 
 
-def _plan_of_film(
-    scene: Scene,
-    error: float,
-    period: float | None,
-    grid: Grid | None,
-    times: "ArrayLike | TimeSteps | None",
-) -> Plan:
-    """Plan a lubricated scene."""
-    # imported only for lubricated scenes
-    from contactstudy.planning.film_requirements import film_requirements
-
-    requirements, instants = grid_requirements(scene), _count_of_instants(scene, times)
-    film = film_requirements(scene, requirements, error, period, grid, instants)
-    smooth = film.grid.cells[1] == 1
-    return Plan(
-        grid=film.grid,
-        padding=ExactPeriodicity(),
-        dimension=1 if smooth else 2,
-        error=error if smooth and grid is None else inf,
-        seconds=film.seconds,
-        solves=film.solves,
-        bytes=film.bytes,
-        period_check=requirements.period_check(film.grid.length),
-        reasons=film.reasons,
-        warnings=film.warnings,
-    )
-
-
 def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> int:
     """Return the number of instants that are recorded of `scene`: 0 of a static one, else 2 where nothing has an end."""
     if scene.time_dependent_field is None:
@@ -388,33 +318,3 @@ def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> i
             scene.load, speed, getattr(scene.friction, "history", None)
         )
     return 2 if recorded is None else np.size(recorded)
-
-
-def _plan_of_adhesion(
-    scene: Scene,
-    requirements: GridRequirements,
-    error: float,
-    period: float | None,
-    grid: Grid | None,
-    times: "ArrayLike | TimeSteps | None",
-) -> Plan:
-    """Plan a scene with adhesion."""
-    # imported only for such scenes
-    from contactstudy.planning.adhesive_requirements import adhesive_requirements
-
-    instants = _count_of_instants(scene, times)
-    adhesive = adhesive_requirements(scene, requirements, error, period, grid, instants)
-    grid, padding = adhesive.grid, requirements.padding()
-    expected_error = requirements.error(grid.cell_size)
-    return Plan(
-        grid=grid,
-        padding=padding,
-        dimension=1 if grid.cells[1] == 1 else 2,
-        error=expected_error,
-        seconds=adhesive.seconds,
-        bytes=memory(grid, padding),
-        period_check=requirements.period_check(grid.length),
-        reasons=(*requirements.reasons(grid, expected_error), *adhesive.reasons),
-        warnings=(*requirements.warnings(grid), *adhesive.warnings),
-        solves=adhesive.solves,
-    )

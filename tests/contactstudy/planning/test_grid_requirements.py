@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.units import readable
-from contactstudy.planning.film_requirements import film_requirements
+from contactstudy.planning.film_plan import plan_of_film
 from contactstudy.planning.grid_requirements import GridRequirements, grid_requirements
 from contactstudy.planning.transient_requirements import expected_plastic_zone
 from contactstudy.scene.shapes.shape import LengthScales
@@ -113,7 +113,7 @@ def test_a_wave_needs_two_cells_along_each_axis() -> None:
 def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
     """Six matrices of numbers of 8 bytes."""
     scene, given = by_moes(20, 5), grid(100, 4.5)
-    found = film_requirements(scene, grid_requirements(scene), 0.01, None, given)
+    found = plan_of_film(scene, 0.01, None, given)
     assert found.grid == given
     moes, inlet, cells = found.reasons
     assert moes.endswith(" at M = 20, L = 5")
@@ -125,10 +125,7 @@ def test_a_film_on_a_given_grid_says_where_its_inlet_begins() -> None:
 
 def test_a_film_in_time_takes_steps_from_one_instant_to_the_next() -> None:
     scene, given = by_moes(20, 5), grid(100, 4.5)
-    requirements = grid_requirements(scene)
-    steady, few, many = (
-        film_requirements(scene, requirements, 0.01, None, given, n) for n in (0, 2, 101)
-    )
+    steady, few, many = (plan_of_film(scene, 0.01, None, given, n) for n in (0, 2, 101))
     assert steady.solves == 1 < few.solves < 101 <= many.solves
     assert steady.seconds < few.seconds < many.seconds
 

@@ -1,13 +1,13 @@
-"""Grid that a lubricated scene needs, and its cost."""
+"""Plan of a lubricated scene: the grid that it needs, and its cost."""
 
-from dataclasses import dataclass
-from math import prod
+from math import inf, prod
 
-from contactstudy.domain.grid import Grid
+from contactstudy.domain.grid import ExactPeriodicity, Grid
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.posed_film import lubricated_scales
 from contactstudy.lubrication.solve_lubricated import CELLS_PER_WAVE, film_grid
-from contactstudy.planning.grid_requirements import GridRequirements
+from contactstudy.planning.grid_requirements import grid_requirements
+from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
 
 # Seconds of a film in plane strain with its estimate on two coarser grids, for the square of its cells, and of any film:
@@ -23,50 +23,19 @@ SECONDS_PER_CELL = 3.5e-4
 FLOATS_PER_CELL, FOURIER_MATRICES = 180, 50
 
 
-@dataclass(frozen=True)
-class FilmRequirements:
-    """Grid of a film, and what a solve on it costs.
-
-    Attributes
-    ----------
-    grid
-        The grid.
-    seconds
-        Seconds of a solve on one core.
-    solves
-        Number of films that are solved one after the other: steps in time, or 1.
-    bytes
-        Bytes that a solve holds at most.
-    reasons
-        A sentence for each choice.
-    warnings
-        A sentence for each unknown error.
-    """
-
-    grid: Grid
-    seconds: float
-    solves: int
-    bytes: int
-    reasons: tuple[str, ...]
-    warnings: tuple[str, ...]
-
-
-def film_requirements(
+def plan_of_film(
     scene: Scene,
-    requirements: GridRequirements,
     error: float,
     period: float | None,
     grid: Grid | None,
     instants: int = 0,
-) -> FilmRequirements:
-    """Return the grid that a lubricated scene needs, and its cost.
+) -> Plan:
+    """Return the plan of a lubricated scene.
 
     Parameters
     ----------
     scene
         The lubricated scene.
-    requirements
-        Requirements of its surfaces.
     error
         Relative error of the central and the minimum film thickness.
     period
@@ -76,7 +45,7 @@ def film_requirements(
     instants
         Instants that are recorded of a film in time; 0 of a steady one.
     """
-    scales = lubricated_scales(scene)
+    requirements, scales, given = grid_requirements(scene), lubricated_scales(scene), grid
     warnings = (
         []
         if grid is None
@@ -113,4 +82,14 @@ def film_requirements(
             "The error of a film between rough surfaces is not predicted: solve, and read answer.error."
         )
         floats = FLOATS_PER_CELL * prod(grid.cells) + FOURIER_MATRICES * nx**2
-    return FilmRequirements(grid, seconds, solves, 8 * floats, tuple(reasons), tuple(warnings))
+    return Plan(
+        grid=grid,
+        padding=ExactPeriodicity(),
+        error=error if ny == 1 and given is None else inf,
+        seconds=seconds,
+        bytes=8 * floats,
+        period_check=requirements.period_check(grid.length),
+        reasons=tuple(reasons),
+        warnings=tuple(warnings),
+        solves=solves,
+    )

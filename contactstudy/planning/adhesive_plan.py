@@ -1,12 +1,17 @@
-"""Grid requirements of a scene with adhesion: six cells in the cohesive zone, and a width that holds the attraction."""
+"""Plan of a scene with adhesion: six cells in the cohesive zone, and a width that holds the attraction."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi, sqrt
 
 from contactstudy.domain.grid import Grid
-from contactstudy.planning.cost import CostModel
+from contactstudy.planning.cost import CostModel, memory
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
-from contactstudy.planning.grid_requirements import GridRequirements, halvable_count
+from contactstudy.planning.grid_requirements import (
+    GridRequirements,
+    grid_requirements,
+    halvable_count,
+)
+from contactstudy.planning.planned import Plan
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
@@ -20,33 +25,19 @@ FADING_DISTANCE = 3.7
 PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10
 
 
-@dataclass(frozen=True)
-class AdhesiveRequirements:
-    """Grid of a contact with adhesion, the seconds of all its solves, their number, and sentences on them."""
-
-    grid: Grid
-    seconds: float
-    solves: int
-    reasons: tuple[str, ...]
-    warnings: tuple[str, ...]
-
-
-def adhesive_requirements(
+def plan_of_adhesion(
     scene: Scene,
-    requirements: GridRequirements,
     error: float,
     period: float | None,
     grid: Grid | None,
     instants: int = 0,
-) -> AdhesiveRequirements:
-    """Return the grid that a scene with adhesion needs, and its cost.
+) -> Plan:
+    """Return the plan of a scene with adhesion.
 
     Parameters
     ----------
     scene
         The scene, with adhesion and a curved shape.
-    requirements
-        Requirements of its shapes.
     error
         Relative L1 error of the pressure.
     period
@@ -56,7 +47,7 @@ def adhesive_requirements(
     instants
         Instants that are recorded of a load history; 0 of a constant load.
     """
-    adhesion, radius = scene.adhesion, scene.radius
+    requirements, adhesion, radius = grid_requirements(scene), scene.adhesion, scene.radius
     assert adhesion is not None
     assert radius is not None
     scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
@@ -75,20 +66,31 @@ def adhesive_requirements(
         tabor, cells = scale / attraction_range, zone / cell
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
     pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
-    of_a_solve = CostModel().seconds(grid, requirements.padding(), pairs)
-    seconds = FORECAST.cost_ratio * solves * of_a_solve
+    padding = requirements.padding()
+    seconds = FORECAST.cost_ratio * solves * CostModel().seconds(grid, padding, pairs)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
         f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."
     )
-    warnings: tuple[str, ...] = ()
+    warnings = requirements.warnings(grid)
     if cells < ZONE_CELLS * (1 - 1e-9):
         finer = int(grid.cells[0] * ZONE_CELLS / cells) + 1
-        warnings = (
+        warnings += (
             f"Grid.cells[0] is {grid.cells[0]}: {cells:.2g} cells in the cohesive zone, so few that the "
             f"grid pins the edge of the contact (lattice trapping): give {finer} for six.",
         )
-    return AdhesiveRequirements(grid, seconds, solves, (reason,), warnings)
+    expected_error = requirements.error(grid.cell_size)
+    return Plan(
+        grid=grid,
+        padding=padding,
+        error=expected_error,
+        seconds=seconds,
+        bytes=memory(grid, padding),
+        period_check=requirements.period_check(grid.length),
+        reasons=(*requirements.reasons(grid, expected_error), reason),
+        warnings=warnings,
+        solves=solves,
+    )
 
 
 def _grid(

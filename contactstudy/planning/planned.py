@@ -1,0 +1,57 @@
+"""A plan: grid and padding for a scene, with expected error and cost."""
+
+from dataclasses import dataclass, field
+
+from contactstudy.domain.checks import set_fields
+from contactstudy.domain.device import ONE_THREAD, Device
+from contactstudy.domain.grid import Grid, Padding, Paddings
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A grid and a padding for a scene, with expected error and cost.
+
+    Solve it with ``solve(scene, plan.grid, plan.padding)``.
+
+    Attributes
+    ----------
+    grid
+        The grid.
+    padding
+        The boundary conditions.
+    dimension
+        Dimension of the grid: 1 in plane strain, where nothing varies along the length; 2 in three dimensions.
+    error
+        Relative L1 error of the pressure to expect, by a law for a smooth contact, else from solutions on coarse grids;
+        of a film, that of its thickness. Infinite where it is not predicted.
+    seconds
+        Seconds of processor time of a solve to the error: its plan, all grids and steps, their estimates, and the stress
+        that a steady scene names, from solves timed just now. Imports, compilation, files and pictures are not counted.
+    bytes
+        Bytes that a solve holds at most.
+    period_check
+        A sentence on how the period suits the scene.
+    reasons
+        A sentence for each choice.
+    warnings
+        A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
+    solves
+        Number of contacts or films that are solved one after the other, in a scene that changes in time or rolls.
+    on
+        Device that the seconds are for.
+    """
+
+    grid: Grid
+    padding: Padding | Paddings
+    dimension: int = field(init=False)
+    error: float
+    seconds: float
+    bytes: int
+    period_check: str
+    reasons: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+    solves: int = 1
+    on: Device = ONE_THREAD
+
+    def __post_init__(self) -> None:
+        set_fields(self, dimension=1 if self.grid.cells[1] == 1 else 2)

@@ -55,9 +55,9 @@ class HertzLine:
         return self.peak_pressure * np.sqrt(np.clip((1 - t) * (1 + t), 0, None))
 
     def displacement(self, x: ArrayLike, datum: float) -> Array:
-        """Return the displacement [m] at `x` [m] from the axis.
+        """Return the displacement [m] at `x` [m] from the axis, of a half-space with the modulus E* of both bodies.
 
-        It is relative to the point at the distance `datum` [m], where W on the axis alone gives none.
+        It counts from the distance `datum` [m], at which the surface would not move if W acted on the axis alone.
         """
         t = np.abs(np.asarray(x, dtype=np.float64)) / self.half_width
         out = np.maximum(t, 1)
@@ -67,7 +67,7 @@ class HertzLine:
         return np.asarray(scale * (rigid - t**2 + beyond))
 
     def stress(self, x: ArrayLike, depth: ArrayLike) -> Array:
-        """Return the stress xx, zz and xz (3, ...) [Pa] at `x` and `depth` [m], tension positive, z into the body.
+        """Return the stress xx, zz and xz (3, ...) [Pa] at `x` from the axis and `depth` [m], tension positive, z down.
 
         Source: McEwen (1949), by way of Johnson (1985), eqs. 4.49.
         """

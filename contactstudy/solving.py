@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 
 # Most iterations of a film, and the fraction of the requested error for its steps in time.
 FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
-# Refinements of a scene that is not static, whose error is at least of first order: their number, the largest factor on
-# the cells along an axis, and the most cells of a grid.
-REFINEMENTS, MAX_REFINEMENT, MAX_CELLS = 3, 3.0, 2_000_000
+# Refinements of a scene that is not static, whose error is at least of first order: their number, the margin on the
+# cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
+REFINEMENTS, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.05, 3.0, 2_000_000
 
 
 @dataclass(frozen=True)
@@ -106,8 +106,9 @@ def solve(
     grid, padding
         Where to solve; chosen for the `error` if None. ``grid`` alone keeps the grid.
     error
-        Relative L1 error of the pressure not to exceed, of cells and steps together (of a film: of its thickness), such
-        as ``1e-2`` or ``"1 %"``, the default without a grid. The answer says whether its bound meets it.
+        Relative L1 error of the pressure not to exceed, of cells and steps together; of a film, that of its thickness,
+        friction, temperatures and load fraction. Such as ``1e-2`` or ``"1 %"``, the default without a grid. The answer
+        says whether its bound meets it.
     period
         Length [m] of the grid that is chosen.
     times
@@ -477,7 +478,7 @@ class _Request:
             if answer.met or not isfinite(parts["discretisation"]) or other_causes >= requested:
                 break
             factor = parts["discretisation"] / (requested - other_causes)
-            grid = _finer(answer.grid, min(1.05 * factor, MAX_REFINEMENT))
+            grid = _finer(answer.grid, min(MARGIN * factor, MAX_REFINEMENT))
             if prod(grid.cells) > MAX_CELLS:
                 break
             answer = replace(solve_on(grid), requested=requested)

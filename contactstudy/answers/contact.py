@@ -78,7 +78,7 @@ class Contact(Answer, Solution):
         try:
             if self.rolling is not None and self.estimate is None:
                 return self.rolling.error_estimate()
-            if not self._is_static:
+            if not self._has_derived_errors:
                 return self.estimate or error_estimate(self)
             attraction = None if self.adhesion is None else self.adhesion.attraction
             coarse = coarse_solution(self.problem, self.pressure, attraction)
@@ -88,10 +88,11 @@ class Contact(Answer, Solution):
             return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
 
     @property
-    def _is_static(self) -> bool:
-        """True for a pressure that does not depend on earlier ones, whose approach and stress have an error.
+    def _has_derived_errors(self) -> bool:
+        """True where approach and stress get an error: the solve did not fail, and the bodies touch.
 
-        In a history with adhesion each state is a static one.
+        A frame with an estimate of its own depends on earlier pressures, and has none. In a history with adhesion each
+        state is in equilibrium by itself.
         """
         depends_on_history = self.time is not None and self.estimate is not None
         return not (depends_on_history or self.status.is_failure) and bool(self.pressure.any())

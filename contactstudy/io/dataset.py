@@ -313,7 +313,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
 def plastic_variables(
     coupled: "CoupledStateVariable", states: Sequence[Mapping[str, Array]]
 ) -> dict[str, xr.Variable]:
-    """Return the dent below a film and the plastic strain that causes it, at every instant."""
+    """Return residual displacement and plastic strain of bodies that yield, at every instant."""
     fields = _over_time([coupled.fields(state) for state in states])
     return fields | {
         name: _field_variable(field) for name, field in coupled.over_time(states).items()
@@ -446,23 +446,23 @@ def film_dataset(
 
 def film_fields(contact: "FilmSolution") -> xr.Dataset:
     """Return pressure, film, film fraction and shear of a lubricated contact over (x, y), with its scene."""
-    grid, touching, bearer = contact.grid, {}, "the lubricant"
+    grid, variables, carrier = contact.grid, {}, "the lubricant"
     if contact.contact_pressure is not None:
-        bearer = "lubricant and asperities together"
+        carrier = "lubricant and asperities together"
         of_asperities = _plane(contact.contact_pressure, "Pa", "pressure of asperities")
-        touching["contact_pressure"] = of_asperities
+        variables["contact_pressure"] = of_asperities
     if contact.worn_depth is not None:
-        touching["worn_depth"] = _plane(contact.worn_depth, "m", "worn depth")
+        variables["worn_depth"] = _plane(contact.worn_depth, "m", "worn depth")
     if (heat := contact.temperatures) is not None:
         rise = "temperature rise"
-        touching["film_temperature_rise"] = _plane(heat.film, "K", f"{rise} of the film")
+        variables["film_temperature_rise"] = _plane(heat.film, "K", f"{rise} of the film")
         for number, rises in enumerate(heat.surface, start=1):
             name, label = f"surface_temperature_rise_{number}", f"{rise} of surface {number}"
-            touching[name] = _plane(rises, "K", label)
+            variables[name] = _plane(rises, "K", label)
     return xr.Dataset(
-        touching
+        variables
         | {
-            "pressure": _plane(contact.pressure, "Pa", f"pressure of {bearer}"),
+            "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
             "film": _plane(contact.film, "m", "film thickness"),
             "film_fraction": _plane(
                 contact.film_fraction, "1", "fraction of the film that is full"

@@ -34,6 +34,10 @@ class TransientConstants:
     strain_fields, strain_fields_along
         Fields of plastic strain that a step holds in plane strain, and where strain varies along the length: measured on
         rough cylinders of 48^2 to 128^2 cells.
+    rolling_widening
+        Factor on the width of a contact that rolls.
+    fields
+        Fields that an integration in time holds beside those of creep.
     rolling_fields
         Fields that the iteration of a steadily rolling contact holds.
     min_load_fraction
@@ -49,6 +53,8 @@ class TransientConstants:
     error_power: float = 1.5
     strain_fields: int = 24
     strain_fields_along: int = 36
+    rolling_widening: float = 1.5
+    fields: int = 8
     rolling_fields: int = 32
     min_load_fraction: float = 0.1
     load_samples: int = 2000
@@ -186,9 +192,12 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     softest = sum(_softest(body, duration) for body in scene.solids)
     hertz = elastic.hertz
     half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi) if hertz else 0.0
-    fields = 2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies) + 8
+    fields = (
+        2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies)
+        + CONSTANTS.fields
+    )
     if scene.rolls:
-        width = 2 * GRID.width_factor * half_width * 1.5
+        width = 2 * GRID.width_factor * half_width * CONSTANTS.rolling_widening
         return TransientRequirements(elastic, width, CONSTANTS.rolling_fields, ())
     plastic = expected_plastic_zone(scene)
     if plastic is not None:

@@ -82,6 +82,8 @@ def follow_load(
     last: Solution | None = None
     for point in breakpoints:
         loads = (point.before, point.after) if point.jumps and last is not None else (point.after,)
+        # a jump that is recorded once is recorded after it
+        recorded = len(loads) if times is None else point.times_recorded
         for number, value in enumerate(loads):
             rolling = None
             if value == 0 and law is None:
@@ -91,7 +93,7 @@ def follow_load(
                 last = rolling.solution
             else:
                 last = _next_solution(_problem_under(largest, elastic, value, law), last, options)
-            if times is None or point.times_recorded > len(loads) - 1 - number:
+            if number >= len(loads) - recorded:
                 frames.append(frame_in_equilibrium(point.time, value, last, rolling))
         if progress is not None:
             progress(point.time, breakpoints[-1].time)

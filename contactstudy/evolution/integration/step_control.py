@@ -13,6 +13,8 @@ MIN_FACTOR, MAX_FACTOR, SAFETY = 0.2, 2.0, 0.9
 ORDER = 2
 # Duration of the first pair of steps over that of the integration: if it is too long, it is rejected.
 INITIAL_STEP = 1e-2
+# Steps of an integration that starts again, over those before, at most.
+MAX_RESTART_FACTOR = 0.7
 # The least ratio of the error to the solver's tolerance, so that the solver's error does not count.
 MIN_ERROR_OVER_TOLERANCE = 100
 
@@ -72,5 +74,7 @@ class StepControl:
 
     def stricter(self, excessive_error: float) -> "StepControl":
         """Return the control of the next integration, after one whose error is above the allowed one."""
-        shorter = min(SAFETY * self.error / excessive_error, 0.7) ** (ORDER / (ORDER - 1))
+        shorter = min(SAFETY * self.error / excessive_error, MAX_RESTART_FACTOR) ** (
+            ORDER / (ORDER - 1)
+        )
         return StepControl(self.error, self.local_tolerance * shorter)

@@ -36,7 +36,6 @@ from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import ShapesSource
-from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
@@ -229,12 +228,11 @@ class TimeStepper:
             instant = next_instant
         if next_instant is not instant and solution.status is Status.CONVERGED:
             solution = replace(solution, status=Status.NOT_CONVERGED)
-        limits = self.options.tolerance, self.options.max_iterations
-        for state in (state for state in states if "residual" in state):
-            residual = float(state["residual"][0])
-            if residual > self.options.tolerance and solution.status is Status.CONVERGED:
-                status = shear_status(residual, int(state["applications"][0]), *limits)
-                solution = replace(solution, status=status, residual=residual)
+        for variable, state in zip(self.state_variables, states, strict=True):
+            if isinstance(variable, IteratedStateVariable):
+                status, residual = variable.outcome(state)
+                if solution.status is Status.CONVERGED and status is not Status.CONVERGED:
+                    solution = replace(solution, status=status, residual=residual)
         solutions[-1] = solution
         instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)
         return instant, solutions

@@ -12,7 +12,9 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.evolution.states.state_variables import Contribution, CreepState, State, Step
 from contactstudy.problem.problem import Field
 from contactstudy.scene.loads.load_history import PiecewiseLinear
+from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import SlipStep, locked_shear, slip_step
+from contactstudy.solvers.solution import Status
 
 # Error of the shear over the difference of two integrations where slip wears: at most 2.4 in twelve contacts, whose
 # errors fall as the steps do or more slowly.
@@ -109,6 +111,12 @@ class ShearState:
         if not self.wear or found["slip_change"][0] <= tolerance:
             return state
         return dict(state) | {"slip_iterate": found["slip_iterate"]}
+
+    def outcome(self, state: State) -> tuple[Status, float]:
+        """Return how the solution for the shear of the last step ended, and its relative residual."""
+        residual, applications = float(state["residual"][0]), int(state["applications"][0])
+        status = shear_status(residual, applications, self.tolerance, self.max_applications)
+        return status, residual
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
         """Return shear, slip, energy and worn depth at the end of the step.

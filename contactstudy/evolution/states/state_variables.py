@@ -11,7 +11,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.problem.problem import Field, ResidualStress
-from contactstudy.solvers.solution import CoupledSolution, Solution
+from contactstudy.solvers.solution import CoupledSolution, Solution, Status
 
 # The fields (x, y) that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
@@ -108,6 +108,9 @@ class IteratedStateVariable(Protocol):
 
         It is the same `state` where the iteration has converged to the `tolerance`.
         """
+
+    def outcome(self, state: State) -> tuple[Status, float]:
+        """Return how the solution for the `state` at the end of a step ended, and its relative residual."""
 
 
 class StateVariable(AnyStateVariable, Protocol):

@@ -290,5 +290,5 @@ def _alternative(measured: Measured, best: Measured) -> Alternative:
 
 
 def with_envelope(errors: Sequence[float]) -> list[float]:
-    """Return the largest of each error and all after it, of errors on ever finer grids."""
+    """Return errors on ever finer grids with each replaced by the largest of itself and those on finer grids."""
     return [float(error) for error in np.fmax.accumulate(errors[::-1])[::-1]]

@@ -328,7 +328,7 @@ class _Measurement:
         is_short = any(part.l1 > TOLERANCE_FRACTION * self.error for part in longest)
         return images in (0, *TIMED_IMAGES) or (is_short and images == max(CIRCULAR_IMAGES))
 
-    def _grid_level(self, multiple: int, *, is_bounded: bool) -> "_GridLevel | None":
+    def _grid_level(self, multiple: int, *, is_bounded: bool) -> _GridLevel | None:
         """Return a level with the loosest tolerance that suffices on it; None where it is too coarse to be solved."""
         nested = self.nested
         if multiple not in nested.answers:
@@ -352,7 +352,7 @@ class _Measurement:
         self,
         subject: ComparedScene,
         padding: cs.Padding | cs.Paddings,
-        levels: Sequence["_GridLevel"],
+        levels: Sequence[_GridLevel],
         label: str = "",
     ) -> list[Measured]:
         """Measure a padding on some levels, and return its settings, each with its own error."""

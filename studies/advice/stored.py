@@ -144,4 +144,5 @@ def _padded(rows: Sequence[tuple[float, ...]]) -> np.ndarray:
 
 
 def _known(times: Sequence[float]) -> tuple[float, ...]:
+    """Return the times that are not nan."""
     return tuple(second for second in times if isfinite(second))

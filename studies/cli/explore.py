@@ -14,6 +14,7 @@ import numpy as np
 from contactstudy import InvalidInput
 from contactstudy.domain.units import display_unit_of, readable
 from studies.cli.options import out_option
+from studies.model.axis import is_geometric
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -144,20 +145,13 @@ def _axis(field: "xr.DataArray", dim: str, *, in_study: bool) -> dict[str, Any]:
         return axis | {"unit": "", "values": texts, "canLog": False, "log": False}
     factor, unit = display_unit_of(values, units)
     can_log = bool(values.min() > 0)
+    spans = bool(values.max() > LOGARITHMIC_FROM * values.min())
     return axis | {
         "unit": unit,
         "values": [float(f"{value / factor:.9g}") for value in values.tolist()],
         "canLog": can_log,
-        "log": can_log and in_study and _is_geometric(values.astype(float)),
+        "log": can_log and in_study and (spans or is_geometric(values)),
     }
-
-
-def _is_geometric(values: np.ndarray) -> bool:
-    """Return whether positive values rise in equal ratios, or span more than a factor of 30."""
-    if len(values) < 2 or values.max() > LOGARITHMIC_FROM * values.min():
-        return len(values) > 1
-    ratios = values[1:] / values[:-1]
-    return len(values) > 2 and bool(np.ptp(ratios) < 1e-6 * abs(ratios[0] - 1))
 
 
 def _variable(field: "xr.DataArray") -> dict[str, Any]:

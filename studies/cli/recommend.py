@@ -120,9 +120,13 @@ def _fields(comparison: Comparison, verdict: Verdict) -> dict[str, Any]:
         "reference_bound": comparison.reference_bound,
         "best": _setting(comparison, verdict.best),
         "alternatives": [
-            _setting(comparison, rival.measured)
-            | {"time_ratio": rival.ratio, "p_value": rival.p, "is_as_fast": rival.is_as_fast}
-            for rival in verdict.alternatives
+            _setting(comparison, alternative.measured)
+            | {
+                "time_ratio": alternative.ratio,
+                "p_value": alternative.p,
+                "is_as_fast": alternative.is_as_fast,
+            }
+            for alternative in verdict.alternatives
         ],
         "notes": list(comparison.notes),
     }

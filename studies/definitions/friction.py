@@ -20,6 +20,7 @@ from studies.reference.line_contact import HERTZ, SCENE, STEEL
 
 A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 COEFFICIENTS = (0.0, 0.1, 0.2, 0.25, 0.3, 0.4)
+# over the half-width
 DEPTHS = (1e-6, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9)
 FRACTIONS = (0.1, 0.3, 0.5, 0.7, 0.9)
 MU = 0.3
@@ -38,8 +39,8 @@ class Rough(Case):
     cells_rough: int = 48
 
 
-def case_at(point: Point) -> Case:
-    """Return the sweeps' line contact between bodies of this Poisson's ratio and one contact modulus."""
+def case_at(point: Point) -> Rough:
+    """Return the paper's line contact between bodies of this Poisson's ratio, whose contact modulus is that of steel."""
     ratio = finite("poisson_ratio", point["poisson_ratio"], "give a ratio from 0 to 0.5")
     cells = whole_number("grid", point["grid"], 32, "give at least 32 cells across the width")
     whole_number("rough_grid", point["rough_grid"], 16, "give at least 16 cells along each axis")
@@ -52,7 +53,7 @@ def case_at(point: Point) -> Case:
 
 
 def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
-    """Return von Mises' stress over the coefficient, stick zone over the tangential force, and one error."""
+    """Return von Mises' stress over the coefficient, stick zones over the force, and the error of a superposition."""
     highest, depth = _stress(case, solution.pressure)
     hertz = case.scene.hertz
     assert hertz is not None
@@ -128,7 +129,10 @@ def _sphere(case: Rough, fraction: float) -> float:
 
 
 def _superposition(case: Rough) -> tuple[float, float]:
-    """Return error and transverse shear of the superposition of two normal contacts under half the largest force."""
+    """Return the L1 error of Ciavarella's and Jaeger's shear on a rough contact, and the largest transverse shear.
+
+    The tangential force is half of what friction can carry; both are relative, to the shear of the exact solution.
+    """
     rms = 0.3 * A**2 / (2 * HERTZ.radius)
     rough = cs.Roughness(rms, hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1)
     slip = PartialSlip(MU, 0.5 * MU * case.scene.load.largest)

@@ -63,7 +63,7 @@ class PaddingComparison(Case):
 
 
 def case_at(point: Point) -> PaddingComparison:
-    """Return the sweeps' cylinder with a rough surface; with zero rms all surfaces are one case."""
+    """Return the paper's cylinder with a rough surface; with zero rms all surfaces are one case."""
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
     cells = whole_number("grid", point["grid"], 2, "give at least 2 cells across the width")
     period = positive("period", point["period"], "give a period above 0 half-widths")

@@ -187,6 +187,14 @@ class Axis:
         return converted  # type: ignore[no-any-return]
 
 
+def is_geometric(values: np.ndarray) -> bool:
+    """Return whether three positive numbers or more follow each other in equal ratios, to a thousandth."""
+    if values.size < 3 or not (values > 0).all():
+        return False
+    ratios = values[1:] / values[:-1]
+    return bool(np.allclose(ratios, ratios[0], rtol=1e-3) and abs(ratios[0] - 1) > 1e-3)
+
+
 def check_count(name: str, count: int, what: str, most: int | None) -> None:
     """Raise InvalidInput for more than `most` values, or more than this machine's memory can hold."""
     if most is not None and count > most:

@@ -59,7 +59,7 @@ class Outcome:
     cpu
         CPU time of the whole computation [s].
     loaded
-        What the process that computed it had loaded, see :class:`~studies.store.fingerprint.modules.ImportRecorder`.
+        Fingerprints of what its process had imported, see :class:`~studies.store.fingerprint.modules.ImportRecorder`.
     worker
         Address of the dask worker that computed it; empty for this machine.
     sample

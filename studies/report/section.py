@@ -15,7 +15,21 @@ CLAIM_PREFIX = "The paper's"  # findings about the paper stand in its section
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """The part of a page that shows a study."""
+    """The part of a page that shows a study.
+
+    Attributes
+    ----------
+    name, title
+        Anchor on the page, and heading.
+    axes_text
+        Axes with their values; empty without any.
+    findings, tables
+        Findings and tables.
+    figures
+        Of each figure, what :func:`embedded` returns.
+    file
+        Name of the netCDF file without its ending, `name` if empty.
+    """
 
     name: str
     title: str
@@ -55,7 +69,10 @@ def saved(drawn: CaptionedFigure, folder: Path, formats: Sequence[str]) -> bytes
 def embedded(
     drawn: CaptionedFigure, folder: str, out: Path, formats: Sequence[str]
 ) -> Mapping[str, str]:
-    """Save a figure into ``<out>/<folder>``, and return what a page shows of it."""
+    """Save a figure into ``<out>/<folder>``, and return what a page shows of it as texts.
+
+    They are ``png`` in base64, the paths of its ``files``, ``caption``, and ``width`` and ``height`` in pixels.
+    """
     return {
         "png": base64.b64encode(saved(drawn, out / folder, formats)).decode(),
         "files": " ".join(f"{folder}/{drawn.name}.{suffix}" for suffix in formats),

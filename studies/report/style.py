@@ -46,7 +46,7 @@ def padding_style(padding: str) -> dict[str, Any]:
 
 
 def setting_label(dataset: xr.Dataset | xr.DataArray) -> str:
-    """Return the name of the padding and the n of a dataset that is reduced to one of each."""
+    """Return the name of the padding of a dataset that has one padding and one n, with its n where it has one."""
     return padding_label(str(dataset["padding"].values), int(dataset["images"]))
 
 

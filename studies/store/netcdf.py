@@ -39,7 +39,7 @@ def open_folder(path: Path) -> Path:
 
 
 def write(dataset: xr.Dataset, path: Path, groups: Iterable[tuple[str, xr.Dataset]] = ()) -> None:
-    """Write a dataset as netCDF, with `groups` below it; a previous file stays until the new one is complete.
+    """Write a dataset as netCDF, with `groups` (name, dataset) below it; an earlier file stays until it is complete.
 
     Raises
     ------

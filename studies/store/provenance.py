@@ -31,7 +31,6 @@ def provenance() -> Mapping[str, str]:
         "git_revision": _revision(),
         "cpu": cpu(),
         "cpu_count": str(os.cpu_count()),
-        "threads": "1",
         "platform": platform.platform(),
     }
 
@@ -43,17 +42,16 @@ def machine() -> str:
 
 @cache
 def _revision() -> str:
-    """Return the commit of this program's own checkout, with a mark where files differ from it."""
+    """Return the commit of this program's own checkout, with ``-dirty`` where files differ from it."""
     checkout = Path(__file__).parents[2]
-    describe = ["describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
-    if (
-        checkout / ".git"
-    ).exists():  # or git would name a repository which the environment happens to lie in
+    command = ["git", "describe", "--always", "--dirty", "--abbrev=40", "--exclude=*"]
+    # without it git would name the repository that the environment happens to lie in
+    if (checkout / ".git").exists():
         with suppress(OSError, subprocess.SubprocessError):
-            command = ["git", "-C", str(checkout), *describe]
-            return subprocess.run(
-                command, capture_output=True, text=True, timeout=10, check=True
-            ).stdout.strip()
+            done = subprocess.run(
+                command, cwd=checkout, capture_output=True, text=True, timeout=10, check=True
+            )
+            return done.stdout.strip()
     return "unknown (not a git checkout)"
 
 

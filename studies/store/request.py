@@ -20,7 +20,7 @@ from studies.store.fingerprint.modules import RECORDER, digest, is_older
 from studies.store.fingerprint.numerical_part import numerical_part
 from studies.store.records import CaseIdentity, Context, without_garbage_collection
 
-SESSION = secrets.token_hex(8)
+SESSION = secrets.token_hex(8)  # stands for code that this process alone can know
 CLASS = re.compile(r'"":"([^"]+)"')  # the name of a class in the JSON of a tree
 
 

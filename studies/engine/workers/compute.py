@@ -100,7 +100,7 @@ def time_once(case: Computation) -> TimedRun:
 
 
 def _reference_time() -> float:
-    """Return the seconds of a transform of 128 x 128 cells, the least of three."""
+    """Return the wall time [s] of a fixed piece of work, a transform of 128 x 128 cells: the least of three."""
     least = np.inf
     for _ in range(3):
         start = perf_counter()
@@ -155,12 +155,18 @@ def alarm(limit: float | None) -> Iterator[None]:
 
 
 def deadline(limit: float | None) -> float | None:
-    """Return the time (of ``monotonic``) at which a supervisor ends a process that its alarm has not reached."""
+    """Return the time (of ``monotonic``) at which a supervisor ends a process that its alarm has not reached.
+
+    A tenth of the limit and half a second more are for the alarm's own way back on a busy machine.
+    """
     return None if limit is None else monotonic() + 1.1 * limit + 0.5
 
 
 def limit_of_timed_run(expected: float, limit: float | None) -> float:
-    """Return the time [s] after which a timed run of a case that took ``expected`` is given up."""
+    """Return the time [s] after which a timed run of a case that took ``expected`` [s] is given up.
+
+    It is far beyond what a busy machine adds, so that only a case that hangs is given up.
+    """
     longest = 5 + 10 * expected
     return longest if limit is None else min(longest, limit)
 

@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm, Normalize
 
 from contactstudy import InvalidInput
 from contactstudy.domain.units import display_unit_of
-from studies.model.axis import one_of
+from studies.model.axis import is_geometric, one_of
 from studies.model.drawing import CaptionedFigure
 from studies.model.outcome import CaseStatus
 from studies.report.drawings import against_reference
@@ -31,7 +31,7 @@ DRAWN = (
 # What a case records of its solve, which is no measure.
 RECORDED = (
     "accuracy_met", "solver_status", "iterations", "linear_iterations", "convolutions", "residual",
-    "outer_iterations", "passes", "solves",
+    "outer_iterations", "passes", "solves", "instants", "steps", "rejected", "restarts",
 )  # fmt: skip
 # Relative difference of values that are constant.
 CONSTANT = 1e-6
@@ -228,7 +228,7 @@ def _curve(
     for line in lines(doubtful / _scale(values)[0]):
         if np.isfinite(line).any():
             ax.plot(x, line, **DOUBTFUL)
-    if joins and (_spans_decade(numbers) or _is_geometric(numbers)):
+    if joins and (_spans_decade(numbers) or is_geometric(numbers.values)):
         ax.set_xscale("log")
         write_powers(ax.xaxis, "{:g}".format)
     if _spans_decade(values):
@@ -252,7 +252,7 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, line_style: str) -
         ax.plot(x, mean, color=COLORS[0], label=text, **marked)
         return
     if values.size > MAX_LINES and _is_numeric(values):
-        scale = LogNorm if _is_geometric(values) else Normalize
+        scale = LogNorm if is_geometric(values.values) else Normalize
         ends = float(values.min()) / size, float(values.max()) / size
         colors = ScalarMappable(scale(*ends), "viridis")
         marked["marker"] = "." if line_style == "none" else "none"
@@ -306,15 +306,6 @@ def _spans_decade(values: xr.DataArray) -> bool:
     """Return whether the values are above zero and span more than a decade."""
     finite = values.values[np.isfinite(values.values)].ravel()
     return bool(finite.size > 1 and finite.min() > 0 and finite.max() > 10 * finite.min())
-
-
-def _is_geometric(values: xr.DataArray) -> bool:
-    """Return whether three numbers or more follow each other in equal ratios."""
-    numbers = values.values
-    if numbers.size < 3 or not (numbers > 0).all():
-        return False
-    ratios = numbers[1:] / numbers[:-1]
-    return bool(np.allclose(ratios, ratios[0], rtol=1e-3) and abs(ratios[0] - 1) > 1e-3)
 
 
 def _is_sample(axis: str) -> bool:

@@ -51,7 +51,6 @@ def test_the_file_says_where_its_numbers_come_from(dataset: xr.Dataset) -> None:
         "history",
         "git_revision",
         "cpu",
-        "threads",
         "timing",
     ):
         assert dataset.attrs[name], name

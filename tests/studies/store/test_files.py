@@ -114,4 +114,3 @@ def test_the_history_is_the_command_as_a_shell_takes_it(monkeypatch: pytest.Monk
     monkeypatch.setattr(provenance.sys, "argv", ["/opt/bin/contactstudy", "run", "my study.py"])
     attributes = provenance.provenance()
     assert attributes["history"].partition(" ")[2] == "contactstudy run 'my study.py'"
-    assert attributes["threads"] == "1"

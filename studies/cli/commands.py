@@ -146,7 +146,7 @@ def report(
     "--fields",
     flag_value="kept",
     default="none",
-    help="Store the pressure and gap of every case, as groups of the netCDF file.",
+    help="Store the fields of every case, such as pressure and gap, as groups of the netCDF file.",
 )
 @click.option(
     "--retime",
@@ -166,7 +166,7 @@ def report(
 @click.option(
     "--scene",
     type=click.Path(path_type=Path),
-    help="For padding, period, images, grid and pareto: the contact in this TOML file, in a folder of its name.",
+    help="For padding, period, images, grid, pareto and paper: the contact in this TOML file, in a folder of its name.",
 )
 @VARY
 @REFERENCE

@@ -24,7 +24,9 @@ class StudyCommand(click.Command):
         """Write the options of every run, those of a scene, and an option for every axis of the study given."""
         rows: dict[bool, list[tuple[str, str]]] = {False: [], True: []}
         for option in self.get_params(ctx):
-            if (row := option.get_help_record(ctx)) is not None:
+            # an argument stands in the usage
+            row = option.get_help_record(ctx) if isinstance(option, click.Option) else None
+            if row is not None:
                 rows[option.name in OF_SCENES].append(row)
         for of_scenes, title in ((False, "Options"), (True, "Options of a scene in a .toml file")):
             if rows[of_scenes]:

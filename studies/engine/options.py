@@ -36,7 +36,7 @@ class RunOptions:
     after_failure
         "go on", or "stop".
     fields
-        "kept" to store pressure and gap of every case, or "none".
+        "kept" to store the fields of every case, such as pressure and gap, or "none".
     table
         "stored" for a file with all stored points, or "requested".
     most_points

@@ -35,7 +35,16 @@ class Computation(Hashable, Protocol):
 
 @dataclass(frozen=True)
 class PosedCase:
-    """A scene with all that its solution depends on.
+    """A ``scene`` on a ``grid`` with a ``padding``, and the ``options`` of its solve."""
+
+    scene: cs.Scene
+    grid: cs.Grid
+    padding: cs.Padding | cs.Paddings
+    options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
+
+
+class Case(PosedCase):
+    """A dry contact at rest to solve.
 
     Parameters
     ----------
@@ -48,15 +57,6 @@ class PosedCase:
     options
         Solver and its tolerance.
     """
-
-    scene: cs.Scene
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-    options: cs.SolveOptions = field(default_factory=cs.SolveOptions)
-
-
-class Case(PosedCase):
-    """A dry contact at rest to solve."""
 
     def prepare(self) -> cs.Problem:
         """Return the problem, with influence coefficients, their transforms and the gap."""
@@ -90,6 +90,8 @@ class SceneCase(PosedCase):
 
     Parameters
     ----------
+    scene, grid, padding, options
+        As of :class:`Case`.
     time_steps
         Instants and steps of a scene that changes in time; None for others.
     error
@@ -131,6 +133,8 @@ class EvolutionCase(PosedCase):
 
     Parameters
     ----------
+    scene, grid, padding, options
+        As of :class:`Case`.
     time_steps
         Instants and steps.
     """

@@ -38,6 +38,8 @@ def test_friction_is_measured(tmp_path: Path) -> None:
     np.testing.assert_allclose(cork["stick_sphere"], np.cbrt(1 - cork["fraction"]), atol=2.5 / 32)
     assert cork["superposition_error"] < 1e-3
     assert steel["superposition_error"] > 0.02
+    # without Poisson's ratio all shear is along the force
+    assert cork["shear_aside"] < 1e-3 < steel["shear_aside"] < 1
 
 
 @pytest.mark.parametrize(

@@ -37,23 +37,6 @@ def test_uniform_window_s_error_is_found_to_second_order(
         assert moved == pytest.approx(l1, abs=8 * peak * l1 + (2.4 / 128) ** 1.5)
 
 
-@pytest.mark.parametrize("images", [2, 6])
-@pytest.mark.parametrize("period", [0.6, 2.4, 9.6])
-def test_ends_of_a_centred_window_stand_out_like_a_kink(
-    period: float, images: int, line_contact: LineContact
-) -> None:
-    """Higher with the logarithm of the cells, by the amplitude that the kink of the window says."""
-    rises = []
-    for along in (32, 96):
-        cut = solved(line_contact, (32, along), period, cs.Superposition(images))
-        highest = cut.pressure.max(axis=0)
-        rises.append(highest[0] / highest[along // 2] - 1)
-    growth = 2 / np.pi / period * np.log(3) / (2 * images + 1) ** 2
-    # the next order of the window's logarithm is a fraction 1 / (2 n + 1)^2, and a wave along the length
-    # presses on a contact of finite width: a tenth
-    assert rises[1] - rises[0] == pytest.approx(growth, rel=0.1 + (2 * images + 1) ** -2)
-
-
 def test_where_all_is_seen_nothing_is_lost(line_contact: LineContact) -> None:
     whole = solved(line_contact, (24, 6), 1.2, EXACT)
     for paddings in ((FREE, EXACT), (EXACT, EXACT), (EXACT, FREE)):

@@ -78,6 +78,29 @@ def test_what_a_pass_leaves_is_residual_stress_of_its_plastic_strain() -> None:
     assert not far[[2, 3, 4, 5]].any()
 
 
+def test_numbers_of_a_pass_follow_from_the_plastic_strain_that_it_leaves() -> None:
+    """Far behind the contact plates that cannot stretch, ``s_xx = -E / (1 - nu^2) (e_xx + nu e_yy)``."""
+    found = rolled(4.4 * K, 3)
+    strain, stress = found.plastic_strain, found.residual_stress
+    xx, yy, zz, _, xz, _ = strain.swapaxes(0, 1)
+    assert np.abs(xx + yy + zz).max() < 1e-14
+    assert not strain[:, [3, 5]].any()
+    np.testing.assert_allclose(stress[:, 0], -MODULUS * (xx + NU * yy), atol=1e-12)
+    np.testing.assert_allclose(stress[:, 1], -MODULUS * (yy + NU * xx), atol=1e-12)
+    assert not stress[:, 2:].any()
+    # equivalent strain is that of the path, which may turn back
+    size = np.sqrt(2 / 3 * (xx**2 + yy**2 + zz**2 + 2 * xz**2))
+    equivalent = found.equivalent_plastic_strain
+    assert (equivalent >= size * (1 - 1e-9)).all()
+    added = np.diff(equivalent, axis=0, prepend=0.0).max(axis=1)
+    np.testing.assert_allclose(found.plastic_strain_increment, added)
+    edges = [0.0]
+    for middle in found.depths:
+        edges.append(2 * middle - edges[-1])
+    moved = 2 * np.diff(xz, axis=0, prepend=0.0) @ np.diff(edges)
+    np.testing.assert_allclose(found.forward_displacement, moved, atol=1e-12)
+
+
 def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> None:
     """p0 = 5 k rolled by 6 a: sxx in the middle, by finite elements (Q2, h = 0.2 a, box of 1000 a).
 

@@ -15,9 +15,24 @@ def test_instants_are_as_many_as_asked_and_peaks_of_the_load_are_among_them() ->
     load = cs.LoadHistory((0.0, 0.9, 2.0, 2.9, 4.0), (0.0, 2.0, 1.0, 3.0, 0.0))
     assert TimeSteps(instants=9).instants_of(load) == [0, 0.5, 0.9, 1.5, 2, 2.5, 2.9, 3.5, 4]
     default = TimeSteps().instants_of(load)
-    assert len(default) == 41
     assert set(load.times) < set(default)
     assert sorted(default) == default
+
+
+def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
+    load = cs.LoadHistory((1.0, 3.0), (1.0, 2.0))
+    assert TimeSteps(end=7.0, instants=4).instants_of(load) == [1, 3, 5, 7]
+    assert TimeSteps(instants=2).instants_of(load) == [1, 3]
+    assert TimeSteps(end=3.0, instants=2).instants_of(cs.LineLoad(1.0)) == [0, 3]
+    assert TimeSteps(times=(2.0, 5.0), end=7.0).instants_of(load) == (2, 5)
+    # an error chooses its own, up to the end of the load
+    assert TimeSteps(error=1e-3).instants_of(load) is None
+    assert len(TimeSteps(error=1e-3, instants=13).instants_of(load) or []) == 13
+    assert TimeSteps(error=1e-3, end=7.0, instants=2).instants_of(load) == [1, 7]
+    with pytest.raises(cs.InvalidInput, match=r"^TimeSteps\.instants is 1: give at least 2"):
+        TimeSteps(end=7.0, instants=1).instants_of(load)
+    with pytest.raises(cs.InvalidInput, match=r"give time_steps\.end or time_steps\.times"):
+        TimeSteps().instants_of(cs.LineLoad(1.0))
 
 
 @pytest.mark.parametrize(

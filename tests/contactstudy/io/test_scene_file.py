@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy import TimeSteps
 from contactstudy.io.scene_files.materials import materials
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -186,23 +185,6 @@ def test_a_measured_surface_is_read_from_beside_the_scene(tmp_path: Path) -> Non
     surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "not-there.x3p"\n'
     with pytest.raises(cs.InvalidInput, match=r"not-there\.x3p.*give the path of an existing file"):
         read(GOOD + surface, tmp_path)
-
-
-def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
-    load = cs.LoadHistory((1.0, 3.0), (1.0, 2.0))
-    assert TimeSteps(end=7.0, instants=4).instants_of(load) == [1, 3, 5, 7]
-    assert TimeSteps(instants=2).instants_of(load) == [1, 3]
-    assert TimeSteps(end=3.0, instants=2).instants_of(cs.LineLoad(1.0)) == [0, 3]
-    assert len(TimeSteps(end=7.0).instants_of(load) or []) == 41
-    assert TimeSteps(times=(2.0, 5.0), end=7.0).instants_of(load) == (2, 5)
-    # an error chooses its own, up to the end of the load
-    assert TimeSteps(error=1e-3).instants_of(load) is None
-    assert len(TimeSteps(error=1e-3, instants=13).instants_of(load) or []) == 13
-    assert TimeSteps(error=1e-3, end=7.0, instants=2).instants_of(load) == [1, 7]
-    with pytest.raises(cs.InvalidInput, match=r"^TimeSteps\.instants is 1: give at least 2"):
-        TimeSteps(end=7.0, instants=1).instants_of(load)
-    with pytest.raises(cs.InvalidInput, match=r"give time_steps\.end or time_steps\.times"):
-        TimeSteps().instants_of(cs.LineLoad(1.0))
 
 
 def test_each_entry_of_a_pair_has_its_own_unit(tmp_path: Path) -> None:

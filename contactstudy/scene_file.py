@@ -76,7 +76,7 @@ class SceneFile:
 
     @property
     def _plan_arguments(self) -> dict[str, Any]:
-        """What the file gives of the arguments of a plan."""
+        """Arguments of a plan that the file gives, by name."""
         return {
             "error": self.plan_settings.error,
             "period": None if self.grid else self.plan_settings.period,

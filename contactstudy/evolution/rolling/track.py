@@ -203,22 +203,16 @@ class Track:
         while True:
             operator, outer_strain = track.operator, track.outer_strain
             bodies = YieldingBodies((operator,), (track.hardening,))
+            outside = track.mean_strain_behind, track.front.strain
+            outer_gap = outer_strain.residual_displacement(*outside)
             step = solve_elastoplastic_step(
                 bodies,
-                partial(
-                    _with_both_gaps,
-                    contact,
-                    outer_strain.residual_displacement(
-                        track.mean_strain_behind, track.front.strain
-                    ),
-                ),
+                partial(_with_outer_gap, contact, outer_gap),
                 contact.tangent,
                 bodies.concatenated([track.strain]),
                 bodies.concatenated([track.equivalent]),
                 tolerance,
-                bodies.concatenated(
-                    [outer_strain.stress(track.mean_strain_behind, track.front.strain)]
-                ),
+                bodies.concatenated([outer_strain.stress(*outside)]),
             )
             (flow,) = bodies.split(step.equivalent_increment)
             volume = operator.volume
@@ -249,6 +243,6 @@ class Track:
         return self.operator.residual_stress_tensor(self.strain) + around
 
 
-def _with_both_gaps(contact: ContactWithAddedGap, first: Array, second: Array) -> Solution:
-    """Return a contact with the sum of two fields (x, y) [m] added to its gap."""
-    return contact(first + second)
+def _with_outer_gap(contact: ContactWithAddedGap, outer: Array, added_gap: Array) -> Solution:
+    """Return a contact with `added_gap` and the gap by the strain outside the window (x, y) [m] added to its gap."""
+    return contact(outer + added_gap)

@@ -309,9 +309,11 @@ class PlasticState:
 
     @property
     def _length(self) -> float:
+        """Length of the contact [m], for which layers are made."""
         return self.elastic.problem.scales.length
 
     def _tangent(self, solution: Solution) -> ContactStiffness:
+        """Return the linearised contact in which the same cells stay in contact."""
         return ContactStiffness.from_solution(solution, self.precision)
 
     def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:

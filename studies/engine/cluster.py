@@ -77,7 +77,8 @@ def client_of_dask(address: str | None, threads: int, patience: float) -> "Itera
         "worker_dashboard_address": LOOPBACK,
         "memory_limit": 0,  # cases use the memory of their own processes
     }
-    with _quiet("distributed"), _quiet("tornado.application"):
+    # dask gives the logger of its client a level of its own
+    with _quiet("distributed"), _quiet("distributed.client"), _quiet("tornado.application"):
         try:
             if address and ":" not in address:
                 raise ValueError(address)

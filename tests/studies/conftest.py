@@ -1,6 +1,8 @@
 """One small sweep, run once, that many tests read."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,14 @@ SMALL = {"images": "0:2", "period": "0.6,2.4", "grid": "16,24"}
 
 def quiet(_: str) -> None:
     """For ``log``."""
+
+
+def python(script: str, *words: object) -> subprocess.CompletedProcess[str]:
+    """Run a script in a process of its own, in the folder of the project."""
+    return subprocess.run(
+        [sys.executable, "-c", script, *map(str, words)],
+        cwd=Path(__file__).parents[2], capture_output=True, text=True,
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="session")

@@ -1,7 +1,5 @@
 """What a user of studies imports stands in one place, and costs nothing until it is used."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,6 +8,7 @@ import studies
 from studies.engine.run import run
 from studies.registry import load, load_drawing
 from studies.store import provenance
+from tests.studies.conftest import python
 
 WITHOUT_FIGURE = """
 import contactstudy as cs
@@ -85,5 +84,5 @@ assert drawing() == []
 from studies.report import style
 assert drawing() == list({DRAWS!r})  # the check itself can fail
 """
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    done = python(script)
     assert done.returncode == 0, done.stderr

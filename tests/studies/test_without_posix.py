@@ -1,13 +1,13 @@
 """Nothing that Windows lacks is needed: with all of that gone, every module is imported and a study runs."""
 
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from studies.model.outcome import CaseStatus
+from tests.studies.conftest import python
 from tests.studies.engine.trouble import HANGS, RAISES
 
 SCRIPT = """
@@ -68,10 +68,7 @@ print(json.dumps(found | {"said": [str(line) for line in said]}))
 @pytest.mark.whole
 @pytest.mark.skipif(sys.platform == "win32", reason="there all tests are this one")
 def test_a_study_runs_goes_on_and_labels_its_failures_without_posix(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(tmp_path)],
-        cwd=Path(__file__).parents[2], capture_output=True, text=True,
-    )  # fmt: skip
+    done = python(SCRIPT, tmp_path)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout.splitlines()[-1])
     expected = {

@@ -1,108 +1,64 @@
-"""What a run says of a scheduler without workers, one that is lost, and workers that die."""
+"""What a run says of a scheduler without workers, one that is lost, and dask workers that die or cannot compute."""
 
 import logging
-from collections import deque
-from contextlib import nullcontext
-from dataclasses import dataclass
+from collections.abc import Iterable
 from types import SimpleNamespace
 from typing import Any
 
-import distributed
+import cloudpickle
 import pytest
+from distributed import KilledWorker, LocalCluster
 
 from contactstudy import InvalidInput
-from studies.engine import cluster
-from studies.engine.cluster import DaskRun, client_of_dask
+from studies.engine.workers.process import Worker
 from studies.model.outcome import CaseStatus, Outcome
-from tests.studies.engine.trouble import Trouble
+from tests.studies.engine.trouble import Trouble, compute
+
+HERE = "127.0.0.1:0"
 
 
-@dataclass(eq=False)
-class Future:
-    status: str = "pending"
-    error: Exception | None = None
-
-    def exception(self) -> Exception | None:
-        return self.error
-
-
-class FakeRun(DaskRun):
-    """Of ``count`` cases, with a client that computes nothing."""
-
-    def __init__(self, count: int, threads: int = 1, patience: float = 10.0) -> None:
-        self.batches: list[int] = []
-        self.found: dict[str, Outcome] = {}
-        self.said: list[str] = []
-        client: Any = SimpleNamespace(
-            status="running", submit=self._submitted, nthreads=lambda: self.workers
-        )
-        # some that are sent already, and those that wait
-        self.address, self.patience, self.log = "tcp://here:1", patience, self.said.append
-        self.cases = {str(n): Trouble(float(n)) for n in range(max(count, 100))}
-        self._client, self._about = client, ("", b"", None)
-        self.finished = self.found.__setitem__
-        self.size, self.threads = 1, threads
-        self._waiting = deque(map(str, range(count)))
-        self._open, self._alone = set(self.cases), set()
-        self._running = {}
-        self._completed: Any = SimpleNamespace(add=lambda future: None)
-        self._checked_at, self._idle_since = -1.0, 0.0
-        self.workers: dict[str, int] = {}
-
-    def _submitted(self, *given: Any, pure: bool) -> Future:
-        assert not pure
-        self.batches.append(len(given[-1]))
-        return Future()
-
-
-def test_a_scheduler_without_workers_is_said_after_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
-    now = [50.0]
-    monkeypatch.setattr(cluster, "monotonic", lambda: now[0])
-    flow = FakeRun(1, patience=10.0)
-    flow.workers = {"one": 1}
-    flow._check_workers()
-    flow.workers = {}
-    for seconds, said in ((60.0, 0), (61.5, 1), (80.0, 1)):
-        now[0] = seconds
-        flow._check_workers()
-        assert (len(flow.said), flow.threads) == (said, 1)
-    assert flow.said == [
-        "waiting for workers of tcp://here:1: start some, or stop the run and go on later"
-    ]
-    flow._client.status = "closed"
-    now[0] = 90.0
-    with pytest.raises(InvalidInput, match=r"^Scheduler 'tcp://here:1' is lost: start it again"):
-        flow._check_workers()
-
-
-def test_of_a_batch_that_killed_its_workers_each_case_is_tried_alone() -> None:
-    flow = FakeRun(9)
-    killed = distributed.KilledWorker("batch", SimpleNamespace(address="tcp://there:2"), 3)
-    future = Future("error", error=killed)
-    flow._running = {future: ["3", "4"]}
-    flow._collect(future, None)
-    flow.size = flow.threads = 8
-    flow._submit_batches()
-    assert flow.batches[:2] == [1, 1]
-    assert list(flow._running.values())[:2] == [["3"], ["4"]]
-    flow._running = {future: ["8"]}
-    flow._collect(future, None)
-    assert flow.found["8"].case_status is CaseStatus.KILLED
-    assert "the last tcp://there:2" in flow.found["8"].error
-    other = Future("error", error=ImportError("studies"))
-    flow._running = {other: ["1"]}
-    with pytest.raises(InvalidInput, match="install the same version of contactstudy there"):
-        flow._collect(other, None)
-
-
-def test_what_libraries_say_of_a_lost_connection_is_not_shown(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+def test_a_scheduler_without_workers_and_then_lost_is_said(
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
-    monkeypatch.setattr(distributed, "Client", lambda *_, **__: nullcontext())
-    for library in ("distributed.core", "tornado.application"):
-        with client_of_dask("tcp://here:1", 0, 1.0):
-            logging.getLogger(library).error("a traceback")
-        assert not caplog.records
-        logging.getLogger(library).error("another one")
-        assert len(caplog.records) == 1
-        caplog.clear()
+    """And nothing of what libraries say of the lost connection."""
+    said: list[str] = []
+    with LocalCluster(n_workers=0, processes=False, protocol="tcp", dashboard_address=HERE) as here:
+
+        def log(line: str) -> None:
+            said.append(line)
+            here.close()
+
+        address = here.scheduler_address
+        with pytest.raises(InvalidInput, match=rf"^Scheduler '{address}' is lost: start it again"):
+            compute([Trouble(1.0)], address=address, patience=0.1, log=log)
+    assert said == [
+        f"waiting for workers of {address}: start some, or stop the run and go on later"
+    ]
+    assert not [one for one in caplog.records if one.levelno > logging.INFO]
+
+
+def test_of_a_batch_that_killed_its_workers_the_case_that_did_is_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    computed = Worker.run
+
+    def killed_by_one(worker: Worker, batch: bytes, *more: Any) -> Iterable[Outcome]:
+        if any(case.number == 60.5 for case in cloudpickle.loads(batch)):
+            raise KilledWorker("batch", SimpleNamespace(address="tcp://there:2"), 3)
+        return computed(worker, batch, *more)
+
+    monkeypatch.setattr(Worker, "run", killed_by_one)
+    outcomes = compute([Trouble(n + 0.5) for n in range(80)], workers=1)
+    killed = outcomes.pop(60)
+    assert {one.case_status for one in outcomes} == {CaseStatus.OK}
+    assert killed.case_status is CaseStatus.KILLED
+    assert "workers died while they held it, the last tcp://there:2" in killed.error
+
+
+def test_a_dask_worker_that_cannot_compute_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: object) -> None:
+        raise ImportError("studies")
+
+    monkeypatch.setattr(Worker, "run", fails)
+    with pytest.raises(InvalidInput, match="install the same version of contactstudy there"):
+        compute([Trouble(1.0)])

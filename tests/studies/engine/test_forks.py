@@ -5,7 +5,6 @@ import multiprocessing
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,10 +14,10 @@ import xarray as xr
 
 from studies.engine.options import RunOptions
 from studies.engine.run import run
-from studies.model.axis import Axis
 from studies.model.outcome import CaseStatus
-from studies.model.study import Point, Study
-from tests.studies.conftest import POSIX, quiet
+from studies.model.study import Study
+from tests.studies.conftest import POSIX, python, quiet
+from tests.studies.engine.trouble import Square, study_of
 
 NUMBERS = 30
 FORKING = 5
@@ -62,8 +61,7 @@ FORKS = {
 
 
 @dataclass(frozen=True)
-class Forking:
-    number: int
+class Forking(Square):
     how: str
     where: str
 
@@ -71,29 +69,21 @@ class Forking:
         if self.number == FORKING and self.where == where:
             FORKS[self.how]()
 
-    def prepare(self) -> int:
+    def prepare(self) -> float:
         self._may_fork("prepare")
         return self.number
 
-    def run(self, prepared: int) -> int:
+    def run(self, prepared: float) -> float:
         self._may_fork("run")
-        return prepared**2
-
-    def record(self, result: int) -> Mapping[str, xr.Variable]:
-        return {}
+        return super().run(prepared)
 
 
-def measures(case: Forking, result: int) -> Mapping[str, xr.Variable | float]:
-    case._may_fork("measure")
-    return {"square": float(result), "own": float(case.number)}
+def measures(case: Forking, result: float) -> dict[str, float]:
+    return {"square": result, "own": case.number}
 
 
 def study(how: str, where: str) -> Study:
-    def case_at(point: Point) -> Forking:
-        return Forking(int(point["number"]), how, where)
-
-    axis = Axis("number", tuple(range(NUMBERS)), "what is squared")
-    return Study("forking", "Cases, one of which forks.", (axis,), case_at, measures, "none")
+    return study_of(lambda number: Forking(number, how, where), range(NUMBERS), measures, "none")
 
 
 @pytest.mark.cases(3)
@@ -124,13 +114,10 @@ run(study("fork", "run"), Path(sys.argv[1]), options=RunOptions(workers=0, repea
 @pytest.mark.whole
 @POSIX
 def test_a_case_that_forks_without_workers_does_not_make_two_runs(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(tmp_path)],
-        cwd=Path(__file__).parents[3], capture_output=True, text=True,
-    )  # fmt: skip
+    done = python(SCRIPT, tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("wrote") == 1
-    dataset = xr.load_dataset(tmp_path / "forking.nc")
+    dataset = xr.load_dataset(tmp_path / "trouble.nc")
     np.testing.assert_array_equal(dataset["own"], dataset["number"])
-    lines = (tmp_path / "forking.journal.jsonl").read_bytes().splitlines()
+    lines = (tmp_path / "trouble.journal.jsonl").read_bytes().splitlines()
     assert sum(b'"case":' in line[:40] for line in lines) == NUMBERS

@@ -58,10 +58,7 @@ class Once(trouble.Trouble):
 
 def test_a_case_that_cannot_be_timed_is_given_up_and_the_others_are_timed(tmp_path: Path) -> None:
     log, said = tmp_path / "log", []
-    study = replace(
-        trouble.study([1.0, 2.0, 4.0]),
-        case_at=lambda point: Once(float(point["number"]), log=str(log)),
-    )
+    study = trouble.study_of(lambda number: Once(number, log=str(log)), [1, 2, 4])
     dataset = run(study, tmp_path, options=RunOptions(workers=0, repeats=3), log=said.append)
     assert (dataset["case_status"] == CaseStatus.OK).all()
     counts = dataset["solve_time_all"].notnull().sum("repeat")

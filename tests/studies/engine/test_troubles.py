@@ -8,7 +8,6 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import psutil
@@ -22,9 +21,9 @@ from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.model.outcome import CaseStatus, Outcome, RunSettings
 from studies.store.stop import Stop
-from tests.studies.conftest import POSIX, quiet
+from tests.studies.conftest import POSIX, python, quiet
 from tests.studies.engine import trouble
-from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble, Unsendable
+from tests.studies.engine.trouble import DIES, HANGS, NAN, RAISES, Trouble, Unsendable, compute
 
 LIMIT = 1.5  # seconds; a case takes microseconds, however busy the machine
 ROOT = Path(__file__).parents[3]
@@ -103,13 +102,6 @@ def address(request: pytest.FixtureRequest) -> str | None:
         return None
     address: str = request.getfixturevalue("scheduler")[0]
     return address
-
-
-def compute(cases: list[Trouble], **options: Any) -> list[Outcome]:
-    outcomes: dict[str, Outcome] = {}
-    named = {str(place): case for place, case in enumerate(cases)}
-    DaskRun(named, RunSettings(trouble.measures), outcomes.__setitem__, Stop(), **options).run()
-    return [outcomes[name] for name in named]
 
 
 @pytest.mark.cases(1)
@@ -193,14 +185,11 @@ run(trouble.study(), Path(sys.argv[1]), options=RunOptions(workers=0, time_limit
 @pytest.mark.whole
 @POSIX
 def test_a_case_that_takes_its_process_down_is_given_its_own_the_next_time(tmp_path: Path) -> None:
-    command = [sys.executable, "-c", SCRIPT, str(tmp_path)]
-    first = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
-    assert first.returncode == -signal.SIGKILL
-    second = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert python(SCRIPT, tmp_path).returncode == -signal.SIGKILL
+    second = python(SCRIPT, tmp_path)
     assert second.returncode == 0, second.stderr
     assert "computed in a process of their own" in second.stdout
-    dataset = xr.load_dataset(tmp_path / "trouble.nc")
-    examine(dataset)
+    examine(xr.load_dataset(tmp_path / "trouble.nc"))
 
 
 WATCH = """

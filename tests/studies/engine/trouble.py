@@ -4,35 +4,51 @@ import math
 import os
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from studies.engine.cluster import DaskRun
 from studies.model.axis import Axis
-from studies.model.study import Point, Study
+from studies.model.outcome import Outcome, RunSettings
+from studies.model.study import Study
+from studies.store.stop import Stop
 
 RAISES, NAN, HANGS, DIES = 3, 7, 11, 15
 SAYS = "this one"
 
 
 @dataclass(frozen=True)
-class Trouble:
-    """A number to square, which may go wrong; ``log`` gets a line for each time it is computed.
+class Square:
+    """A number to square."""
+
+    number: float
+
+    def prepare(self) -> float:
+        return self.number
+
+    def run(self, prepared: float) -> float:
+        return prepared**2
+
+    def record(self, result: float) -> Mapping[str, xr.Variable]:
+        return {}
+
+
+@dataclass(frozen=True)
+class Trouble(Square):
+    """It may go wrong; ``log`` gets a line for each time it is computed.
 
     Numbers from ``hangs_from`` on never come to an end.
     """
 
-    number: float
     offset: float = 0.0
     log: str = field(default="", compare=False)
     seconds: float = field(default=0.0, compare=False)
     hangs_from: float = field(default=math.inf, compare=False)
-
-    def prepare(self) -> float:
-        return self.number
 
     def run(self, prepared: float) -> float:
         if self.log:
@@ -47,9 +63,6 @@ class Trouble:
         if prepared == DIES:
             os.kill(os.getpid(), getattr(signal, "SIGKILL", signal.SIGTERM))
         return prepared**2 + self.offset
-
-    def record(self, result: float) -> Mapping[str, xr.Variable]:
-        return {}
 
 
 def _refuse(where: str) -> "Unsendable":
@@ -77,26 +90,28 @@ def measures(case: Trouble, result: float) -> Mapping[str, xr.Variable | float]:
     }
 
 
-def process(case: Trouble, result: float) -> dict[str, float]:
-    """In which process it was computed."""
-    return {"process": os.getpid()}
+def study(numbers: Iterable[float] = range(20), log: str = "", **given: Any) -> Study:
+    return study_of(lambda number: Trouble(number, log=log, **given), numbers)
 
 
-def parent_process(case: Trouble, result: float) -> dict[str, float]:
-    """In which process it was computed, or of which that one is a fork."""
-    with Path(f"/proc/{os.getpid()}/cmdline").open("rb") as file:
-        is_fork = Path(f"/proc/{os.getppid()}/cmdline").read_bytes() == file.read()
-    return {"process": os.getppid() if is_fork else os.getpid()}
-
-
-def study(
-    numbers: object = range(20), log: str = "", seconds: float = 0.0, hangs_from: float = math.inf
+def study_of(
+    case: Callable[[float], Square],
+    numbers: Iterable[float],
+    measures: Callable[..., Any] = measures,
+    times: str = "taken",
 ) -> Study:
-    def case_at(point: Point) -> Trouble:
-        return Trouble(float(point["number"]), log=log, seconds=seconds, hangs_from=hangs_from)
+    axis = Axis("number", tuple(map(float, numbers)), "what is squared")
+    return Study(
+        "trouble", "Cases.", (axis,), lambda point: case(float(point["number"])), measures, times
+    )
 
-    axis = Axis("number", tuple(float(n) for n in numbers), "what is squared")  # type: ignore[attr-defined]
-    return Study("trouble", "Twenty cases.", (axis,), case_at, measures)
+
+def compute(cases: Sequence[Square], **options: Any) -> list[Outcome]:
+    """By dask: here, or at an address."""
+    outcomes: dict[str, Outcome] = {}
+    named = {str(place): case for place, case in enumerate(cases)}
+    DaskRun(named, RunSettings(measures), outcomes.__setitem__, Stop(), **options).run()
+    return [outcomes[name] for name in named]
 
 
 RAISING_LINE = 1 + Path(__file__).read_text(encoding="utf-8").split("\n").index(

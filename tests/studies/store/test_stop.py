@@ -1,17 +1,13 @@
 """What a run makes of signals that ask it to stop."""
 
 import signal
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 
 from studies.store.stop import Stop, StopRun
-from tests.studies.conftest import POSIX
+from tests.studies.conftest import POSIX, python
 
 pytestmark = POSIX
-ROOT = Path(__file__).parents[3]
 
 
 def test_a_signal_is_taken_note_of_and_raised_where_it_is_asked_for() -> None:
@@ -53,11 +49,5 @@ with Stop():
     ("times", "code", "said"), [(2, 128 + signal.SIGTERM, "alive\n"), (3, -signal.SIGTERM, "")]
 )
 def test_who_asks_a_third_time_is_obeyed_anywhere(times: int, code: int, said: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", PATIENT, str(times)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = python(PATIENT, times)
     assert (done.returncode, done.stdout) == (code, said), done.stderr

@@ -1,37 +1,25 @@
 """One case, computed or timed: what its outcome says of times, limits and failures."""
 
 import signal
-from collections.abc import Mapping
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from contactstudy.domain.reuse import ArrayCache, cached_array
 from studies.engine.workers import compute
 from studies.engine.workers.compute import time_once, timed
 from studies.model.outcome import CaseStatus, RunSettings
 from tests.studies.conftest import POSIX
+from tests.studies.engine.trouble import Square
 
 
 @dataclass(frozen=True)
-class Square:
-    number: float
-    hangs: bool = False
-    threads: int = 3
-
-    def prepare(self) -> float:
-        return self.number
-
+class Endless(Square):
     def run(self, prepared: float) -> float:
-        while self.hangs:
+        while True:
             pass
-        return prepared**2
-
-    def record(self, result: float) -> Mapping[str, xr.Variable]:
-        return {}
 
 
 WORK = RunSettings(lambda case, result: {"square": result})
@@ -40,11 +28,11 @@ WORK = RunSettings(lambda case, result: {"square": result})
 @POSIX
 def test_an_alarm_ends_a_case_that_hangs_and_is_off_afterwards() -> None:
     work, began = RunSettings(WORK.measures, time_limit=0.05), perf_counter()
-    outcome = compute.compute(Square(1.0, hangs=True), work)
+    outcome = compute.compute(Endless(1.0), work)
     assert outcome.case_status is CaseStatus.TIMEOUT
     assert 0.05 <= outcome.seconds < perf_counter() - began
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
-    late = timed(Square(1.0, hangs=True), 0.05)
+    late = timed(Endless(1.0), 0.05)
     assert (late.sample, late.failure.stage) == (None, "timing")
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 

@@ -7,7 +7,6 @@ import random
 import sys
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -17,28 +16,13 @@ import xarray as xr
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.workers.interpreter_state import InterpreterState, restored_state
-from studies.model.axis import Axis
-from studies.model.study import Point, Study
 from tests.studies.conftest import quiet
+from tests.studies.engine.trouble import Square, study_of
 
 
-@dataclass(frozen=True)
-class Leaky:
+def measures(case: Square, result: float) -> Mapping[str, object]:
     """Reads all that a case may leave behind, and leaves something else behind."""
-
-    number: int
-
-    def prepare(self) -> int:
-        return self.number
-
-    def run(self, prepared: int) -> int:
-        return prepared
-
-    def record(self, result: int) -> Mapping[str, xr.Variable]:
-        return {}
-
-
-def measures(case: Leaky, result: int) -> Mapping[str, object]:
+    number = int(case.number)
     seen = {
         "of_numpy": float(np.random.random()),  # noqa: NPY002
         "of_random": random.random(),
@@ -54,27 +38,18 @@ def measures(case: Leaky, result: int) -> Mapping[str, object]:
         "place": locale.setlocale(locale.LC_ALL),
     }
     os.chdir("/")
-    os.environ["LEFT"] = str(case.number)
+    os.environ["LEFT"] = str(number)
     np.seterr(divide="raise")
-    warnings.filterwarnings("error", message=str(case.number))
-    decimal.getcontext().prec = 5 + case.number
+    warnings.filterwarnings("error", message=str(number))
+    decimal.getcontext().prec = 5 + number
     xr.set_options(arithmetic_join="outer")
-    np.set_printoptions(precision=case.number + 1)
-    np.random.seed(case.number)  # noqa: NPY002
-    random.seed(case.number)
-    sys.path.append(str(case.number))
-    sys.setrecursionlimit(2000 + case.number)
+    np.set_printoptions(precision=number + 1)
+    np.random.seed(number)  # noqa: NPY002
+    random.seed(number)
+    sys.path.append(str(number))
+    sys.setrecursionlimit(2000 + number)
     locale.setlocale(locale.LC_ALL, "C")
     return seen
-
-
-def study(numbers: list[int]) -> Study:
-    def case_at(point: Point) -> Leaky:
-        return Leaky(int(point["number"]))
-
-    return Study(
-        "leaky", "Leaks", (Axis("number", tuple(numbers), "n"),), case_at, measures, "none"
-    )
 
 
 @pytest.mark.cases(1)
@@ -82,7 +57,12 @@ def study(numbers: list[int]) -> Study:
 def test_an_answer_does_not_depend_on_the_cases_before_it(workers: int, tmp_path: Path) -> None:
     orders = [[0, 1, 2, 3, 4, 5], [5, 3, 1, 0, 4, 2], [3]]
     answers = [
-        run(study(numbers), tmp_path / str(place), options=RunOptions(workers=workers), log=quiet)
+        run(
+            study_of(Square, numbers, measures, "none"),
+            tmp_path / str(place),
+            options=RunOptions(workers=workers),
+            log=quiet,
+        )
         for place, numbers in enumerate(orders)
     ]
     first = answers[0]
@@ -100,6 +80,6 @@ def test_the_caller_s_own_state_is_as_it_was_after_a_block() -> None:
     expected = np.random.RandomState(7).random()
     with restored_state() as interpreter_state:
         interpreter_state.restore("one")
-        measures(Leaky(1), 1)
+        measures(Square(1.0), 1.0)
     assert repr(InterpreterState.now()) == repr(before)
     assert np.random.random() == expected  # noqa: NPY002

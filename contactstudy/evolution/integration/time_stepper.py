@@ -110,7 +110,7 @@ class TimeStepper:
 
     @property
     def is_first_order(self) -> bool:
-        """True if the integration is of first order: its global error falls in proportion to the step."""
+        """True if one-stage wear or an iterated state variable limits the order to 1, and to 1/2 where wear begins."""
         in_one_stage = len(self.scheme.stages) == 1
         return any(
             (variable.has_stages and in_one_stage) or isinstance(variable, IteratedStateVariable)

@@ -67,7 +67,7 @@ class Convolution:
     """Linear map from pressure to displacement on one grid, ``displacement = K * pressure``.
 
     Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. It is symmetric, and positive definite except
-    for a rigid shift. Rows of zeros are not transformed along y, and only the rows of the grid are transformed back.
+    for rigid-body motion. Rows of zeros are not transformed along y, and only the rows of the grid are transformed back.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class Convolution:
     def self_compliance(self) -> float:
         """Displacement of a cell under its own unit pressure, relative to the mean over the padded grid [m/Pa].
 
-        It is the mean of the spectrum without its first entry, the rigid shift. With infinitely many images that entry
+        It is the mean of the spectrum without its first entry, rigid-body motion. With infinitely many images that entry
         may have any sign, and in a cell far wider than the datum it would make the sum negative.
         """
         xp, py = arrays(), self.padded[1]

@@ -134,7 +134,7 @@ class ShearResponse:
 
     @property
     def largest(self) -> float:
-        """Upper bound of displacement over shear in the root mean square [m/Pa], apart from a rigid shift."""
+        """Upper bound of displacement over shear in the root mean square [m/Pa], apart from rigid-body motion."""
         sums = np.maximum(np.abs(self.xx.spectrum), np.abs(self.yy.spectrum))
         return float((sums + np.abs(self.xy.spectrum)).max())
 

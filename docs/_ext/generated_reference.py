@@ -83,7 +83,7 @@ INNER = (
     "scene.friction.friction_law.Friction",
     "scene.loads.load_history.ChangingLoad",
     "scene.scene.PosedScene",
-    "scene.scene.ShapesSource",
+    "scene.shapes_source.ShapesSource",
     "scene.shapes.texture.Profile",
     "scene.stress.SubsurfaceStressOperator",
     "scene.solids.stress_model.HalfSpaceStress",

@@ -35,7 +35,7 @@ STRIPS, STRIPS_END = 15, 7.2
 def boussinesq_cell_periodic(
     x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike, period: ArrayLike
 ) -> Array:
-    """Return the integral of 1/r over a cell repeated infinitely along y, less its divergent rigid shift.
+    """Return the integral of 1/r over a cell repeated infinitely along y, less its divergent rigid-body motion.
 
     ``S = lim_M [ sum_{|m| <= M} I(x, y + m L) - (2 dx dy / L) ln((2 M + 1) L) ]`` with I that of
     :func:`~contactstudy.kernels.boussinesq_cell`. Its mean over a period is ``-(2 dx dy / L) mean ln |x|``. The error is

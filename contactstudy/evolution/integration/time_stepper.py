@@ -35,7 +35,7 @@ from contactstudy.evolution.warm_started import (
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Problem, Scales
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.scene import ShapesSource
+from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 

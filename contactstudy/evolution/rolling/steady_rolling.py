@@ -15,7 +15,8 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import by_symmetry, odd_convolution, superposed
 from contactstudy.problem.problem import Problem
-from contactstudy.scene.scene import PosedScene, Scene, ShapesSource
+from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.lagged import LaggedSolution, solve_with_mixing

@@ -1,0 +1,94 @@
+"""The shapes of a scene together: their gap on any grid, and the problem made there."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.problem.problem import Problem
+from contactstudy.scene.shapes.shape import Shape, gap_of, length_scales_of
+
+
+@dataclass(frozen=True)
+class ShapesSource:
+    """Heights of `shapes`, sampled on any grid, and the problem made there.
+
+    Parameters
+    ----------
+    shapes
+        Shapes that add up.
+    ends_along
+        Whether one of them ends a roller within the grid.
+    make
+        Function that makes the problem on a grid.
+    sampled
+        A grid with the gap on it, which a problem holds anyway; None to sample every grid.
+    """
+
+    shapes: tuple[Shape, ...]
+    ends_along: bool
+    make: Callable[[Grid], Problem]
+    sampled: tuple[Grid, Array] | None = None
+
+    @property
+    def finest(self) -> tuple[float, float]:
+        """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
+        length_scales = length_scales_of(self.shapes)
+        across, along = zip((inf, inf), *(scales.finest for scales in length_scales), strict=True)
+        return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
+
+    @property
+    def has_length_scales(self) -> bool:
+        """True if every shape has ``length_scales``."""
+        return all(hasattr(shape, "length_scales") for shape in self.shapes)
+
+    def gap(self, grid: Grid) -> Array:
+        """Return the summed gap [m] of all shapes, of shape (x, y) or (x, 1) if nothing varies along the length."""
+        if self.sampled is not None and self.sampled[0] == grid:
+            return self.sampled[1]
+        return summed_gap(self.shapes, grid)
+
+    def gap_without_scales(self, grid: Grid) -> Array:
+        """Return the summed gap [m] of the shapes without ``length_scales``, as :meth:`gap`."""
+        return summed_gap(
+            [shape for shape in self.shapes if not hasattr(shape, "length_scales")], grid
+        )
+
+    def covered_fractions(self, grid: Grid) -> Array | None:
+        """Return the length of both bodies within each row of `grid`, in cells; None where none ends."""
+        rollers = [
+            shape.covered_fractions(grid)
+            for shape in self.shapes
+            if hasattr(shape, "covered_fractions")
+        ]
+        shortest = min(rollers, key=np.sum, default=None)
+        return None if shortest is None or not shortest.any() or (shortest == 1).all() else shortest
+
+    def problem(self, grid: Grid) -> Problem:
+        """Return the problem on `grid`."""
+        return self.make(grid)
+
+    def with_problem_step(self, step: Callable[[Problem], Problem]) -> "ShapesSource":
+        """Return this source with `step` applied to each problem that it makes."""
+        return replace(self, make=lambda grid: step(self.make(grid)))
+
+
+def summed_gap(shapes: Iterable[Shape], grid: Grid) -> Array:
+    """Return the summed gap [m] of `shapes`, of shape (x, y) or (x, 1) if nothing varies along the length."""
+    return sum((gap_of(shape, grid) for shape in shapes), start=np.zeros((grid.cells[0], 1)))
+
+
+def with_extent_of(shapes: tuple[Shape, ...], grid: Grid) -> tuple[Shape, ...]:
+    """Return `shapes`, where heights that are given cell by cell get the extent of `grid`."""
+    return tuple(
+        shape.with_extent_of(grid) if hasattr(shape, "with_extent_of") else shape
+        for shape in shapes
+    )
+
+
+def ends_along(shapes: tuple[Shape, ...], grid: Grid) -> bool:
+    """Return whether a roller ends within the period of `grid`, so that contact may reach its ends."""
+    return any(0 < scales.roller <= grid.length * (1 + 1e-9) for scales in length_scales_of(shapes))

@@ -6,17 +6,17 @@ that nothing is left to chance. A marker on disk says that it was done: the next
 
 import os
 import sys
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import psutil
 import xarray as xr
 
-from studies.model.axis import Axis
 from studies.model.drawing import CaptionedFigure, Drawing
-from studies.model.study import Point, Study
+from studies.model.study import Study
+from tests.studies.engine.trouble import Square, study_of
 
 CASES = 24
 
@@ -30,7 +30,6 @@ class Kill:
     signal: int
     phase: str
     count: int
-    scheduler: int = 0
 
     def event(self, phase: str) -> None:
         """Something of this phase happens."""
@@ -45,12 +44,7 @@ class Kill:
             marker.touch(exist_ok=False)
         except FileExistsError:
             return
-        victims = {
-            "parent": parent(),
-            "worker": os.getpid(),
-            "server": os.getppid(),
-            "scheduler": self.scheduler,
-        }
+        victims = {"parent": parent(), "worker": os.getpid(), "server": os.getppid()}
         os.kill(victims[self.target], self.signal)
 
 
@@ -61,39 +55,26 @@ def parent() -> int:
 
 
 @dataclass(frozen=True)
-class Number:
+class Number(Square):
     """A number to square; its second run is the one that is timed."""
 
-    number: int
     kill: Kill = field(compare=False)
 
-    def prepare(self) -> int:
-        return self.number
-
-    def run(self, prepared: int) -> int:
-        log = Path(self.kill.folder) / f"case{prepared}"
+    def run(self, prepared: float) -> float:
+        log = Path(self.kill.folder) / f"case{prepared:g}"
         with log.open("a") as file:
             file.write(".")
         self.kill.event("solving" if log.stat().st_size == 1 else "timing")
-        return prepared**2
-
-    def record(self, result: int) -> Mapping[str, xr.Variable]:
-        return {}
+        return super().run(prepared)
 
 
-def measures(case: Number, result: int) -> Mapping[str, xr.Variable | float]:
-    return {
-        "square": float(result),
-        "powers": xr.Variable(("power",), case.number ** np.arange(3.0), {"units": "1"}),
-    }
+def measures(case: Number, result: float) -> Mapping[str, xr.Variable | float]:
+    powers = case.number ** np.arange(3.0)
+    return {"square": result, "powers": xr.Variable(("power",), powers, {"units": "1"})}
 
 
-def study(kill: Kill, numbers: object = range(CASES)) -> Study:
-    def case_at(point: Point) -> Number:
-        return Number(int(point["number"]), kill)
-
-    axis = Axis("number", tuple(numbers), "what is squared")  # type: ignore[arg-type]
-    return Study("victim", "Plain numbers.", (axis,), case_at, measures)
+def study(kill: Kill, numbers: Iterable[float] = range(CASES)) -> Study:
+    return replace(study_of(lambda number: Number(number, kill), numbers, measures), name="victim")
 
 
 def main() -> None:
@@ -103,12 +84,10 @@ def main() -> None:
     from studies.report import page
     from studies.store import netcdf
 
-    out, target, signal, phase, count, workers, *rest = sys.argv[1:]
+    out, target, signal, phase, count, workers = sys.argv[1:]
     folder = Path(out) / "events"
     folder.mkdir(parents=True, exist_ok=True)
-    scheduler = rest[0] if rest else None
-    pid = int(rest[1]) if rest else 0
-    kill = Kill(str(folder), target, int(signal), phase, int(count), pid)
+    kill = Kill(str(folder), target, int(signal), phase, int(count))
     write = netcdf.replacing
 
     def replacing(path: Path) -> object:
@@ -124,7 +103,7 @@ def main() -> None:
         return (CaptionedFigure("squares", shown, "Squares."),)
 
     netcdf.replacing = replacing  # type: ignore[assignment]
-    options = RunOptions(workers=int(workers), repeats=1, scheduler=scheduler)
+    options = RunOptions(workers=int(workers), repeats=1)
     run(study(kill), Path(out), options=options)
     page.draw_figures(study(kill), Drawing(figure), Path(out))
 

@@ -11,20 +11,6 @@ from studies.reference.hard_cases import CASES
 UNFINISHED = {cs.Status.ITERATION_LIMIT, cs.Status.STALLED, cs.Status.NO_ADMISSIBLE_PRESSURE}
 
 
-def every(group: str) -> pytest.MarkDecorator:
-    """Every case of a group with every padding it makes sense for and both solvers."""
-    return pytest.mark.parametrize(
-        ("name", "padding", "solver"),
-        [
-            (name, padding, solver)
-            for name, case in CASES.items()
-            if case.group == group
-            for padding in case.paddings
-            for solver in SOLVERS
-        ],
-    )
-
-
 def ends_well(name: str, padding: str, solver: str) -> cs.Solution:
     """Solve a case, and hold it to its stated error, or to a status that says why there is none."""
     case = CASES[name]

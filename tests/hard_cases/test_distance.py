@@ -5,12 +5,6 @@ import contactstudy as cs
 from contactstudy.analytic import image_error
 from studies.reference.hard_case import P_H, A, grid
 from studies.reference.line_contact import HERTZ, SCENE
-from tests.hard_cases.judged import ends_well, every
-
-
-@every("distance")
-def test_case_ends_well(name: str, padding: str, solver: str) -> None:
-    ends_well(name, padding, solver)
 
 
 def peak(padding: cs.Padding, period: float) -> float:

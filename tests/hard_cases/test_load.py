@@ -7,12 +7,7 @@ import contactstudy as cs
 from studies.reference.hard_case import FLAT, GAP_SCALE, PADDINGS, grid
 from studies.reference.hard_cases import CASES
 from studies.reference.line_contact import SCENE
-from tests.hard_cases.judged import ends_well, every
-
-
-@every("load")
-def test_case_ends_well(name: str, padding: str, solver: str) -> None:
-    ends_well(name, padding, solver)
+from tests.hard_cases.judged import ends_well
 
 
 @pytest.mark.parametrize("padding", PADDINGS)

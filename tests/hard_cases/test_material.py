@@ -7,12 +7,7 @@ import contactstudy as cs
 from studies.reference.hard_case import EXACT, P_H, grid
 from studies.reference.hard_cases import CASES
 from studies.reference.line_contact import SCENE
-from tests.hard_cases.judged import ends_well, every
-
-
-@every("material")
-def test_case_ends_well(name: str, padding: str, solver: str) -> None:
-    ends_well(name, padding, solver)
+from tests.hard_cases.judged import ends_well
 
 
 def test_materials_scale_the_answer_and_nothing_else() -> None:

@@ -6,12 +6,6 @@ import pytest
 import contactstudy as cs
 from studies.reference.hard_case import PADDINGS
 from studies.reference.hard_cases import CASES
-from tests.hard_cases.judged import ends_well, every
-
-
-@every("perturbation")
-def test_case_ends_well(name: str, padding: str, solver: str) -> None:
-    ends_well(name, padding, solver)
 
 
 def test_a_nudge_of_heights_is_allowed_little() -> None:

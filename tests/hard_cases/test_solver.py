@@ -4,12 +4,7 @@ import pytest
 import contactstudy as cs
 from studies.reference.hard_case import EXACT, SOLVERS
 from studies.reference.hard_cases import CASES
-from tests.hard_cases.judged import ends_well, every
-
-
-@every("solver")
-def test_case_ends_well(name: str, padding: str, solver: str) -> None:
-    ends_well(name, padding, solver)
+from tests.hard_cases.judged import ends_well
 
 
 @pytest.mark.parametrize("solver", SOLVERS)

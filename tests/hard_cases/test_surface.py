@@ -7,14 +7,9 @@ import xarray as xr
 import contactstudy as cs
 from studies.reference.hard_case import EXACT, GAP_SCALE, ROUGH, grid, with_heights
 from studies.reference.line_contact import SCENE
-from tests.hard_cases.judged import ends_well, every
+from tests.hard_cases.judged import ends_well
 
 HEIGHTS = ROUGH * GAP_SCALE
-
-
-@every("surface")
-def test_case_ends_well(name: str, padding: str, solver: str) -> None:
-    ends_well(name, padding, solver)
 
 
 def test_one_cell_in_a_thousand_bears_all() -> None:

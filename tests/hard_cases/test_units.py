@@ -9,7 +9,6 @@ import pytest
 import contactstudy as cs
 from studies.reference.hard_case import CELLS, EXACT, FREE, P_H, A, grid, noise
 from studies.reference.line_contact import SCENE
-from tests.hard_cases.judged import ends_well, every
 
 ENDS = [5e-324, 1e-310, 1e-200, 1e200, 1.7e308]
 # of a solid, a load, a radius, a width and a period, in their own units
@@ -22,11 +21,6 @@ def made(field: str, value: float) -> tuple[cs.Scene, cs.Grid]:
     radius = value if field == "radius" else 0.01
     extent = (value if field == "width" else 2.4 * A, value if field == "period" else A)
     return cs.Scene(load, (body, body), (cs.Cylinder(radius),)), cs.Grid(CELLS, extent)
-
-
-@every("units")
-def test_case_ends_well(name: str, padding: str, solver: str) -> None:
-    ends_well(name, padding, solver)
 
 
 @pytest.mark.parametrize("value", ENDS)

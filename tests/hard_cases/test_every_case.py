@@ -1,0 +1,14 @@
+import pytest
+
+from studies.reference.hard_case import SOLVERS
+from studies.reference.hard_cases import CASES
+from tests.hard_cases.judged import ends_well
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize(
+    ("name", "padding"),
+    [(name, padding) for name, case in CASES.items() for padding in case.paddings],
+)
+def test_a_hard_case_ends_well(name: str, padding: str, solver: str) -> None:
+    ends_well(name, padding, solver)

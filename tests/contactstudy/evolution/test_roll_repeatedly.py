@@ -81,6 +81,8 @@ def test_what_a_pass_leaves_is_residual_stress_of_its_plastic_strain() -> None:
 def test_numbers_of_a_pass_follow_from_the_plastic_strain_that_it_leaves() -> None:
     """Far behind the contact plates that cannot stretch, ``s_xx = -E / (1 - nu^2) (e_xx + nu e_yy)``."""
     found = rolled(4.4 * K, 3)
+    # that of the elastic contact, at the centre of a cell of a fifth of the half-width
+    np.testing.assert_allclose(found.peak_pressure, 4.4 * K, rtol=0.2**2)
     strain, stress = found.plastic_strain, found.residual_stress
     xx, yy, zz, _, xz, _ = strain.swapaxes(0, 1)
     assert np.abs(xx + yy + zz).max() < 1e-14

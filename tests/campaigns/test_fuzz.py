@@ -12,6 +12,7 @@ import pytest
 
 from studies.cli import commands
 from tests.campaigns.conftest import case_count
+from tests.studies.test_study_file import GOOD
 
 ROOT = Path(__file__).parents[2]
 ODD = [
@@ -27,44 +28,8 @@ SCENE_ODD = [
     "'1e-400m'", "'0x10m'", "1e-61", "1e61", "'<script>'", "[1000000,1000000]", "[2,1]", "[3000000000,1]", "[0,0]",
     "[-1,2]", "[1.5,2]", '["1",2]', "'infm'", "1" * 5000, "[" * 3000,
 ]  # fmt: skip
-STUDY = '''"""Plain numbers."""
-
-from dataclasses import dataclass
-
-import xarray as xr
-
-from studies.model.axis import Axis
-from studies.model.drawing import CaptionedFigure
-
-axes = (Axis("number", (0, 1, 2), "a number"),)
-times = "none"
-
-
-@dataclass(frozen=True)
-class Number:
-    number: int
-
-    def prepare(self):
-        return self.number
-
-    def run(self, prepared):
-        return prepared**2
-
-    def record(self, result):
-        return {}
-
-
-def case_at(point):
-    return Number(int(point["number"]))
-
-
-def measures(case, result):
-    return {"square": float(result), "row": xr.Variable(("k",), [1.0, result], {"units": "1"})}
-
-
-def figure(dataset):
-    return ()
-'''
+RETURNED = "measures(case, result): return {"
+STUDY = GOOD.replace(RETURNED, f"{RETURNED}'square': result ** 2")
 
 
 @pytest.fixture(autouse=True)

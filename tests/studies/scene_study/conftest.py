@@ -4,21 +4,16 @@ from pathlib import Path
 
 import pytest
 
-SMOOTH = """
-[load]
-per_length = "100 N/mm"
-[[solids]]
-youngs_modulus = "210 GPa"
-poisson_ratio = 0.3
-[[solids]]
-youngs_modulus = "210 GPa"
-poisson_ratio = 0.3
-[[shapes]]
-kind = "Cylinder"
-radius = "10 mm"
-[plan]
-error = 1e-2
-"""
+LOAD = '[load]\nper_length = "100 N/mm"\n'
+STEEL = '[[solids]]\nyoungs_modulus = "210 GPa"\npoisson_ratio = 0.3\n'
+CYLINDER = '[[shapes]]\nkind = "Cylinder"\nradius = "10 mm"\n'
+SMOOTH = f"{LOAD}{STEEL}{STEEL}{CYLINDER}[plan]\nerror = 1e-2\n"
+
+
+def given(cells: int, width: str, length: str = "1 mm") -> str:
+    """A grid in place of a plan."""
+    return f'[grid]\ncells = [{cells}, 1]\nextent = ["{width}", "{length}"]\n'
+
 
 ROUGH = SMOOTH.replace(
     "[plan]",

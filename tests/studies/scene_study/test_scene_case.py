@@ -12,6 +12,7 @@ from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from studies.engine.run import run
 from studies.scene_study.measures import measures
 from tests.studies.conftest import quiet
+from tests.studies.scene_study.conftest import SMOOTH, given
 
 LOADS = "20:100:9 N/mm"
 
@@ -21,13 +22,12 @@ def solved(path: Path, out: Path, loads: str = LOADS) -> xr.Dataset:
 
 
 def test_a_scene_in_time_is_swept_with_the_steps_of_its_solve(smooth: Path, tmp_path: Path) -> None:
-    text = smooth.read_text(encoding="utf-8").replace("error = 1e-2", "error = 5e-2")
     wears = (
         '[wear]\ncoefficient = 1e-16\nspeed = "20 mm/s"\n[time_steps]\nend = 1000\ninstants = 2\n'
     )
-    (tmp_path / "wear.toml").write_text(text + wears, encoding="utf-8")
-    swept = solved(tmp_path / "wear.toml", tmp_path, "100 N/mm")
-    single = cs.read_scene(tmp_path / "wear.toml").solve().quantities["final_peak_pressure"]
+    smooth.write_text(SMOOTH.replace("1e-2", "5e-2") + wears, encoding="utf-8")
+    swept = solved(smooth, tmp_path, "100 N/mm")
+    single = cs.read_scene(smooth).solve().quantities["final_peak_pressure"]
     bound = float(swept["final_peak_pressure_bound"][0])
     assert bound < 5e-2 * single.value
     assert abs(float(swept["final_peak_pressure"][0]) - single.value) < bound + single.bound
@@ -65,9 +65,7 @@ def test_stiffness_is_the_slope_of_the_load_over_the_approach(rough: Path) -> No
 
 @pytest.mark.parametrize("cells", [46, 73])
 def test_stiffness_and_area_on_coarse_cells_keep_to_their_bounds(smooth: Path, cells: int) -> None:
-    text = smooth.read_text(encoding="utf-8").split("[plan]")[0]
-    grid = f'[grid]\ncells = [{cells}, 1]\nextent = ["0.4 mm", "0.4 mm"]\n'
-    smooth.write_text(text + grid, encoding="utf-8")
+    smooth.write_text(SMOOTH + given(cells, "0.4 mm", "0.4 mm"), encoding="utf-8")
     [case] = studies.study_of(smooth, {"load.per_length": "100 N/mm"}).cases()
     hertz, found = case.scene.hertz, measures(case, case.run(case.prepare()))
     modulus = np.pi * hertz.contact_modulus
@@ -82,9 +80,8 @@ def test_stiffness_and_area_on_coarse_cells_keep_to_their_bounds(smooth: Path, c
 
 
 def test_an_approach_that_is_given_is_recorded_as_given(smooth: Path, tmp_path: Path) -> None:
-    text = smooth.read_text(encoding="utf-8")
     smooth.write_text(
-        text.replace('per_length = "100 N/mm"', 'approach = "1 um"'), encoding="utf-8"
+        SMOOTH.replace('per_length = "100 N/mm"', 'approach = "1 um"'), encoding="utf-8"
     )
     study = studies.study_of(smooth, {"load.approach": [1e-6, 2e-6], "plan.error": [0.1]})
     dataset = run(study, tmp_path, workers=0, log=quiet)
@@ -117,8 +114,8 @@ def _width(dataset: xr.Dataset) -> float:
 
 
 def test_stress_is_recorded_where_a_scene_names_it(smooth: Path, tmp_path: Path) -> None:
-    text = '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["40 um", "80 um", "120 um"]\n[plan]'
-    smooth.write_text(smooth.read_text(encoding="utf-8").replace("[plan]", text), encoding="utf-8")
+    stress = '[[outputs]]\nkind = "SubsurfaceStress"\ndepths = ["40 um", "80 um", "120 um"]\n'
+    smooth.write_text(SMOOTH + stress, encoding="utf-8")
     dataset = solved(smooth, tmp_path, "100 N/mm,200 N/mm")
     # 0.56 of the peak pressure at 0.786 half-widths of 105 um (Johnson 1985, fig. 4.2), the nearest depth named
     assert float(dataset["largest_von_mises_depth"][0]) == 80e-6

@@ -15,7 +15,8 @@ from contactstudy.planning.cost import memory
 from studies.model.case import SceneCase
 from studies.scene_study import study_of as grids
 from studies.scene_study.variation import _with_surface
-from tests.conftest import STEEL
+from tests import conftest
+from tests.studies.scene_study.conftest import CYLINDER, ROUGH, SMOOTH, STEEL, given
 
 
 def scenes(study: studies.Study) -> list[SceneCase]:
@@ -65,11 +66,7 @@ def test_values_reach_the_case_that_is_solved(smooth: Path) -> None:
 
 
 def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:
-    smooth.write_text(
-        smooth.read_text(encoding="utf-8")
-        + '\n[grid]\ncells = [32, 1]\nextent = ["0.4 mm", "0.2 mm"]\n',
-        encoding="utf-8",
-    )
+    smooth.write_text(SMOOTH + given(32, "0.4 mm", "0.2 mm"), encoding="utf-8")
     varied = {"grid.cells": "[32, 1],[64, 1]", "period": "0.2 mm,0.4 mm"}
     found = {
         (case.grid.cells[0], case.grid.length) for case in scenes(studies.study_of(smooth, varied))
@@ -78,8 +75,7 @@ def test_a_grid_that_is_given_is_kept_and_its_fields_vary(smooth: Path) -> None:
 
 
 def test_scenes_of_python_are_varied_like_files(smooth: Path) -> None:
-    described = cs.read_scene(smooth)
-    scene = replace(described.scene, hardness=3e9)
+    scene = replace(cs.read_scene(smooth).scene, hardness=3e9)
     study = studies.study_of(
         scene, {"shapes.0": [cs.Cylinder(0.01), cs.Cylinder(0.02)]}, name="two"
     )
@@ -114,23 +110,24 @@ def test_where_periods_share_no_part_the_study_says_that_surfaces_differ(rough: 
     assert "random surfaces differ" in " ".join(study.notes)
 
 
+def measured(scene_file: Path, heights: np.ndarray, width: float) -> cs.Scene:
+    """The scene with a measured surface of square cells."""
+    extent = (width, width / heights.shape[0] * heights.shape[1])
+    scene = cs.read_scene(scene_file).scene
+    surface = cs.MeasuredSurface(heights, extent, seam=cs.Tapered())
+    return replace(scene, shapes=(*scene.shapes, surface))
+
+
 def test_a_grid_that_cannot_hold_a_surface_is_refused(smooth: Path) -> None:
-    heights = np.zeros((8, 8))
-    heights[3, 3] = 1e-7
-    described = cs.read_scene(smooth)
-    surface = cs.MeasuredSurface(heights, extent=(1e-4, 1e-4), seam=cs.Tapered())
-    scene = replace(described.scene, shapes=(*described.scene.shapes, surface))
-    wide = replace(described, scene=scene, grid=cs.Grid((32, 32), (4e-4, 1e-4)))
+    scene = measured(smooth, np.eye(8) * 1e-7, 1e-4)
+    wide = cs.SceneFile(scene, grid=cs.Grid((32, 32), (4e-4, 1e-4)))
     with pytest.raises(cs.InvalidInput, match="no wider than the surface"):
         studies.study_of(wide, {"load.per_length": [1e4, 2e4]})
 
 
 def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
     heights = np.random.default_rng(0).standard_normal((40, 60)) * 1e-8
-    described = cs.read_scene(smooth)
-    surface = cs.MeasuredSurface(heights, extent=(1e-3, 1.5e-3), seam=cs.Tapered())
-    scene = replace(described.scene, shapes=(*described.scene.shapes, surface))
-    study = studies.study_of(scene, {"windows": "2x3"})
+    study = studies.study_of(measured(smooth, heights, 1e-3), {"windows": "2x3"})
     assert study.axes[0].values == (0, 1, 2, 3, 4, 5)
     parts = [case.scene.shapes[1].heights for case in scenes(study)]  # type: ignore[attr-defined]
     np.testing.assert_array_equal(np.block([parts[:3], parts[3:]]), heights)
@@ -140,7 +137,9 @@ def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
 def test_a_surface_is_measured_or_turned_whatever_the_scene_has() -> None:
     measured = cs.MeasuredSurface(np.arange(12.0).reshape(3, 4) * 1e-9, extent=(1e-3, 2e-3))
     for present in (measured, measured.turned()):
-        document = SceneDocument(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), present))
+        document = SceneDocument(
+            cs.LineLoad(1e5), (conftest.STEEL,) * 2, (cs.Cylinder(0.01), present)
+        )
         for wanted in Turn:
             found: Any = _with_surface(document, ("shapes", "1", "turn"), wanted)
             assert found.shapes[1].is_turned is (wanted is Turn.QUARTER)
@@ -153,10 +152,7 @@ def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
         heights = np.random.default_rng(ord(name)).standard_normal((40, 20)) * 1e-8
         cs.MeasuredSurface(heights, extent=(1e-3, 5e-4)).write(folder / f"{name}.nc")
     smooth.write_text(
-        smooth.read_text(encoding="utf-8").replace(
-            "[plan]", '[[shapes]]\nkind = "MeasuredSurface"\nfile = "measured/a.nc"\n[plan]'
-        ),
-        encoding="utf-8",
+        SMOOTH + '[[shapes]]\nkind = "MeasuredSurface"\nfile = "measured/a.nc"\n', encoding="utf-8"
     )
     study = studies.study_of(smooth, {"surfaces": "measured/*.nc"})
     assert study.axes[0].values == ("a.nc", "b.nc")
@@ -189,16 +185,14 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
 
 
 def test_numbers_for_a_field_of_lists_are_answered_with_lists(smooth: Path) -> None:
-    grid = '\n[grid]\ncells = [32, 1]\nextent = ["0.4 mm", "0.2 mm"]\n'
-    smooth.write_text(smooth.read_text(encoding="utf-8") + grid, encoding="utf-8")
+    smooth.write_text(SMOOTH + given(32, "0.4 mm"), encoding="utf-8")
     with pytest.raises(cs.InvalidInput, match=r"such as grid\.cells=\[48,48\],\[96,96\]"):
         studies.study_of(smooth, {"grid.cells": "48,96"})
 
 
 def test_a_common_grid_is_no_wider_than_the_narrowest_measured_surface(smooth: Path) -> None:
     heights = 1e-9 * np.random.default_rng(0).standard_normal((60, 8))
-    scene = cs.read_scene(smooth).scene
-    rough = replace(scene, shapes=(*scene.shapes, cs.MeasuredSurface(heights, (1e-3, 1e-4))))
+    rough = measured(smooth, heights, 1e-3)
     surfaces = [cs.MeasuredSurface(heights, (width, 1e-4)) for width in (1e-3, 2.25e-4)]
     study = studies.study_of(rough, {"shapes.1": surfaces, "plan.error": [0.3]})
     assert {case.grid.extent[0] for case in scenes(study)} == {2.25e-4}
@@ -219,18 +213,15 @@ def test_a_common_grid_fits_the_machine(rough: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_a_random_surface_keeps_an_extent_of_its_own(rough: Path) -> None:
-    text = rough.read_text(encoding="utf-8")
-    text = text.replace("seed = 3", 'seed = 3\nextent = ["0.3 mm", "0.24 mm"]')
-    rough.write_text(text, encoding="utf-8")
+    rough.write_text(
+        ROUGH.replace("seed = 3", 'seed = 3\nextent = ["0.3 mm", "0.24 mm"]'), encoding="utf-8"
+    )
     study = studies.study_of(rough, {"load.per_length": "20,100 N/mm"})
     assert {case.scene.shapes[1].extent for case in scenes(study)} == {(3e-4, 2.4e-4)}  # type: ignore[attr-defined]
     assert "random surfaces" not in " ".join(study.notes)
 
 
-RUBBER = """
-[load]
-per_length = "500 N/m"
-[[solids]]
+RUBBER = f"""{CYLINDER}{given(32, "8 mm")}[[solids]]
 kind = "ViscoelasticHalfSpace"
 equilibrium_modulus = "1 MPa"
 poisson_ratio = 0.5
@@ -238,49 +229,31 @@ relaxation = [["2 MPa", "0.1 s"]]
 [[solids]]
 youngs_modulus = inf
 poisson_ratio = 0.3
-[[shapes]]
-kind = "Cylinder"
-radius = "10 mm"
-[grid]
-cells = [32, 1]
-extent = ["8 mm", "1 mm"]
-[padding]
-kind = "ExactPeriodicity"
-"""
-STEPPED = "[time_steps]\ntimes = [0.0, 0.1]\n"
-YIELDING = """
 [load]
-kind = "LoadHistory"
-times = [0, 1]
-per_length = ["100 N/mm", "1 kN/mm"]
-[[solids]]
+per_length = "500 N/m"
+"""
+YIELDING = f"""{CYLINDER}{given(24, "1 mm")}{STEEL}[[solids]]
 kind = "ElasticPlasticHalfSpace"
 material = "steel"
 yield_stress = "1 GPa"
 hardening_modulus = "10 GPa"
-[[solids]]
-material = "steel"
-[[shapes]]
-kind = "Cylinder"
-radius = "10 mm"
-[grid]
-cells = [24, 1]
-extent = ["1 mm", "1 mm"]
-[padding]
-kind = "ExactPeriodicity"
+[load]
+kind = "LoadHistory"
+times = [0, 1]
+per_length = ["100 N/mm", "1 kN/mm"]
 [time_steps]
 times = [0, 1]
 """
+WEAR = "[wear]\ncoefficient = 1e-13\nspeed = 1.0\n"
 
 
 @pytest.mark.parametrize(
     ("text", "field", "values", "units", "measured"),
     [
         (RUBBER + '[rolling]\nspeed = "1 mm/s"\n', "rolling.speed", "1,10 mm/s", "m/s", "rolling_resistance"),
-        (RUBBER + STEPPED + "[wear]\ncoefficient = 1e-13\nspeed = 1.0\n", "wear.coefficient",
-         [1e-13, 2e-13], "1/Pa", "worn_volume"),
+        (RUBBER + "[time_steps]\ntimes = [0.0, 0.1]\n" + WEAR, "wear.coefficient", "1e-13,2e-13", "1/Pa", "worn_volume"),
         (YIELDING, "load.per_length.1", "800,1000 N/mm", "N m-1", "dent_depth"),
-        (YIELDING, "solids.0.hardening_modulus", "5,50 GPa", "Pa", "dent_depth"),
+        (YIELDING, "solids.1.hardening_modulus", "5,50 GPa", "Pa", "dent_depth"),
     ],
     ids=["rolling", "wear", "load history", "hardening"],
 )  # fmt: skip
@@ -302,13 +275,8 @@ def test_a_scene_that_rolls_or_changes_is_swept(
 
 def test_the_common_grid_of_what_wears_is_as_wide_as_it_wears(tmp_path: Path) -> None:
     """At the end of the file the contact is some ten times as wide as at first: ``a^3 = 1.5 R k s P``."""
-    wears = YIELDING.split("[grid]")[0].replace("ElasticPlasticHalfSpace", "HalfSpace")
-    wears = wears.replace('yield_stress = "1 GPa"\nhardening_modulus = "10 GPa"\n', "")
-    wears += '[wear]\ncoefficient = 1e-15\nspeed = "1 m/s"\n[time_steps]\nend = 1e4\n[plan]\nerror = 0.1\n'
-    wears = wears.replace(
-        'per_length = ["100 N/mm", "1 kN/mm"]', 'per_length = ["1 kN/mm", "1 kN/mm"]'
-    )
-    (tmp_path / "scene.toml").write_text(wears)
+    wears = SMOOTH.replace("100 N/mm", "1 kN/mm").replace("1e-2", "0.1")
+    (tmp_path / "scene.toml").write_text(f"{wears}{WEAR}[time_steps]\nend = 1e4\n")
     study = studies.study_of(tmp_path / "scene.toml", {"wear.coefficient": "1e-15,2e-15"})
     [width] = {case.grid.extent[0] for case in study.cases()}  # type: ignore[attr-defined]
     assert width > 2 * (1.5 * 0.01 * 2e-15 * 1e4 * 1e6) ** (1 / 3)
@@ -327,38 +295,19 @@ def test_fields_of_one_group_change_together(smooth: Path) -> None:
         studies.study_of(smooth, [{"radius": "20 mm,10 mm", "load.per_length": "80 N/mm"}])
 
 
-def test_what_a_file_varies_is_a_study(smooth: Path, tmp_path: Path) -> None:
-    text = smooth.read_text(encoding="utf-8")
-    (tmp_path / "varied.toml").write_text(f'{text}\n[vary]\nload.per_length = "50:100:3 N/mm"\n')
-    study = studies.study_of(tmp_path / "varied.toml")
-    assert [axis.values for axis in study.axes] == [(5e4, 7.5e4, 1e5)]
-    with pytest.raises(InvalidInput, match=r"vary is empty"):
-        studies.study_of(smooth)
+def test_what_a_file_varies_is_a_study(smooth: Path) -> None:
+    smooth.write_text(f'{SMOOTH}[vary]\nload.per_length = "50:100:3 N/mm"\n', encoding="utf-8")
+    assert [axis.values for axis in studies.study_of(smooth).axes] == [(5e4, 7.5e4, 1e5)]
 
 
-def test_the_common_grid_is_wider_than_the_contact_under_any_coating(tmp_path: Path) -> None:
-    coated = SOFT_COATING
-    (tmp_path / "coated.toml").write_text(coated)
-    study = studies.study_of(
-        tmp_path / "coated.toml", {"solids.0.coating.youngs_modulus": "0.5,400 GPa"}
-    )
-    for case in scenes(study):
-        assert cs.solve(case.scene, case.grid, case.padding).status is cs.Status.CONVERGED
-
-
-SOFT_COATING = """
-[load]
-per_length = "100 N/mm"
-[[solids]]
+def test_the_common_grid_is_wider_than_the_contact_under_any_coating(smooth: Path) -> None:
+    coated = """[[solids]]
 kind = "CoatedHalfSpace"
 thickness = "20 um"
 coating = { youngs_modulus = "100 GPa", poisson_ratio = 0.3 }
 substrate.material = "steel"
-[[solids]]
-material = "steel"
-[[shapes]]
-kind = "Cylinder"
-radius = "10 mm"
-[plan]
-error = 0.05
 """
+    smooth.write_text(SMOOTH.replace(STEEL, coated, 1).replace("1e-2", "0.05"), encoding="utf-8")
+    study = studies.study_of(smooth, {"solids.0.coating.youngs_modulus": "0.5,400 GPa"})
+    for case in scenes(study):
+        assert cs.solve(case.scene, case.grid, case.padding).status is cs.Status.CONVERGED

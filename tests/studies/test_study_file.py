@@ -68,6 +68,14 @@ def test_a_scene_that_is_none_is_said_with_its_point(body: str, said: str, tmp_p
         Request.of(load(str(path)))
 
 
+@pytest.mark.parametrize("part", ["axes", "case_at", "measures"])
+def test_a_study_without_one_of_its_names_is_refused(part: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.py"
+    path.write_text(GOOD + f"del {part}\n", encoding="utf-8")
+    with pytest.raises(InvalidInput, match=f"has no '{part}'"):
+        load(str(path))
+
+
 def test_the_first_line_of_its_text_is_the_title(tmp_path: Path) -> None:
     path = tmp_path / "mine.py"
     for text, title in (
@@ -78,4 +86,5 @@ def test_the_first_line_of_its_text_is_the_title(tmp_path: Path) -> None:
         path.write_text(GOOD.replace("Plain numbers.", text))
         assert load(str(path)).title == title
     path.write_text(GOOD.replace('"""Plain numbers."""', ""))
-    assert load(str(path)).title == "mine"
+    study = load(str(path))
+    assert (study.title, study.name, len(study.cases())) == ("mine", "mine", 2)

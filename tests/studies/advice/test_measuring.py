@@ -56,13 +56,10 @@ def test_a_cylinder_is_judged_by_hertz_and_solved_with_one_cell_along(cylinder: 
     verdict = cylinder.verdict()
     assert verdict.meets
     assert verdict.best.label in (LINE, "exact")
-    solution = cs.solve(
-        SCENE.problem(
-            cs.Grid(verdict.best.setting.cells, cylinder.extent), verdict.best.setting.padding
-        ),
-        tolerance=verdict.best.setting.tolerance,
-    )
-    true = hertz_means(HERTZ, solution.problem.grid)
+    setting = verdict.best.setting
+    grid = cs.Grid(setting.cells, cylinder.extent)
+    solution = cs.solve(SCENE.problem(grid, setting.padding), tolerance=setting.tolerance)
+    true = hertz_means(HERTZ, grid)
     assert np.abs(solution.pressure - true).sum() <= 1e-2 * true.sum()
 
 
@@ -131,21 +128,18 @@ def test_a_stored_comparison_is_of_its_scene_alone(tmp_path: Path, cylinder: Com
     assert stored(paper_scene(period=0.6).key, tmp_path) is None
 
 
-def test_a_load_that_is_sought_is_answered_with_a_remedy() -> None:
-    with pytest.raises(cs.InvalidInput, match="give it a load per length"):
-        scene_in(EXAMPLES / "gripper.toml").subject()
-
-
-def test_grids_of_an_attraction_of_short_range_are_not_compared() -> None:
-    sticky = replace(SCENE, adhesion=cs.Adhesion(0.05))
-    with pytest.raises(cs.InvalidInput, match="a range to compare"):
-        compared_scene(cs.SceneFile(sticky), "sticky")
-
-
-def test_a_scene_without_a_width_of_its_own_needs_a_grid() -> None:
-    flat = cs.Scene(SCENE.load, SCENE.solids, (cs.Waviness(1e-6, along=1e-4),))
-    with pytest.raises(cs.InvalidInput, match="grid"):
-        compared_scene(cs.SceneFile(flat), "flat")
+@pytest.mark.parametrize(
+    ("scene", "remedy"),
+    [
+        (cs.read_scene(EXAMPLES / "gripper.toml").scene, "give it a load per length"),
+        (replace(SCENE, adhesion=cs.Adhesion(0.05)), r"give \[adhesion\] a range to compare"),
+        (replace(SCENE, shapes=(cs.Waviness(1e-6, along=1e-4),)), r"give it a \[grid\]"),
+    ],
+    ids=["load that is sought", "attraction of short range", "no width of its own"],
+)
+def test_a_scene_without_settings_to_compare_is_refused(scene: cs.Scene, remedy: str) -> None:
+    with pytest.raises(cs.InvalidInput, match=remedy):
+        compared_scene(cs.SceneFile(scene), "refused")
 
 
 @pytest.mark.parametrize(
@@ -198,15 +192,22 @@ EXACT, COPIED, ZERO = cs.ExactPeriodicity(), cs.DuplicatedPadding(), cs.ZeroPadd
 
 
 def one(
-    padding: cs.Padding, cells: int, error: float, times: tuple[float, ...], *, bounded: bool = True
+    padding: cs.Padding = EXACT,
+    cells: int = 32,
+    error: float = 0.02,
+    seconds: float = 1.0,
+    *,
+    rounds: int = 15,
+    bounded: bool = True,
 ) -> Measured:
-    setting = Setting(padding, (cells, cells), 1e-4)
+    """A setting that takes as long in every round."""
+    setting, times = Setting(padding, (cells, cells), 1e-4), (seconds,) * rounds
     return Measured(setting, label_of(padding), error, bounded, times[:1], times)
 
 
-def of(*settings: Measured, reference_bound: float = 0.0, error: float = 0.03) -> Comparison:
+def of(*settings: Measured, reference_bound: float = 0.0) -> Comparison:
     return Comparison(
-        name="hand", text="", extent=(1e-3, 1e-3), boundary=EXACT, error=error,
+        name="hand", text="", extent=(1e-3, 1e-3), boundary=EXACT, error=0.03,
         reference_bound=reference_bound, reference=(96, 96),
         bounds={"pressure_l1": reference_bound, "peak_pressure": inf},
         paddings=(PaddingError(COPIED, 0.02, {"mean_gap": 0.1}),),
@@ -216,26 +217,22 @@ def of(*settings: Measured, reference_bound: float = 0.0, error: float = 0.03) -
 
 def test_a_tie_goes_to_the_boundary_of_the_scene_itself() -> None:
     # always 5 % quicker, which is clear and not worth it
-    verdict = of(one(EXACT, 32, 0.02, (1.0,) * 15), one(COPIED, 32, 0.02, (0.95,) * 15)).verdict()
+    verdict = of(one(), one(COPIED, seconds=0.95)).verdict()
     assert verdict.best.label == "exact"
     (alternative,) = verdict.alternatives
     assert alternative.is_as_fast
     assert alternative.ratio == pytest.approx(0.95)
 
 
-def test_another_padding_is_chosen_if_it_is_quicker_by_more_than_a_tenth_in_nearly_all_rounds() -> (
-    None
-):
-    exact = one(EXACT, 32, 0.02, (1.0,) * 15)
-    verdict = of(exact, one(COPIED, 32, 0.02, (0.8,) * 15)).verdict()
-    assert verdict.best.label == "duplicated"
+def test_another_padding_is_chosen_if_it_is_a_fifth_quicker_in_enough_rounds() -> None:
     # the same median ratio from three rounds decides nothing
-    verdict = of(one(EXACT, 32, 0.02, (1.0,) * 3), one(COPIED, 32, 0.02, (0.8,) * 3)).verdict()
-    assert verdict.best.label == "exact"
+    for rounds, label in ((15, "duplicated"), (3, "exact")):
+        verdict = of(one(rounds=rounds), one(COPIED, seconds=0.8, rounds=rounds)).verdict()
+        assert verdict.best.label == label
 
 
 def test_the_bound_on_the_reference_is_added_to_every_error() -> None:
-    fine, coarse = one(EXACT, 48, 0.015, (2.0,) * 9), one(EXACT, 32, 0.025, (1.0,) * 9)
+    fine, coarse = one(cells=48, error=0.015, seconds=2.0), one(error=0.025)
     for reference_bound, cells in ((0.004, 32), (0.006, 48)):
         verdict = of(coarse, fine, reference_bound=reference_bound).verdict()
         assert verdict.meets
@@ -244,26 +241,20 @@ def test_the_bound_on_the_reference_is_added_to_every_error() -> None:
 
 
 def test_a_grid_that_nothing_bounds_is_never_recommended() -> None:
-    hollow = one(EXACT, 16, 0.01, (0.5,) * 9, bounded=False)
-    verdict = of(hollow, one(EXACT, 32, 0.02, (1.0,) * 9)).verdict()
+    verdict = of(one(cells=16, error=0.01, seconds=0.5, bounded=False), one()).verdict()
     assert verdict.best.setting.cells == (32, 32)
 
 
 def test_errors_below_the_bound_on_the_reference_are_equal_where_none_meets_the_request() -> None:
-    verdict = of(
-        one(EXACT, 32, 0.02, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), reference_bound=0.025
-    ).verdict()
-    assert not verdict.meets
-    assert verdict.best.label == "exact"
-    verdict = of(
-        one(EXACT, 32, 0.09, (1.0,) * 9), one(COPIED, 48, 0.01, (0.5,) * 9), reference_bound=0.025
-    )
-    assert verdict.verdict().best.label == "duplicated"
+    quick = one(COPIED, 48, error=0.01, seconds=0.5)
+    for error, label in ((0.02, "exact"), (0.09, "duplicated")):
+        verdict = of(one(error=error), quick, reference_bound=0.025).verdict()
+        assert not verdict.meets
+        assert verdict.best.label == label
 
 
 def test_without_a_bound_on_the_reference_nothing_is_said_to_meet_a_request() -> None:
-    verdict = of(one(EXACT, 32, 0.001, (1.0,) * 9), reference_bound=inf).verdict()
-    assert not verdict.meets
+    assert not of(one(error=0.001), reference_bound=inf).verdict().meets
 
 
 def test_the_error_of_a_grid_is_the_largest_of_it_and_of_all_finer_ones() -> None:

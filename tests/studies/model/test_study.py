@@ -1,39 +1,7 @@
-from pathlib import Path
-
 import pytest
 
 from contactstudy import InvalidInput
 from studies.registry import BUILT_IN, load
-
-FILE = '''"""Two grids, nothing else."""
-
-import xarray as xr
-
-from studies.model.axis import Axis
-from studies.reference.line_contact import case_at
-
-axes = (
-    Axis("padding", ("exact",), "representation of the periodic direction"),
-    Axis("images", (6,), "periods superposed on each side"),
-    Axis("period", (2.4,), "period length over Hertz half-width"),
-    Axis("grid", (16, 24), "cells across the width and along one period"),
-)
-
-
-def measures(case, solution):
-    return {"peak": xr.Variable((), solution.pressure.max(), {"units": "Pa", "long_name": "peak"})}
-
-
-def figure(dataset):
-    return ()
-'''
-
-
-@pytest.fixture
-def study_file(tmp_path: Path) -> Path:
-    path = tmp_path / "two_grids.py"
-    path.write_text(FILE)
-    return path
 
 
 @pytest.mark.parametrize("name", BUILT_IN)
@@ -41,19 +9,6 @@ def test_built_in_studies_have_a_title_and_cases(name: str) -> None:
     study = load(name)
     assert study.title.endswith(".")
     assert len(study.cases()) > 1
-
-
-def test_a_study_may_stand_in_a_file(study_file: Path) -> None:
-    study = load(str(study_file))
-    assert (study.name, study.title) == ("two_grids", "Two grids, nothing else.")
-    assert len(study.cases()) == 2
-
-
-@pytest.mark.parametrize("part", ["axes", "case_at", "measures"])
-def test_a_study_without_one_of_its_names_is_refused(study_file: Path, part: str) -> None:
-    study_file.write_text(FILE + f"\ndel {part}\n", encoding="utf-8")
-    with pytest.raises(InvalidInput, match=f"has no '{part}'"):
-        load(str(study_file))
 
 
 @pytest.mark.parametrize(

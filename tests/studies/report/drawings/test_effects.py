@@ -6,18 +6,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from studies.registry import load_drawing
-from tests.studies.report.drawings.drawn import words
+from tests.studies.report.drawings.drawn import findings
 
 
 def over(axes: str, **values: Any) -> dict[str, Any]:
     """Variables over the same axes."""
     return {name: (axes.split(), np.asarray(value)) for name, value in values.items()}
-
-
-def said(name: str, dataset: xr.Dataset) -> str:
-    [finding] = load_drawing(name).findings(dataset)
-    return words(f"{finding.claim} {finding.measured}")
 
 
 STEPS, GRID = [10, 20, 40], [64, 96, 128]
@@ -104,7 +98,7 @@ def coating() -> xr.Dataset:
 def test_a_finding_says_what_an_effect_does(
     name: str, dataset: xr.Dataset, sentences: list[str]
 ) -> None:
-    text = said(name, dataset)
+    [text] = findings(name, dataset)
     for sentence in sentences:
         assert sentence in text
 
@@ -117,4 +111,4 @@ def test_a_finding_says_what_an_effect_does(
     ],
 )  # fmt: skip
 def test_nothing_is_said_of_a_part_that_does_not_show_it(name: str, part: xr.Dataset) -> None:
-    assert not load_drawing(name).findings(part)
+    assert not findings(name, part)

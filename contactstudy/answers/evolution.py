@@ -310,18 +310,18 @@ def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evo
     from contactstudy.answers.lubricated_contact import film_answer
 
     parts = ErrorParts(discretisation=inf, steps=films.step_error, reason=NO_BOUND_OF_FILMS)
-
-    def of(name: str) -> ErrorParts:
-        return replace(parts, steps=float(films.errors_by_steps[name].max()))
-
-    estimate = ErrorEstimate(
-        parts, of("peak_pressure"), central_film=of("central_film"), minimum_film=of("minimum_film"),
-        friction_coefficient=of("friction"), warnings=(NO_BOUND_OF_FILMS,),
-    )  # fmt: skip
-    frames = [
-        film_answer(replace(contact, estimate=estimate), time=time)
-        for contact, time in zip(films.contacts, films.times, strict=True)
-    ]
+    frames = []
+    for number, (contact, time) in enumerate(zip(films.contacts, films.times, strict=True)):
+        errors = {
+            name: replace(parts, steps=float(by_steps[number]))
+            for name, by_steps in films.errors_by_steps.items()
+        }
+        estimate = ErrorEstimate(
+            parts, errors["peak_pressure"], central_film=errors["central_film"],
+            minimum_film=errors["minimum_film"], friction_coefficient=errors["friction"],
+            warnings=(NO_BOUND_OF_FILMS,),
+        )  # fmt: skip
+        frames.append(film_answer(replace(contact, estimate=estimate), time=time))
     first = frames[0]
     posed = PosedScene(first.scene, first.grid, first.padding)
     return Evolution(tuple(frames), np.array(films.times), posed, requested, films=films)

@@ -69,6 +69,9 @@ class StepTuning:
 
 TUNING = StepTuning()
 
+# Numbers of a film whose errors by the steps are estimated; the peak pressure is the last.
+NUMBERS = ("central_film", "minimum_film", "friction", "peak_pressure")
+
 
 @dataclass(frozen=True, eq=False)
 class FilmTrajectory:
@@ -76,7 +79,7 @@ class FilmTrajectory:
 
     ``step_error`` is that of the film in the Hertzian zone, in L1 over its mean, of one step. ``errors_by_steps``
     (time,) are estimates of the relative errors of quantities by all steps, from a second evolution with steps twice as
-    long; infinite where that failed.
+    long; infinite if one of the two failed.
     """
 
     times: tuple[float, ...]
@@ -126,8 +129,9 @@ def evolve_lubricated(
 ) -> FilmTrajectory:
     """Evolve the film of ``scene`` in time, from the steady film at the first time.
 
-    A second evolution, with steps twice as long, estimates the errors by the steps: one and a half times the largest
-    difference. Steps of second order have a third of it, but for waves that pass in a dozen steps.
+    A second evolution, each of whose steps is two of the first, estimates the errors by the steps: one and a half times
+    the largest difference until then. Steps of second order have a third of it, but for waves that pass in a dozen
+    steps.
 
     Parameters
     ----------
@@ -173,32 +177,39 @@ def evolve_lubricated(
     error = positive("TimeSteps.error", 1e-3 if error is None else error, "give one above 0")
     stepper = _FilmStepper.begin(scene, grid, padding, instants[0], tolerance)
     recorded_times = None if times is None else instants
-    history = _integrate(stepper, instants, recorded_times, error, step, tolerance, progress)
-    long_step = None if step is None else 2 * step
-    long_steps = _integrate(
-        stepper, list(history.times), list(history.times), 8 * error, long_step, tolerance, None
-    )
-    return replace(history, errors_by_steps=errors_by_steps(history, long_steps))
+    return _integrate(stepper, instants, recorded_times, error, step, tolerance, progress)
 
 
-def errors_by_steps(fine: FilmTrajectory, coarse_films: FilmTrajectory) -> Mapping[str, Array]:
-    """Return estimates from the relative differences of two evolutions, the second with longer steps."""
-    failed = Status.FILM_NOT_CONVERGED
-    errors = {}
-    for name in ("central_film", "minimum_film", "friction", "peak_pressure"):
-        errors[name] = np.full(len(fine.times), inf)
-        for number, (contact, wide_contact) in enumerate(
-            zip(fine.contacts, coarse_films.contacts, strict=False)
-        ):
-            if failed not in (contact.status, wide_contact.status):
-                value, coarse = (
-                    float(getattr(contact, name)),
-                    float(getattr(wide_contact, name)),
-                )
-                errors[name][number] = abs(value - coarse) / (abs(value) or 1.0)
-        # the largest, as a difference may vanish by chance where a wave passes
-        errors[name][:] = TUNING.error_over_difference * errors[name].max()
-    return errors
+def errors_by_steps(fine: FilmTrajectory, coarse: FilmTrajectory) -> Mapping[str, Array]:
+    """Return estimates (time,) of relative errors of an evolution, from one with longer steps at the same instants."""
+    pairs = zip(fine.contacts, coarse.contacts, strict=False)
+    compared = [(time, _differences(*pair)) for time, pair in zip(fine.times, pairs, strict=False)]
+    return _estimates(fine, compared)
+
+
+def _differences(fine: FilmSolution, coarse: FilmSolution) -> Array:
+    """Return the differences of `NUMBERS` between two films; infinite if one has not converged.
+
+    That of the peak pressure is the largest of any cell, as a peak that moves may keep its height by chance.
+    """
+    if Status.FILM_NOT_CONVERGED in (fine.status, coarse.status):
+        return np.full(len(NUMBERS), inf)
+    differences = [abs(getattr(fine, name) - getattr(coarse, name)) for name in NUMBERS[:-1]]
+    return np.array([*differences, np.abs(fine.pressure - coarse.pressure).max()])
+
+
+def _estimates(films: FilmTrajectory, compared: list[tuple[float, Array]]) -> Mapping[str, Array]:
+    """Return estimates (time,) of relative errors from differences of `NUMBERS` at times [s] between films.
+
+    The error at an instant is estimated by the largest difference until then, as one alone may vanish by chance.
+    """
+    if not compared:
+        return {name: np.full(len(films.times), inf) for name in NUMBERS}
+    times, differences = zip(*compared, strict=True)
+    until = np.minimum(np.searchsorted(times, films.times), len(times) - 1)
+    errors = TUNING.error_over_difference * np.maximum.accumulate(differences)[until]
+    values = np.array([[getattr(film, name) for name in NUMBERS] for film in films.contacts])
+    return dict(zip(NUMBERS, (errors / np.where(values == 0, 1, np.abs(values))).T, strict=True))
 
 
 def check_loaded(scene: Scene, instants: list[float]) -> None:
@@ -224,10 +235,12 @@ def _integrate(
     progress: Callable[[float, float], None] | None,
 ) -> FilmTrajectory:
     """Step to the last of ``instants``; record every step if ``times`` is None."""
-    recorded, contacts = [instants[0]], [stepper.contact()]
+    contact, double = stepper.contact(), _DoubleSteps(stepper, tolerance)
+    recorded, contacts = [instants[0]], [contact]
     steps, largest_error, iterations, linear_iterations = 0, 0.0, 0, 0
     cell_passage = stepper.posed.equation.cell[0] * stepper.time_unit
-    length = step or TUNING.first * cell_passage
+    # two steps at least, which the estimate takes at once
+    length = min(step or TUNING.first * cell_passage, (instants[-1] - instants[0]) / 2)
     for target in instants[1:]:
         while stepper.time < target - 1e-9 * cell_passage:
             remaining = target - stepper.time
@@ -245,6 +258,8 @@ def _integrate(
                 length = trial * max(TUNING.shrink, 0.0 if failed else factor)
                 continue
             stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
+            contact = stepper.contact()
+            double.follow(stepper.time, contact)
             if progress is not None:
                 progress(stepper.time, instants[-1])
             grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
@@ -254,12 +269,12 @@ def _integrate(
                 break
             if times is None and stepper.time < target - 1e-9 * cell_passage:
                 recorded.append(stepper.time)
-                contacts.append(stepper.contact())
+                contacts.append(contact)
         recorded.append(target)
-        contacts.append(stepper.contact())
-        if contacts[-1].status is Status.FILM_NOT_CONVERGED:
+        contacts.append(contact)
+        if contact.status is Status.FILM_NOT_CONVERGED:
             break
-    return FilmTrajectory(
+    films = FilmTrajectory(
         tuple(recorded),
         tuple(contacts),
         steps,
@@ -267,6 +282,31 @@ def _integrate(
         linear_iterations,
         largest_error,
     )
+    return replace(films, errors_by_steps=_estimates(films, double.compared))
+
+
+class _DoubleSteps:
+    """Evolution that takes two steps of another at once, and the differences of `NUMBERS` after these, at times [s]."""
+
+    def __init__(self, start: "_FilmStepper", tolerance: float) -> None:
+        self.stepper, self.tolerance = start, tolerance
+        self.compared: list[tuple[float, Array]] = []
+        self._middle: float | None = None
+
+    def follow(self, time: float, contact: FilmSolution) -> None:
+        """Take note of a step of the other evolution, to a `time` [s]; after every second one, step there and compare.
+
+        Where a double step does not converge, it takes both.
+        """
+        if self._middle is None:
+            self._middle = time
+            return
+        advanced, _ = self.stepper.advanced(time - self.stepper.time)
+        if not advanced.last.converged(self.tolerance):
+            half, _ = self.stepper.advanced(self._middle - self.stepper.time)
+            advanced, _ = half.advanced(time - half.time)
+        self.stepper, self._middle = advanced, None
+        self.compared.append((time, _differences(contact, advanced.contact())))
 
 
 def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:

@@ -10,19 +10,21 @@ from types import SimpleNamespace
 import click
 import pytest
 import xarray as xr
-from click.testing import CliRunner, Result
 
 import contactstudy as cs
 from contactstudy import InvalidInput
 from studies.cli import commands
 from studies.cli import main as module
-from studies.cli.commands import cli, main
-from studies.cli.new import new, templates
+from studies.cli.commands import main
+from studies.cli.new import templates
 from studies.model.outcome import CaseStatus
 from studies.registry import load
+from tests.studies.cli.conftest import said
 from tests.studies.conftest import POSIX
 from tests.studies.scene_study.conftest import SMOOTH
+from tests.studies.test_study_file import GOOD
 
+EXAMPLES = Path(__file__).parents[3] / "examples"
 COMMAND = str(Path(sys.executable).with_name("contactstudy"))
 
 SMALL = [
@@ -116,37 +118,20 @@ def test_a_wrong_word_is_an_error_without_traceback(arguments: list[str], call: 
     assert "Traceback" not in done.stderr
 
 
-OWN = '''"""One axis, plain numbers."""
-
-from studies.reference import line_contact
-from studies.model.axis import Axis
-
-axes = (Axis("grid", (16, 24), "cells"),)
-
-
-def case_at(point):
-    return line_contact.case_at({"padding": "exact", "images": 0, "period": 1.0} | dict(point))
-
-
-def measures(case, solution):
-    return {"peak": solution.pressure.MAX()}
-
-
-def figure(dataset):
-    return ()
-'''
+OWN = GOOD.replace("result): return {}", 'result): return {"peak": result.MAX}')
+RIGHT = OWN.replace("MAX", "real")
 
 
 def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
     call: Call, tmp_path: Path
 ) -> None:
     path = tmp_path / "json.py"
-    path.write_text(OWN.replace("MAX", "max"))
+    path.write_text(RIGHT, encoding="utf-8")
     done = call("run", "json.py", "--workers", "1", "--no-times")
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "outputs" / "json.nc").is_file()
     assert call("draw", "json.py").returncode == 0
-    path.write_text(OWN)
+    path.write_text(OWN, encoding="utf-8")
     done = call("run", "json.py", "--workers", "0", "--no-times")
     assert done.returncode == 1
     assert "2 of 2 cases failed, the first with AttributeError in measures" in done.stdout
@@ -192,38 +177,33 @@ def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
 FEW = ["--padding", "exact", "--period", "2.4", "--images", "6", "--workers", "0"]
 
 
-def invoke(*words: str) -> Result:
-    return CliRunner().invoke(cli, ["run", *words], catch_exceptions=False)
-
-
 @pytest.mark.whole
 def test_options_of_a_run_do_what_they_say(tmp_path: Path) -> None:
-    here = ["period", *FEW, "--out", str(tmp_path)]
-    dry = invoke(*here, "--grid", "16,24", "--dry-run")
-    assert "2 distinct cases, 0 stored, 2 to compute" in dry.stdout
+    here = ["run", "period", *FEW, "--out", tmp_path]
+    dry = said(*here, "--grid", "16,24", "--dry-run")
+    assert "2 distinct cases, 0 stored, 2 to compute" in dry
     assert list(tmp_path.iterdir()) == []
-    invoke(*here, "--grid", "16", "--repeats", "1", "--fields", "--time-limit", "60")
+    said(*here, "--grid", "16", "--repeats", "1", "--fields", "--time-limit", "60")
     assert len(list((tmp_path / "period.fields").iterdir())) == 1
-    dry = invoke(*here, "--grid", "16,24", "--dry-run")
-    assert "1 stored, 1 to compute" in dry.stdout
-    assert "s to compute" in dry.stdout
-    grown = invoke(*here, "--grid", "16,24", "--repeats", "3", "--retime", "--retry", "failed")
-    assert "1 cases are stored, 1 to compute" in grown.stdout
+    dry = said(*here, "--grid", "16,24", "--dry-run")
+    assert "1 stored, 1 to compute" in dry
+    assert "s to compute" in dry
+    grown = said(*here, "--grid", "16,24", "--repeats", "3", "--retime", "--retry", "failed")
+    assert "1 cases are stored, 1 to compute" in grown
     assert xr.load_dataset(tmp_path / "period.nc").sizes["repeat"] == 3
 
 
 def test_fail_fast_stops_with_an_exit_code(tmp_path: Path) -> None:
     path = tmp_path / "own.py"
-    path.write_text(OWN)
-    done = invoke(str(path), "--workers", "0", "--out", str(tmp_path), "--fail-fast")
-    assert done.exit_code == 1
+    path.write_text(OWN, encoding="utf-8")
+    said("run", path, "--workers", 0, "--out", tmp_path, "--fail-fast", code=1)
     status = xr.load_dataset(tmp_path / "own.nc")["case_status"].values.tolist()
     assert status == [CaseStatus.FAILED, CaseStatus.SKIPPED]
 
 
 @pytest.mark.parametrize("arguments", [["period", "--help"], ["--out", "here", "period", "-h"]])
 def test_help_on_a_study_lists_its_axes_with_their_values(arguments: list[str]) -> None:
-    shown = " ".join(CliRunner().invoke(cli, ["run", *arguments]).output.split())
+    shown = " ".join(said("run", *arguments).split())
     assert "--workers" in shown
     axes = shown.split("Axes of period: ")[1]
     for axis in load("period").axes:
@@ -234,23 +214,16 @@ def test_help_on_a_study_lists_its_axes_with_their_values(arguments: list[str]) 
 
 def test_help_on_a_study_of_ones_own_has_its_units(tmp_path: Path) -> None:
     file = tmp_path / "mine.py"
-    file.write_text(
-        "from studies.model.axis import Axis\n"
-        "axes = (Axis('radius', (0.01, 0.02), 'radius of the cylinder', units='m'),)\n"
-        "case_at = measures = figure = print\n"
-    )
-    shown = CliRunner().invoke(cli, ["run", str(file), "--help"]).output
-    assert "--radius NUMBERS  radius of the cylinder [m].  [default: 0.01, 0.02]" in shown
+    file.write_text(OWN.replace('"a number"', '"a number", "m"'), encoding="utf-8")
+    shown = said("run", file, "--help")
+    assert "--number COUNTS  a number [m].  [default: 1, 2]" in shown
 
 
 def test_help_without_a_study_lists_no_axes_and_with_a_wrong_one_says_which_is_meant() -> None:
     for arguments in (["--help"], ["examples/oil.toml", "--help"]):
-        plain = CliRunner().invoke(cli, ["run", *arguments])
-        assert plain.exit_code == 0
-        assert "Axes of" not in plain.output
-    wrong = CliRunner().invoke(cli, ["run", "peroid", "--help"])
-    assert isinstance(wrong.exception, InvalidInput)
-    assert "did you mean 'period'" in str(wrong.exception)
+        assert "Axes of" not in said("run", *arguments)
+    with pytest.raises(InvalidInput, match="did you mean 'period'"):
+        said("run", "peroid", "--help")
 
 
 @pytest.mark.parametrize(
@@ -289,9 +262,7 @@ def test_each_way_to_end_has_its_exit_code(
 def test_a_command_ends_with_one_where_a_solve_did_not_converge(tmp_path: Path) -> None:
     path = tmp_path / "smooth.toml"
     path.write_text(SMOOTH + "\n[solve]\nmax_iterations = 1\ntolerance = 1e-12\n", encoding="utf-8")
-    result = CliRunner().invoke(commands.cli, ["solve", str(path), "--out", str(tmp_path / "out")])
-    assert result.exit_code == 1
-    assert "ITERATION_LIMIT" in result.output
+    assert "ITERATION_LIMIT" in said("solve", path, "--out", tmp_path / "out", code=1)
     assert (tmp_path / "out" / "smooth.nc").is_file()
 
 
@@ -330,30 +301,21 @@ def test_what_ends_a_command_before_it_started_is_said(
 def test_a_plan_says_whether_a_profiled_roller_needs_an_end(
     period: str, sentence: str, tmp_path: Path
 ) -> None:
-    example = Path(__file__).parents[3] / "examples" / "edge-stress.toml"
-    text = example.read_text(encoding="utf-8").replace(
-        '["0.6 mm", "10 mm"]', f'["0.6 mm", "{period}"]'
+    text = (EXAMPLES / "edge-stress.toml").read_text(encoding="utf-8")
+    (tmp_path / "roller.toml").write_text(
+        text.replace('["0.6 mm", "10 mm"]', f'["0.6 mm", "{period}"]'), encoding="utf-8"
     )
-    (tmp_path / "roller.toml").write_text(text, encoding="utf-8")
-    shown = CliRunner().invoke(cli, ["plan", str(tmp_path / "roller.toml")])
-    assert shown.exit_code == 0, shown.output
-    assert sentence in shown.output
+    assert sentence in said("plan", tmp_path / "roller.toml")
 
-
-EXAMPLES = Path(__file__).parents[3] / "examples"
 
 # Examples that are called by another name than their kind.
 NAMES = {"film": "oil"}
 
 
-def said(*words: str) -> Result:
-    return CliRunner().invoke(new, words)
-
-
 @pytest.mark.parametrize("kind", templates())
 def test_a_scene_to_begin_with_is_an_example_that_plans(kind: str, tmp_path: Path) -> None:
     path = tmp_path / f"{NAMES.get(kind, kind)}.toml"
-    assert said(kind, "--out", str(path)).exit_code == 0
+    said("new", kind, "--out", path)
     assert path.read_text(encoding="utf-8") == (EXAMPLES / path.name).read_text(encoding="utf-8")
     assert cs.read_scene(path).plan().grid.cells[0] > 1
 
@@ -361,18 +323,17 @@ def test_a_scene_to_begin_with_is_an_example_that_plans(kind: str, tmp_path: Pat
 @pytest.mark.parametrize("kind", ["coated", "fretting"])
 def test_a_scene_to_begin_with_solves(kind: str, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(templates()[kind], encoding="utf-8")
-    done = CliRunner().invoke(cli, ["solve", str(tmp_path / "scene.toml"), "--out", str(tmp_path)])
-    assert done.exit_code == 0, done.output
+    said("solve", tmp_path / "scene.toml", "--out", tmp_path)
 
 
 def test_no_file_is_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    assert said("rough").exit_code == 0
-    again = said("rough")
-    assert isinstance(again.exception, cs.InvalidInput)
-    assert "exists already: give another file" in str(again.exception)
+    said("new", "rough")
+    with pytest.raises(cs.InvalidInput, match="exists already: give another file"):
+        said("new", "rough")
 
 
 def test_another_kind_is_answered_with_a_known_one() -> None:
-    assert "did you mean 'roller'" in str(said("rollers").exception)
-    assert "choose from" in str(said().exception)
+    for words, remedy in ((["rollers"], "did you mean 'roller'"), ([], "choose from")):
+        with pytest.raises(cs.InvalidInput, match=remedy):
+            said("new", *words)

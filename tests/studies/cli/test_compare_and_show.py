@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 
 import contactstudy as cs
 from contactstudy.solvers.solve import ReportingSolver
-from studies.cli.commands import cli
 from studies.cli.show import _edges
+from tests.studies.cli.conftest import ended, said
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH
 
 FILM = """[lubrication]
@@ -23,14 +22,6 @@ mean_speed = "1 m/s"
 viscosity = "40 mPa*s"
 pressure_viscosity = "20 1/GPa"
 """
-
-
-def said(*words: object, code: int = 0) -> str:
-    result = CliRunner().invoke(cli, [str(word) for word in words])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    assert result.exit_code == code, result.output
-    return result.output
 
 
 @pytest.fixture(scope="module")
@@ -225,23 +216,14 @@ def test_a_solve_that_is_stopped_leaves_its_pressure_and_goes_on_from_it(
     assert float(abs(ended["pressure"] - whole["pressure"]).sum() / whole["pressure"].sum()) < 1e-6
 
 
-OUTCOMES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed ok"}
-
-
 def table(file: Path) -> list[dict[str, str]]:
-    result = CliRunner().invoke(cli, ["show", str(file), "--csv"])
-    assert result.exit_code == 0, result.output
-    return list(csv.DictReader(StringIO(result.output)))
+    return list(csv.DictReader(StringIO(said("show", file, "--csv"))))
 
 
 def test_a_study_is_a_table_with_a_row_for_each_point(tmp_path: Path) -> None:
     points = xr.Dataset(
         {
-            "case_status": (
-                ("load", "n"),
-                np.array([[1, 1, 1], [1, 0, 1]], dtype=np.int8),
-                OUTCOMES,
-            ),
+            "case_status": ended(("load", "n"), [[1, 1, 1], [1, 0, 1]]),
             "peak": (("n", "load"), np.arange(6.0).reshape(3, 2), {"units": "Pa"}),
             "field": (("n", "load", "x"), np.zeros((3, 2, 4))),
         },
@@ -264,11 +246,10 @@ def test_a_solution_is_one_row_of_its_numbers(folder: Path) -> None:
 
 
 def test_a_status_that_a_case_does_not_have_is_empty(tmp_path: Path) -> None:
-    outcome = ("load", np.array([1, 0], dtype=np.int8), OUTCOMES)
-    solved = ("load", np.array([1.0, np.nan]), OUTCOMES)
-    xr.Dataset({"case_status": outcome, "solver_status": solved}, {"load": [1.0, 2.0]}).to_netcdf(
-        tmp_path / "stopped.nc"
-    )
+    outcome = ended("load", [1, 0])
+    stopped = xr.Dataset({"case_status": outcome, "solver_status": outcome}, {"load": [1.0, 2.0]})
+    stopped["solver_status"] = stopped["solver_status"].where([True, False])
+    stopped.to_netcdf(tmp_path / "stopped.nc")
     assert [row["solver_status"] for row in table(tmp_path / "stopped.nc")] == ["ok", ""]
 
 

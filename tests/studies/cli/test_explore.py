@@ -11,30 +11,24 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 
 import contactstudy as cs
-from studies.cli.commands import cli
 from studies.cli.explore import MAX_VALUES, contents, page_of
 from tests.conftest import LineContact
+from tests.studies.cli.conftest import ended, said
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome") or shutil.which("chrome")
-OUTCOMES = {"flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "failed ok"}
 
 
 @pytest.fixture
 def study() -> xr.Dataset:
     """A study over a load of two decades and a name, one of whose cases failed."""
     peak = np.array([[1e8, 2e8], [3e8, np.nan], [9e8, 8e8]])
-    status = np.array([[1, 1], [1, 0], [1, 1]], dtype=np.int8)
+    dims, label = ("load", "mode"), {"units": "Pa", "long_name": "peak pressure"}
     return xr.Dataset(
         {
-            "peak_pressure": (
-                ("load", "mode"),
-                peak,
-                {"units": "Pa", "long_name": "peak pressure"},
-            ),
-            "case_status": (("load", "mode"), status, OUTCOMES),
+            "peak_pressure": (dims, peak, label),
+            "case_status": ended(dims, [[1, 1], [1, 0], [1, 1]]),
         },
         {
             "load": ("load", [1e3, 1e4, 1e5], {"units": "N m-1", "long_name": "load"}),
@@ -141,8 +135,7 @@ def test_a_fine_contact_is_shown_by_means_of_blocks() -> None:
 
 def test_the_command_writes_a_page_beside_the_file(study: xr.Dataset, tmp_path: Path) -> None:
     study.to_netcdf(tmp_path / "study.nc")
-    result = CliRunner().invoke(cli, ["explore", str(tmp_path / "study.nc")])
-    assert result.exit_code == 0, result.output
+    said("explore", tmp_path / "study.nc")
     assert "<title>study: two modes</title>" in (tmp_path / "study-explore.html").read_text(
         encoding="utf-8"
     )

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from scipy.special import erf
 
 import contactstudy as cs
@@ -64,26 +63,6 @@ def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
 def test_only_an_axis_that_does_not_wrap_is_doubled(padding: cs.Padding, padded: int) -> None:
     case = OperatorCase(1e11, LINE, padding, datum=1.0)
     assert int(case.record(case.prepare())["padded_cells"]) == padded
-
-
-def smooth(**changed: float) -> xr.Dataset:
-    """What the study of rough surfaces says of none, by padding."""
-    study = load("roughness")
-    point = {"rms": 0.0, "hurst": 0.8, "peklenik": 1.0, "seed": 1, "images": 6, "period": 2.4}
-    case = study.case_at(point | {"grid": 80} | changed)
-    return xr.Dataset(study.measures(case, case.run(case.prepare())))
-
-
-def test_answers_of_a_smooth_contact_are_hertz_s() -> None:
-    exact = smooth().sel(padding="exact")
-    cell = 3.2 / 80  # in half-widths
-    assert float(exact["contact_area"]) == pytest.approx(1, abs=2 * cell)
-    assert float(exact["contact_extent"]) == pytest.approx(1, abs=cell)
-    # the second moment of cells of constant pressure, a twelfth of a cell squared off, and its edge
-    assert float(exact["half_width"]) == pytest.approx(1, abs=cell**1.5)
-    assert float(exact["peak_pressure"]) == pytest.approx(1, abs=cell**2)
-    assert float(exact["load_spread"]) == pytest.approx(0, abs=1e-7)
-    assert float(exact["smooth_difference"]) == pytest.approx(0, abs=1e-6)
 
 
 @pytest.mark.whole

@@ -57,11 +57,8 @@ def test_text_that_a_case_lacks_is_empty_and_a_number_is_not_a_number() -> None:
     assert dataset["words"].values.tolist() == [["p", "q"], ["", ""], ["", ""]]
     np.testing.assert_array_equal(dataset["whole"], [np.nan, np.nan, 3.0])
     assert dataset["single"].dtype == np.float32
-    assert dataset["case_status"].values.tolist() == [
-        CaseStatus.OK,
-        CaseStatus.NOT_RUN,
-        CaseStatus.OK,
-    ]
+    ok, not_run = CaseStatus.OK, CaseStatus.NOT_RUN
+    assert dataset["case_status"].values.tolist() == [ok, not_run, ok]
 
 
 def test_a_variable_named_like_its_dimension_is_its_coordinate() -> None:

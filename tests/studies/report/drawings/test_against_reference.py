@@ -5,12 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 
 import contactstudy as cs
-from studies.cli.commands import cli
 from studies.model.outcome import CaseStatus
 from studies.report.drawings.default import curves
+from tests.studies.cli.conftest import said
 from tests.studies.scene_study.conftest import ROUGH
 
 
@@ -43,13 +42,10 @@ def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_refere
 def test_a_scene_is_swept_with_errors_and_times(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(ROUGH)
-    words = ["run", str(scene), "--vary", "padding=ExactPeriodicity,DuplicatedPadding"]
-    more = ["--repeats", "1", "--workers", "0", "--out", str(tmp_path)]
-    reference = ["--reference", "padding=ExactPeriodicity"]
-    done = CliRunner().invoke(cli, [*words, *reference, *more], catch_exceptions=False)
-    assert done.exit_code == 0, done.output
+    words = ["run", scene, "--vary", "padding=ExactPeriodicity,DuplicatedPadding"]
+    words += ["--repeats", 1, "--workers", 0, "--out", tmp_path, "--reference"]
+    said(*words, "padding=ExactPeriodicity")
     names = {path.name for path in (tmp_path / "scene-sweep").iterdir()}
     assert {"errors.png", "front.png"} < names
-    refused = [*words, "--reference", "padding=ZeroPadding", *more]
     with pytest.raises(cs.InvalidInput, match="not one of the values that are varied"):
-        CliRunner().invoke(cli, refused, catch_exceptions=False)
+        said(*words, "padding=ZeroPadding")

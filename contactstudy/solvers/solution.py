@@ -1,7 +1,7 @@
 """The result of a solve: fields, and a status that says how far they can be trusted."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from types import MappingProxyType
 from typing import NamedTuple
@@ -276,6 +276,29 @@ class Solution:
                 "This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1)."
             )
         return self.traction
+
+
+def with_traction(
+    solution: Solution,
+    status: Status,
+    residual: float,
+    iterations: int,
+    convolutions: float,
+    traction: TangentialTraction,
+) -> Solution:
+    """Return a normal `solution` with a `traction`, whose solve ended with this status and residual.
+
+    The status is that of the normal contact where it did not converge, the residual the larger one. The `iterations` and
+    `convolutions` of the traction are added.
+    """
+    return replace(
+        solution,
+        status=status if solution.status is Status.CONVERGED else solution.status,
+        residual=max(solution.residual, residual),
+        iterations=solution.iterations + iterations,
+        convolutions=solution.convolutions + convolutions,
+        traction=traction,
+    )
 
 
 def net_pressure(pressure: Array, adhesion: AdhesiveTraction | None) -> Array:

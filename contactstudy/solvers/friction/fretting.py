@@ -14,9 +14,8 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
-from contactstudy.solvers.friction.laws import with_traction
 from contactstudy.solvers.friction.partial_slip import slip_step
-from contactstudy.solvers.solution import Solution, Status, worst
+from contactstudy.solvers.solution import Solution, Status, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 

@@ -12,7 +12,7 @@ from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import slip_step
 from contactstudy.solvers.lagged import solve_by_substitution
-from contactstudy.solvers.solution import Solution, Status, TangentialTraction
+from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Outer iterations between pressure and shear: errors fall by a factor of at least 1.7 from one to the next where both
@@ -24,8 +24,8 @@ MAX_SLIDING_ITERATIONS = 200
 class FullSliding:
     """Full sliding along x: the traction ``coefficient * pressure`` on the first body, and its reaction on the second.
 
-    `coupling` maps shear [Pa] to normal displacement [m]; None for elastically similar bodies (Dundurs' beta = 0), so
-    that shear does not change the pressure.
+    `coupling` maps shear [Pa] to normal displacement [m]; None for elastically similar bodies (Dundurs' beta = 0), where
+    shear does not change the pressure.
     """
 
     coefficient: float
@@ -82,7 +82,7 @@ class CiavarellaJaeger:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
-        """Return the solution with its shear from two normal contacts; its status is that of the worse."""
+        """Return the solution with its shear from two normal contacts; its status is that of the first that failed."""
         outer = solve_contact(problem, options, start, on)
         if self.fraction == 0:
             shear = np.zeros((2, *outer.pressure.shape))
@@ -128,22 +128,3 @@ class PartialSlipShear:
         status = shear_status(step.residual, count, *limits)
         traction = TangentialTraction(step.shear, step.stick, "partial slip, Newton", count)
         return with_traction(normal, status, step.residual, count, 2.0 * count, traction)
-
-
-def with_traction(
-    solution: Solution,
-    status: Status,
-    residual: float,
-    iterations: int,
-    convolutions: float,
-    traction: TangentialTraction,
-) -> Solution:
-    """Return a `solution` with a `traction`, whose own solve ended with this status and residual after this work."""
-    return replace(
-        solution,
-        status=status if solution.status is Status.CONVERGED else solution.status,
-        residual=max(solution.residual, residual),
-        iterations=solution.iterations + iterations,
-        convolutions=solution.convolutions + convolutions,
-        traction=traction,
-    )

@@ -35,7 +35,7 @@ from contactstudy.solvers.friction.rolling_traction import (
 )
 from contactstudy.solvers.friction.slip import RollingSlip
 from contactstudy.solvers.lagged import solve_by_substitution
-from contactstudy.solvers.solution import Solution, Status, TangentialTraction
+from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fewest cells along an axis of a coarser grid.
@@ -138,19 +138,12 @@ class TractiveShear:
             zeros = np.zeros((2, *normal.pressure.shape))
             stick = np.zeros(normal.pressure.shape, dtype=bool)
             return replace(normal, traction=TangentialTraction(zeros, stick, "tractive rolling", 0))
-        of_shear = shear_status(
+        status = shear_status(
             state.residual, state.applications, options.tolerance, options.max_iterations
         )
-        status = of_shear if normal.status is Status.CONVERGED else normal.status
-        return replace(
-            normal,
-            status=status,
-            residual=max(normal.residual, state.residual),
-            iterations=normal.iterations + applications,
-            convolutions=normal.convolutions + convolutions,
-            note=" ".join(filter(None, (normal.note, self.note))),
-            traction=self._traction(problem.grid, normal.pressure, state),
-        )
+        normal = replace(normal, note=f"{normal.note} {self.note}".strip())
+        traction = self._traction(problem.grid, normal.pressure, state)
+        return with_traction(normal, status, state.residual, applications, convolutions, traction)
 
     def _traction(self, grid: Grid, pressure: Array, state: "SteadyShear") -> RollingTraction:
         """Return the traction of a steady state with its power."""
@@ -179,14 +172,12 @@ class TractiveShear:
         self, grid: Grid, pressure: Array, options: SolveOptions, last: "SteadyShear | None" = None
     ) -> "SteadyShear":
         """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
-        creepage, levels, work = self.creepage, list[list[float]](), 0.0
-        shear: Array = np.zeros((2, *grid.cells))
-        if last is not None:
-            shear = last.shear
+        creepage, work, steady = self.creepage, 0.0, None
+        levels: list[list[float]] = []
+        shear: Array = np.zeros((2, *grid.cells)) if last is None else last.shear
         by_pressure: Array = np.zeros((2, *grid.cells))
         if self.coupling is not None:
             by_pressure = self.coupling.displacement(pressure)
-        steady = None
         for level in [grid] if last is not None else coarser_grids(grid):
             fine = level is grid
             limit = on_cells(self.coefficient * pressure, level.cells)

@@ -396,7 +396,9 @@ class Scene:
         """Return the law that the problem is solved with: the attraction, or the search for the pull-off with it."""
         if solver is None or not isinstance(self.load, PullOff):
             return solver
-        return solver.pull_off_search(self.load.error)
+        from contactstudy.solvers.pull_off import PullOffSearch  # imported only where it is named
+
+        return PullOffSearch(solver, self.load.error)
 
     @property
     def time_dependent_field(self) -> str | None:

@@ -61,11 +61,6 @@ class AdhesionConstants:
         negligible adhesion costs one solve.
     edge
         Traction at an open edge over the largest, above which the attraction that is cut off there matters.
-    iteration_factor
-        Iterations of each load in a pull-off over those of a solve: just beyond the last stable load the bodies detach
-        slowly.
-    load_step
-        Step of the load over the sum of the attraction, until a load is unstable.
     """
 
     change_in_tolerances: float = 1e3
@@ -73,12 +68,9 @@ class AdhesionConstants:
     plain_iterations: int = 2
     negligible: float = 1e-3
     edge: float = 1e-3
-    iteration_factor: int = 10
-    load_step: float = 0.25
 
 
 CONSTANTS = AdhesionConstants()
-
 
 # Solves a problem without adhesion together with a state beside it: from the frozen attraction (x, y) [Pa] that its
 # heights contain, options, and a pressure (x, y) [Pa] to begin with.
@@ -125,10 +117,6 @@ class AdhesiveSolver:
         assert solution.adhesion is not None
         return self.continued(solution.adhesion.attraction)
 
-    def pull_off_search(self, error: float) -> "PullOffSearch":
-        """Return the search for the pull-off load to a relative `error`."""
-        return PullOffSearch(self, error)
-
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
     ) -> Solution:
@@ -137,86 +125,24 @@ class AdhesiveSolver:
 
     def solve_beside(
         self,
-        inner: "InnerSolve | None",
+        inner: InnerSolve | None,
         problem: Problem,
         options: SolveOptions,
         start: Array | None,
         on: Device,
     ) -> tuple[Solution, Any]:
-        """Return the solution of :meth:`solve`, and the state that `inner` found beside it; None if it found none.
+        """Return the solution of :meth:`solve`, and the state of the bodies that `inner` found with it.
 
-        `inner` solves for each contact under a frozen attraction together with such a state.
+        `inner` solves each contact under a frozen attraction together with such a state, as of plastic strain. The state
+        is None where `inner` is None, or where the bodies are detached.
         """
-        shape = problem.undeformed_gap.shape
         first = {
             Branch.FROM_AFAR: 0.0,
             Branch.FROM_FULL_CONTACT: self.law.strength,
             Branch.CONTINUED: self.attraction,
         }[self.branch]
-        iteration = OuterIteration(problem, self, options, on, inner)
-        solution = iteration.solution(np.broadcast_to(np.asarray(first), shape), start)
-        return solution, iteration.state
-
-
-@dataclass(frozen=True, eq=False)
-class PullOffSearch:
-    """Search for the pull-off load of a contact with adhesion, from the load of its problem on.
-
-    The load is lowered until no equilibrium is found, and bisected between the last stable load and the first unstable
-    one. Each solve begins with the last stable state.
-
-    Parameters
-    ----------
-    solver
-        Solver of each load.
-    error
-        Difference of both loads over the first unstable one.
-    """
-
-    solver: AdhesiveSolver
-    error: float
-
-    def continued(self, attraction: Array) -> "PullOffSearch":
-        """Return this search, which begins with the load of its problem in any case."""
-        return self
-
-    def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
-    ) -> Solution:
-        """Return the last stable state; its part `adhesion` has the first unstable load."""
-        assert isinstance(problem.control, PrescribedLoad)
-        last_stable = self.solver.solve(problem, options, start, on)
-        iterations, convolutions = last_stable.iterations, last_stable.convolutions
-        load, first_unstable = problem.control.total, -inf
-        options = replace(
-            options, max_iterations=CONSTANTS.iteration_factor * options.max_iterations
-        )
-        while last_stable.status in EQUILIBRIUM and (
-            first_unstable == -inf or load - first_unstable > self.error * abs(first_unstable)
-        ):
-            assert last_stable.adhesion is not None
-            pull = CONSTANTS.load_step * float(last_stable.adhesion.attraction.sum())
-            trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
-            lowered = replace(problem, control=PrescribedLoad(trial))
-            state = self.solver.after(last_stable).solve(lowered, options, last_stable.pressure, on)
-            iterations += state.iterations
-            convolutions += state.convolutions
-            if state.status is Status.DETACHED:
-                first_unstable = trial
-            else:
-                load, last_stable = trial, state
-        assert last_stable.adhesion is not None
-        line = problem.grid.cell_area / problem.grid.length
-        part = replace(
-            last_stable.adhesion,
-            branch=self.solver.branch.value,
-            first_unstable_load=first_unstable * line if first_unstable > -inf else None,
-        )
-        return replace(last_stable, iterations=iterations, convolutions=convolutions, adhesion=part)
-
-
-# Outcomes in which a state is one of equilibrium.
-EQUILIBRIUM = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_EDGE)
+        attraction = np.broadcast_to(np.asarray(first), problem.undeformed_gap.shape)
+        return OuterIteration(problem, self, options, on, inner).solution(attraction, start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,23 +171,22 @@ class _State:
 
 @dataclass(eq=False)
 class OuterIteration:
-    """Outer iteration over the attraction of one problem, its counts, and the `state` that was found beside it."""
+    """Outer iteration over the attraction of one problem, and its counts."""
 
     problem: Problem
     solver: AdhesiveSolver
     options: SolveOptions
     on: Device
     inner: InnerSolve | None = None
-    state: Any = None
     count: int = 0
     iterations: int = 0
     convolutions: float = 0.0
     energies: list[float] = field(default_factory=list)
 
-    def solution(self, attraction: Array, start: Array | None) -> Solution:
-        """Return the solution that the iteration from an `attraction` (x, y) [Pa] leads to.
+    def solution(self, attraction: Array, start: Array | None) -> tuple[Solution, Any]:
+        """Return the solution that the iteration from an `attraction` (x, y) [Pa] leads to, and the state beside it.
 
-        The contact begins with the pressure `start` (x, y) [Pa].
+        The first contact begins with the pressure `start` (x, y) [Pa].
         """
         tolerance = CONSTANTS.change_in_tolerances * self.options.tolerance
         loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else CONSTANTS.max_inner_error
@@ -271,7 +196,7 @@ class OuterIteration:
         while True:
             load = self._contact_load(attraction)
             if load <= 0 and not is_mixture:
-                return self._detached()
+                return self._detached(), None
             displacement = self.problem.operator(attraction)
             self.convolutions += 1
             if last is not None and self._is_negligible(attraction, displacement, last):
@@ -389,9 +314,9 @@ class OuterIteration:
             cohesion,
         )
 
-    def _ended(self, state: _State) -> Solution:
-        """Return the solution of the last `state`."""
-        contact, self.state = state.contact, state.beside
+    def _ended(self, state: _State) -> tuple[Solution, Any]:
+        """Return the solution of the last `state`, and the state of the bodies beside it."""
+        contact = state.contact
         gap = self.problem.undeformed_gap + state.added_gap
         residual = max(contact.residual, state.change / CONSTANTS.change_in_tolerances)
         status = contact.status
@@ -401,7 +326,7 @@ class OuterIteration:
             status = Status.DETACHED
         elif status is Status.CONVERGED and self._edge_fraction(state.attraction) > CONSTANTS.edge:
             status = Status.ATTRACTION_AT_EDGE
-        return replace(
+        solution = replace(
             contact,
             problem=replace(self.problem, undeformed_gap=gap),
             displacement=contact.displacement - state.attraction_displacement,
@@ -411,6 +336,7 @@ class OuterIteration:
             residual=residual,
             adhesion=self._part(state.attraction, tuple(self.energies)),
         )
+        return solution, state.beside
 
     def _detached(self) -> Solution:
         """Return the bodies far apart: no attraction carries the load."""

@@ -1,10 +1,18 @@
-"""Anderson's acceleration of a fixed-point iteration."""
+"""Anderson's mixing of a fixed-point iteration, and a contact whose displacement follows from its pressure solved by it.
 
+Source: Anderson (1965), in the form of Walker & Ni (2011), eq. 2.2.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from contactstudy.domain.fields import Array
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Singular values of the changes below this fraction of the largest are noise of the solves.
 CUT_OFF = 1e-8
@@ -49,3 +57,107 @@ class AndersonMixing:
         moves = np.stack([(b - a).ravel() for a, b in pairwise(self._iterates)], axis=1)
         weights = np.linalg.lstsq(changes, step.ravel(), rcond=CUT_OFF)[0]
         return iterate + step - ((moves + changes) @ weights).reshape(step.shape)
+
+
+@dataclass(frozen=True)
+class MixingConstants:
+    """Constants of the outer iteration with mixing.
+
+    Attributes
+    ----------
+    depth
+        Number of pressures before the last that enter a mixture.
+    inner_reduction
+        Tolerance of a solve over the change in the outer iteration before; a tenth of it saves no outer iteration.
+    first_tolerance
+        Largest tolerance of a solve.
+    """
+
+    depth: int = 8
+    inner_reduction: float = 1e-3
+    first_tolerance: float = 1e-4
+
+
+CONSTANTS = MixingConstants()
+
+
+@dataclass(frozen=True, eq=False)
+class LaggedSolution:
+    """Solution with the lagged displacement under its own pressure.
+
+    Parameters
+    ----------
+    solution
+        The last solution.
+    change
+        Change of the pressure in the last outer iteration, relative in L1.
+    outer_iterations
+        Number of solves.
+    iterations, convolutions
+        Sums over all solves.
+    """
+
+    solution: Solution
+    change: float
+    outer_iterations: int
+    iterations: int
+    convolutions: float
+
+
+def solve_with_mixing(
+    problem: Problem,
+    displacement_of: Callable[[Array], Array] | None,
+    options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
+    *,
+    change: float = 1e-6,
+    max_outer: int = 100,
+) -> LaggedSolution:
+    """Return the solution of a problem with a displacement that follows from its own pressure, by Anderson's mixing.
+
+    It also converges where the map from pressure to pressure is no contraction. Each outer iteration solves with the
+    displacement under a mixture of the pressures before, until one changes the pressure by less than `change`.
+
+    Parameters
+    ----------
+    problem
+        The contact in SI units, without the displacement.
+    displacement_of
+        Map from pressure (x, y) [Pa] to the displacement to add to the gap (x, y) [m]; None for a single solve.
+    options
+        Method and tolerance of each solve.
+    change
+        Change of the pressure in an outer iteration to stop at, relative in L1.
+    max_outer
+        Number of outer iterations after which the status is :attr:`~contactstudy.Status.NOT_CONVERGED`.
+
+    Returns
+    -------
+    LaggedSolution
+        The last solution and its counts.
+    """
+    if displacement_of is None:
+        solution = solve_contact(problem, options)
+        return LaggedSolution(solution, 0.0, 1, solution.iterations, solution.convolutions)
+    mixing, guess = AndersonMixing(CONSTANTS.depth), np.zeros_like(problem.undeformed_gap)
+    start: Array | None = None
+    last_change, outer, iterations, convolutions = np.inf, 0, 0, 0.0
+    while True:
+        gap = problem.undeformed_gap + displacement_of(guess) if outer else problem.undeformed_gap
+        loose = min(CONSTANTS.inner_reduction * last_change, CONSTANTS.first_tolerance)
+        inner = replace(options, tolerance=max(options.tolerance, loose))
+        solution = solve_contact(replace(problem, undeformed_gap=gap), inner, start)
+        outer += 1
+        iterations += solution.iterations
+        convolutions += solution.convolutions
+        start = solution.pressure
+        if not np.isfinite(solution.residual):
+            return LaggedSolution(solution, np.inf, outer, iterations, convolutions)
+        step = solution.pressure - guess
+        last_change = float(np.abs(step).sum() / solution.pressure.sum())
+        converged = last_change <= change and solution.residual <= options.tolerance
+        if converged or outer == max_outer:
+            if not converged:
+                solution = replace(solution, status=Status.NOT_CONVERGED)
+            return LaggedSolution(solution, last_change, outer, iterations, convolutions)
+        mixing.record(guess, step)
+        guess = mixing.mixture()

@@ -93,8 +93,8 @@ INNER = (
     "solvers.friction.laws.PartialSlipShear",
     "solvers.friction.laws.FullSliding",
     "solvers.friction.laws.CiavarellaJaeger",
-    "solvers.lagged.LaggedSolution",
-    "solvers.lagged.solve_with_mixing",
+    "solvers.anderson.LaggedSolution",
+    "solvers.anderson.solve_with_mixing",
     "solvers.solution.TangentialTraction",
 )
 

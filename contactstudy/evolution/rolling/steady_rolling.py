@@ -19,7 +19,7 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
-from contactstudy.solvers.lagged import LaggedSolution, solve_with_mixing
+from contactstudy.solvers.anderson import LaggedSolution, solve_with_mixing
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -155,7 +155,7 @@ def solve_rolling(
         How each outer iteration is solved.
     change
         Relative L1 change of the pressure below which outer iterations end, see
-        :func:`~contactstudy.solvers.lagged.solve_with_mixing`.
+        :func:`~contactstudy.solvers.anderson.solve_with_mixing`.
     max_outer
         Largest number of outer iterations.
 

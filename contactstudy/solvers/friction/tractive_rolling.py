@@ -34,9 +34,9 @@ from contactstudy.solvers.friction.rolling_traction import (
     RollingTraction,
 )
 from contactstudy.solvers.friction.slip import RollingSlip
-from contactstudy.solvers.lagged import solve_by_substitution
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
+from contactstudy.solvers.substitution import solve_by_substitution
 
 # Fewest cells along an axis of a coarser grid.
 COARSEST = 24

@@ -1,0 +1,74 @@
+"""Pull-off: the load at which a contact with adhesion loses its equilibrium, by a search over loads."""
+
+from dataclasses import dataclass, replace
+from math import inf
+
+from contactstudy.domain.device import Device
+from contactstudy.domain.fields import Array
+from contactstudy.problem.constraint import PrescribedLoad
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.adhesion import AdhesiveSolver
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions
+
+# Iterations of each load over those of a solve: just beyond the last stable load the bodies detach slowly.
+ITERATION_FACTOR = 10
+# Step of the load over the sum of the attraction, until a load is unstable.
+LOAD_STEP = 0.25
+# Outcomes in which a state is one of equilibrium.
+EQUILIBRIUM = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_EDGE)
+
+
+@dataclass(frozen=True, eq=False)
+class PullOffSearch:
+    """Search for the pull-off load of a contact with adhesion, from the load of its problem on.
+
+    The load is lowered until no equilibrium is found, and bisected between the last stable load and the first unstable
+    one. Each solve begins with the last stable state.
+
+    Parameters
+    ----------
+    solver
+        Solver of each load.
+    error
+        Difference of both loads over the first unstable one.
+    """
+
+    solver: AdhesiveSolver
+    error: float
+
+    def continued(self, attraction: Array) -> "PullOffSearch":
+        """Return this search, which begins with the load of its problem in any case."""
+        return self
+
+    def solve(
+        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+    ) -> Solution:
+        """Return the last stable state; its part `adhesion` has the first unstable load."""
+        assert isinstance(problem.control, PrescribedLoad)
+        last_stable = self.solver.solve(problem, options, start, on)
+        iterations, convolutions = last_stable.iterations, last_stable.convolutions
+        load, first_unstable = problem.control.total, -inf
+        options = replace(options, max_iterations=ITERATION_FACTOR * options.max_iterations)
+        while last_stable.status in EQUILIBRIUM and (
+            first_unstable == -inf or load - first_unstable > self.error * abs(first_unstable)
+        ):
+            assert last_stable.adhesion is not None
+            pull = LOAD_STEP * float(last_stable.adhesion.attraction.sum())
+            trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
+            lowered = replace(problem, control=PrescribedLoad(trial))
+            state = self.solver.after(last_stable).solve(lowered, options, last_stable.pressure, on)
+            iterations += state.iterations
+            convolutions += state.convolutions
+            if state.status is Status.DETACHED:
+                first_unstable = trial
+            else:
+                load, last_stable = trial, state
+        assert last_stable.adhesion is not None
+        line = problem.grid.cell_area / problem.grid.length
+        part = replace(
+            last_stable.adhesion,
+            branch=self.solver.branch.value,
+            first_unstable_load=first_unstable * line if first_unstable > -inf else None,
+        )
+        return replace(last_stable, iterations=iterations, convolutions=convolutions, adhesion=part)

@@ -1,0 +1,78 @@
+"""A contact whose displacement follows from its own pressure, solved by substitution of one into the other."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from contactstudy.domain.device import Device
+from contactstudy.domain.fields import Array
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+
+def solve_by_substitution(
+    problem: Problem,
+    displacement_of: Callable[[Array], Array],
+    options: SolveOptions,
+    start: Array | None,
+    on: Device,
+    max_outer: int,
+) -> Solution:
+    """Return the solution of a problem with a displacement that follows from its own pressure, by substitution.
+
+    It converges where the map is a contraction, as that of friction below 1 is between elastic bodies. Each outer
+    iteration adds the displacement of the one before to the gap, until that changes the gap in the contact by less than
+    the tolerance, in units of ``problem.scales.gap``; the status is :attr:`~contactstudy.Status.NOT_CONVERGED` where it
+    does not.
+
+    Parameters
+    ----------
+    problem
+        The contact in SI units, without the displacement.
+    displacement_of
+        Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each outer iteration.
+    options, start, on
+        Method and tolerance of each solve, pressure [Pa] to begin with, and device.
+    max_outer
+        Largest number of outer iterations.
+    """
+    solution = solve_contact(problem, options, start, on)
+    if not solution.pressure.any():
+        return solution
+    iterations, convolutions, outer = solution.iterations, solution.convolutions, 1
+    added: Array = np.zeros_like(solution.gap)
+    while True:
+        displacement = displacement_of(solution.pressure)
+        change = _deviation_in_contact(displacement - added, solution.pressure) / problem.scales.gap
+        if change <= options.tolerance or outer == max_outer or not np.isfinite(change):
+            break
+        added = displacement
+        lowered = replace(problem, undeformed_gap=problem.undeformed_gap + added)
+        solution = solve_contact(lowered, options, solution.pressure, on)
+        iterations += solution.iterations
+        convolutions += solution.convolutions
+        outer += 1
+    status = solution.status
+    if status is Status.CONVERGED and not change <= options.tolerance:
+        status = Status.NOT_CONVERGED
+    return replace(
+        solution,
+        problem=problem,
+        displacement=solution.displacement + added,
+        status=status,
+        residual=max(solution.residual, change),
+        iterations=iterations,
+        convolutions=convolutions,
+        note=f"{solution.note} {outer} outer iterations over the coupled displacement.".lstrip(),
+    )
+
+
+def _deviation_in_contact(change: Array, pressure: Array) -> float:
+    """Return the effect of a `change` of the gap: its largest deviation in the contact from its mean there."""
+    touching = pressure > 0
+    if not touching.any():
+        return 0.0
+    within = change[touching]
+    return float(np.abs(within - within.mean()).max())

@@ -166,7 +166,7 @@ def total(field: Array) -> float:
     return sum(in_blocks(lambda block: float(arrays().sum(block)), field))
 
 
-def largest_size(field: Array) -> float:
+def max_abs(field: Array) -> float:
     """Return the largest absolute value in a field (x, y); nan if one is nan."""
     xp = arrays()
     sizes = in_blocks(lambda block: max(float(xp.max(block)), -float(xp.min(block))), field)
@@ -178,7 +178,7 @@ def mean_over(cells: Array, field: Array) -> float:
     return inner(field, cells) / total(cells)
 
 
-def product(a: Array, b: Array) -> Array:
+def matrix_product(a: Array, b: Array) -> Array:
     """Return the matrix product of two numpy arrays, row by row.
 
     BLAS would start threads for it, which on a busy machine cost a hundred times the time they save.

@@ -5,7 +5,7 @@ from functools import cached_property
 from math import inf, prod
 
 from contactstudy.domain.device import arrays
-from contactstudy.domain.fields import Array, inner, largest_size, total
+from contactstudy.domain.fields import Array, inner, max_abs, total
 from contactstudy.problem.constraint import Constraint, Control, Gap, largest_of
 from contactstudy.problem.field_operations import ArrayOperations, operations_for
 from contactstudy.problem.operator import Operator
@@ -126,7 +126,7 @@ class BareProblem:
         That rounding follows from the largest absolute value of the `displacement`, which is found unless it is given as
         `largest`.
         """
-        largest = largest_size(displacement) if largest is None else largest
+        largest = max_abs(displacement) if largest is None else largest
         rounding = float(GAP_ROUNDINGS * arrays().finfo(displacement.dtype).eps * largest)
         return not max(tolerance, rounding) < residual < inf
 

@@ -65,8 +65,8 @@ def largest_of(*measures: float) -> float:
 class Constraint(Protocol):
     """Convex set of pressures (x, y), cell by cell: a cell is at a limit of its pressure, or it is free."""
 
-    def scaled(self, pressure: float) -> Self:
-        """Return the set of pressures of this one times `pressure`: the same set in another unit."""
+    def scaled(self, factor: float) -> Self:
+        """Return the set of the pressures of this one times `factor`: the same set in another unit."""
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return a `pressure` that is in this set in another unit, times `unit`, as a pressure of this set.
@@ -154,7 +154,7 @@ def project_capped_simplex(trial: Array, total: float, limit: float) -> Array:
 class Compressive:
     """Constraint of an elastic contact without adhesion: ``p >= 0``."""
 
-    def scaled(self, pressure: float) -> "Compressive":
+    def scaled(self, factor: float) -> "Compressive":
         """Return this set, which is the same in any unit."""
         return self
 
@@ -264,9 +264,9 @@ class HardnessLimited:
 
     hardness: float
 
-    def scaled(self, pressure: float) -> "HardnessLimited":
-        """Return the set with the hardness times `pressure`: the same set in another unit."""
-        return HardnessLimited(float(self.hardness * pressure))
+    def scaled(self, factor: float) -> "HardnessLimited":
+        """Return the set with the hardness times `factor`: the same set in another unit."""
+        return HardnessLimited(float(self.hardness * factor))
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
         """Return `pressure` times `unit`; cells that yielded have this hardness to the last bit."""
@@ -364,9 +364,9 @@ class PrescribedLoad:
     total: float
     approach: ClassVar[None] = None
 
-    def scaled(self, pressure: float, cells: int = 1) -> "PrescribedLoad":
-        """Return the load with pressure times `pressure`, on blocks of that number of `cells`."""
-        return PrescribedLoad(float(self.total * pressure / cells))
+    def scaled(self, factor: float, cells: int = 1) -> "PrescribedLoad":
+        """Return the load of pressures times `factor`, on blocks of that number of `cells`."""
+        return PrescribedLoad(float(self.total * factor / cells))
 
     def is_met_by(self, constraint: Constraint, cells: int) -> bool:
         """Return whether a number of `cells` under `constraint` can carry the load."""
@@ -402,7 +402,7 @@ class PrescribedApproach:
 
     approach: float
 
-    def scaled(self, pressure: float, cells: int = 1) -> "PrescribedApproach":
+    def scaled(self, factor: float, cells: int = 1) -> "PrescribedApproach":
         """Return this condition, which is the same in any unit of pressure."""
         return self
 

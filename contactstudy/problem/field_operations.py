@@ -21,7 +21,7 @@ from contactstudy.domain.fields import (
     dot,
     in_blocks,
     in_threads,
-    largest_size,
+    max_abs,
     sums,
     total,
 )
@@ -142,7 +142,7 @@ class ArrayOperations:
         in_blocks(lambda block: block.__isub__(approach), height)
         load = total(pressure)
         violation = self.constraint.violation(pressure, height, load)
-        return Gap(height, approach, violation, load, largest_size(displacement))
+        return Gap(height, approach, violation, load, max_abs(displacement))
 
     def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
         """Return the active set, the free cells in contact (1, others 0), and its gap, in `real` numbers.

@@ -7,7 +7,7 @@ from math import log, prod
 import numpy as np
 
 from contactstudy.accuracy.discretisation.cells import with_ends
-from contactstudy.domain.fields import Array, product
+from contactstudy.domain.fields import Array, matrix_product
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def cubics(extended: Array, positions: tuple[float, ...]) -> Array:
     count = len(extended) - 4
     nodes = np.stack([extended[node : node + count] for node in range(5)])
     weights = np.array([_weights(position) for position in positions])
-    return product(weights, nodes.reshape(5, -1)).reshape(len(positions), *nodes.shape[1:])
+    return matrix_product(weights, nodes.reshape(5, -1)).reshape(len(positions), *nodes.shape[1:])
 
 
 @cache
@@ -173,5 +173,5 @@ def extended_by_two(centres: Array, *, wraps: bool) -> Array:
     padded = with_ends(centres, 2, wraps=wraps)
     if not wraps:
         for side in (padded, padded[::-1]):
-            side[:2] = product(BEYOND, side[2:6])
+            side[:2] = matrix_product(BEYOND, side[2:6])
     return padded

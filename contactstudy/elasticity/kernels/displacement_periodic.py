@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import binom, digamma, gammaln, k0, xlog1py, zeta
 
-from contactstudy.domain.fields import Array, product
+from contactstudy.domain.fields import Array, matrix_product
 from contactstudy.elasticity.kernels.displacement_cell import (
     BATCH,
     boussinesq_cell,
@@ -153,7 +153,7 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     powers_x = _even_powers(x / period, half_x / period, images, terms)
     powers_y = _even_powers(y / period, np.array(half_y / period), images, terms).T
     total += sum_of_products(
-        powers_x, product(further_images(images, terms), powers_y), total.shape
+        powers_x, matrix_product(further_images(images, terms), powers_y), total.shape
     )
     total -= 2 * np.log(2 * period)
     return total
@@ -195,7 +195,7 @@ def sum_of_products(across: Array, along: Array, shape: tuple[int, ...]) -> Arra
 
     `shape` is that of the offsets as :func:`column_and_row` returns them.
     """
-    both = product(across, along) if len(shape) == 2 else (across * along.T).sum(axis=1)
+    both = matrix_product(across, along) if len(shape) == 2 else (across * along.T).sum(axis=1)
     return np.asarray(both)
 
 

@@ -14,7 +14,6 @@ from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.domain.errors import ErrorEstimate
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, axis_first
-from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution
 
 
@@ -141,7 +140,7 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     if inside is None or not coarser or solution.pressure.shape[1] == 1 or present == inf:
         return result
     # the end of a roller within the grid hides a step as high as the roller is long
-    hidden = 0.0 if _covered_fractions(problem) is not None else inside.hidden_load
+    hidden = 0.0 if problem.covered_fractions is not None else inside.hidden_load
     by_cells = (
         CONSTANTS.cell_errors_margin_at_steps if is_sharp else CONSTANTS.cell_errors_margin
     ) * sum(result.cell_errors)
@@ -204,7 +203,7 @@ def cell_errors(solution: Solution) -> tuple[float, float]:
     count as exact, as do their neighbours. At the loaded end of a roller, see
     :func:`_end_error`.
     """
-    problem, lengths = solution.problem, _covered_fractions(solution.problem)
+    problem, lengths = solution.problem, solution.problem.covered_fractions
     assert problem.paddings is not None
     pressure = solution.pressure[around_contact(solution.pressure)]
     if lengths is not None:  # a roller ends there as at the end of the grid
@@ -251,7 +250,7 @@ def _end_error(solution: Solution) -> float:
         half_width = np.count_nonzero(pressure[:, iy]) * grid.cell_size[0] / 2
         rise = float(np.abs(pressure[:, iy] - pressure[:, inward]).sum()) / total
         error += (CONSTANTS.end_rise_error * sqrt(grid.cell_size[1] / half_width) - 1 / 12) * rise
-    lengths = _covered_fractions(solution.problem)
+    lengths = solution.problem.covered_fractions
     if lengths is None:
         return error
     length = float(lengths.sum())
@@ -263,13 +262,7 @@ def _loaded_ends(solution: Solution) -> list[tuple[int, int]]:
     problem, count = solution.problem, solution.pressure.shape[1]
     if count < 2 or problem.source is None or not problem.source.ends_along:
         return []
-    lengths = _covered_fractions(problem)
+    lengths = problem.covered_fractions
     iy = np.arange(count) if lengths is None else np.flatnonzero(lengths)
     pairs = ((int(iy[0]), int(iy[1])), (int(iy[-1]), int(iy[-2]))) if len(iy) > 1 else ()
     return [pair for pair in pairs if solution.pressure[:, pair[0]].any()]
-
-
-def _covered_fractions(problem: Problem) -> Array | None:
-    """Return the fraction of the cells along y that a roller covers (y,); None where none ends within the grid."""
-    lengths = getattr(problem.source, "covered_fractions", lambda _: None)(problem.grid)
-    return None if lengths is None else np.asarray(lengths)

@@ -9,6 +9,7 @@ from contactstudy.accuracy.discretisation.cells import (
     around_contact,
     contact_area,
     discretisation_errors,
+    relative_loss,
 )
 from contactstudy.accuracy.discretisation.coarser import (
     DiscretisationErrors,
@@ -255,7 +256,7 @@ def _cells(
         changes = change_between_grids(solution, coarse)
     isolated = _has_isolated_cells(pressure)
     hidden_error = CONSTANTS.hidden_error * inside.hidden_load
-    hidden_area = _relative_loss(CONSTANTS.hidden_error * inside.area_loss)
+    hidden_area = relative_loss(CONSTANTS.hidden_error * inside.area_loss)
     l1 = CONSTANTS.max_l1 if isolated else min(CONSTANTS.max_l1, max(l1, changes.l1, hidden_error))
     reason = ""
     if at_hardness:  # the peak pressure is the hardness
@@ -436,8 +437,3 @@ def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
             last = after[0] if after.size else len(line)
             fewest = min(fewest, int(last - first - 1))
     return fewest
-
-
-def _relative_loss(fraction: float) -> float:
-    """Return the relative error of a quantity that may have lost or gained the given fraction of itself."""
-    return fraction / (1 - fraction) if fraction < 1 else inf

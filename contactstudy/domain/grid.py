@@ -63,8 +63,7 @@ class Grid:
             in_range("Grid.extent[0]", width, "give a width above 0 m"),
             in_range("Grid.extent[1]", length, "give a length above 0 m"),
         )
-        object.__setattr__(self, "cells", cells)
-        object.__setattr__(self, "extent", extent)
+        set_fields(self, cells=cells, extent=extent)
         aspect_ratio = self.cell_size[1] / self.cell_size[0]
         if not 1 / LARGEST_ASPECT_RATIO <= aspect_ratio <= LARGEST_ASPECT_RATIO:
             raise InvalidInput(

@@ -1,6 +1,7 @@
 """Discretisation errors of cells of constant pressure, from the pressure found on them."""
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -157,5 +158,9 @@ def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
             + CONSTANTS.plateau_uncertainty * (len(last) - ends)
         )
         excess = max(excess, abs(beyond) + uncertain)
-    fraction = excess / cells
-    return fraction / (1 - fraction) if fraction < 1 else float("inf")
+    return relative_loss(excess / cells)
+
+
+def relative_loss(fraction: float) -> float:
+    """Return the relative error of a quantity that may have lost or gained the given `fraction` of itself."""
+    return fraction / (1 - fraction) if fraction < 1 else inf

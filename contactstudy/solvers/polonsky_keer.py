@@ -12,10 +12,9 @@ from contactstudy.solvers.iterate import Iterate, Stall
 class PolonskyKeer:
     """Conjugate gradients on the cells in contact, restarted when the contact gains a cell.
 
-    Source: Polonsky & Keer (1999), Wear 231, sect. 3, whose steps are numbered in the code. An iteration takes two
-    convolutions. Additions: an upper limit of the pressure, a prescribed approach, a restart where the direction is not
-    one of descent, the step of a Winkler foundation for a single cell, and a projected gradient step where scaling to
-    the load leaves no direction of descent.
+    An iteration takes two convolutions. Source: Polonsky & Keer (1999), Wear 231, sect. 3. Additions: an upper limit of
+    the pressure, a prescribed approach, a restart where the direction is not one of descent, the step of a Winkler
+    foundation for a single cell, and a projected gradient step where scaling to the load leaves no direction of descent.
 
     Parameters
     ----------
@@ -38,10 +37,8 @@ class PolonskyKeer:
         initial = problem.uniform() if start is None else xp.asarray(start, copy=True)
         pressure = problem.clip_and_scale(initial)
         direction = xp.zeros_like(pressure)
-        previous_squared_norm, delta = (
-            1.0,
-            0.0,
-        )  # delta: 0 after the contact has gained cells, else 1
+        # delta is 0 after the contact has gained cells, else 1
+        previous_squared_norm, delta = 1.0, 0.0
         stall = Stall(self.patience)
         compliance = problem.operator.self_compliance
         iteration = 0

@@ -30,8 +30,8 @@ class DescentConstants:
         that residual, so that a smaller fraction gains nothing; 0.1 costs an iteration on rough contacts of 96 x 96 and
         512 x 512 cells.
     max_direct_cells
-        Number of cells up to which no coarser grids are used: iterations there cost nearly as much. 1024 gives
-        a line of 4096 cells 20 convolutions for 33, and no contact along both axes fewer.
+        Number of cells up to which no coarser grids are used: iterations there cost nearly as much. With 1024 a line of
+        4096 cells takes 20 convolutions in place of 33, and contacts that vary along both axes take no fewer.
     """
 
     least_fraction: float = 0.5
@@ -71,7 +71,7 @@ class Trial:
 class ContactState:
     """Pressure, displacement and gap of an iteration, and its last step.
 
-    It owns the buffers: four fields and a gap. The pressure before the last step is the buffer of the next trial.
+    The pressure before the last step is the buffer of the next trial.
     """
 
     def __init__(self, problem: BareProblem, pressure: Array, convolutions: float) -> None:

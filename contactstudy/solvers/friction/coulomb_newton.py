@@ -138,11 +138,12 @@ class CoulombNewton:
     def solve(
         self, free_slip: Array, shear: Array, tolerance: float, max_applications: int
     ) -> tuple[Array, Array, Array, float]:
-        """Return shear and slip (2, cells) from a first `shear`, the rigid slip (2,), and the residual.
+        """Return the shear (2, cells) [Pa], its slip (2, cells), the rigid slip (2,) and the residual.
 
-        The rigid slip is the multiplier of the given sum; the slip (2, cells) is without it. `free_slip` (component, x,
-        y) is the slip without shear. The residual is the root mean square of F over the largest shear, or a
-        ten-thousandth of its largest limit if that is more.
+        The iteration begins with a first `shear` (2, cells), and ends at a residual of `tolerance` or after
+        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without shear. The rigid slip
+        is the multiplier of the given sum; the slip is without it. The residual is the root mean square of F over the
+        largest shear, or over a ten-thousandth of its largest limit if that is more.
         """
         free, max_total = self.gathered(free_slip), max_applications + self.applications
         shear = self.project(shear)

@@ -16,20 +16,20 @@ class SlipOperator(Protocol):
 
     @property
     def self_compliance(self) -> float:
-        """Slip of a cell under its own unit shear, relative to the mean slip of all cells."""
-        ...
+        """Slip of a cell under its own unit shear along x, less the mean slip of all cells; it is above zero."""
 
     def __call__(self, shear: Array) -> Array:
         """Return the slip under `shear`."""
-        ...
 
     def approximate_inverse(self, slip: Array) -> Array:
         """Return about the shear (component, x, y) that makes a `slip` of some cells, zero elsewhere and overwritten."""
-        ...
 
 
 class QuasiStaticSlip:
-    """Elastic slip of a contact at rest: the displacement A q itself, from a state without shear."""
+    """Elastic slip of a contact at rest: the displacement A q itself, from a state without shear.
+
+    `response` is the displacement under shear, A.
+    """
 
     def __init__(self, response: ShearResponse) -> None:
         self._response = response

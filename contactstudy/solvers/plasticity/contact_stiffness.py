@@ -20,11 +20,11 @@ REDUCTION, MAX_PRODUCTS = 1e-2, 200
 
 @dataclass(frozen=True, eq=False)
 class ContactStiffness:
-    """Stiffness ``-dp/dgap`` of a contact under a fixed load, with no cell at an upper limit of its pressure.
+    """Stiffness ``-dp/dgap`` of a contact under a fixed load.
 
     It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
-    contact is. `contact` (x, y) is 1 in the cells in contact and 0 elsewhere. It includes cells at a hardness, for which
-    this is an approximation: their pressure stays as it is.
+    contact is. `contact` (x, y) is 1 in the cells in contact and 0 elsewhere. Cells at a hardness count as the others,
+    an approximation: in truth their pressure does not change.
     """
 
     bare: BareProblem

@@ -27,7 +27,8 @@ def approach_error(
 ) -> ErrorParts:
     """Return the relative error of the approach.
 
-    It is that of the displacement: by the L1 error of the pressure, or by its change from larger cells.
+    By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells. It has no
+    bound where images are left out.
 
     Parameters
     ----------

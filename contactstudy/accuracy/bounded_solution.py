@@ -114,7 +114,8 @@ class BoundedSolution:
 def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     """Return `solution` with bounds by its own cells and by its change from `coarser` grids.
 
-    The discretisation error in L1 is at most the estimate from one solution. In two dimensions many edges share in it,
+    The discretisation error in L1 is at most the estimate from one solution, unless the end of a roller is loaded, of
+    which that shows little. In two dimensions many edges share in it,
     so that the changes from grid to grid, with their order of convergence, and the errors by the cells' pressure give a
     sharper bound together. In one dimension a change may be small by chance, as two edges lie alike in their cells; it
     is not used.
@@ -158,8 +159,9 @@ def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float
 
     The error of the coarse grid is taken as the orthogonal sum of the fine grid's error and of the change between them,
     with errors ``s_x h_x^r + s_y h_y^r`` on each grid. The order r is the larger of those of the changes from two grids
-    and of the errors that the cells show, within the limits of smooth edges and of steps. The last grid counts that is
-    coarser along both axes.
+    and of the errors that the cells show, within the limits of smooth edges and of steps. The finest of the `coarser`
+    grids counts of whose error at most ``BoundConstants.max_remaining_error`` remains; without one, that with the
+    smallest error, which is infinite where no grid is coarser.
     """
     errors: list[tuple[float, float]] = []
     for number in reversed(range(len(coarser))):
@@ -200,8 +202,7 @@ def cell_errors(solution: Solution) -> tuple[float, float]:
     """Return the relative L1 error of the pressure along each axis (across, along), by the pressure of the cells alone.
 
     It is that of the edges, by their law, and a 12th of the second differences within the contact. Cells at the hardness
-    count as exact, as do their neighbours. At the loaded end of a roller, see
-    :func:`_end_error`.
+    count as exact, as do their neighbours. The error at the loaded end of a roller is added to that along.
     """
     problem, lengths = solution.problem, solution.problem.covered_fractions
     assert problem.paddings is not None

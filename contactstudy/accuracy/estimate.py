@@ -131,9 +131,8 @@ def error_estimate(
     heights
         The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
     confidence
-        Probability, between 0 and 1, with which a feature over 3 % of a cell is found in a
-        shape without ``length_scales``.
-        It sets the number of points examined in each cell.
+        Probability, between 0 and 1, with which a feature over 3 % of a cell is found in a shape without
+        ``length_scales``. It sets the number of points examined in each cell.
 
     Returns
     -------

@@ -107,7 +107,7 @@ def _surfaces(scene: Scene) -> list[object]:
 
 
 def _slope(solution: Solution) -> float:
-    """Return the slope of the heights: its median over the grid, or its rms where neighbouring cells touch.
+    """Return the slope of the heights: the larger of its median over the grid and its rms between touching cells.
 
     It is 0 if no slope is above `MAX_SLOPE`.
     """

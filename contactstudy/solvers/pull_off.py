@@ -11,7 +11,7 @@ from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# Iterations of each load over those of a solve: just beyond the last stable load the bodies detach slowly.
+# Iterations of each load but the first over those of a solve: just beyond the last stable load the bodies detach slowly.
 ITERATION_FACTOR = 10
 # Step of the load over the sum of the attraction, until a load is unstable.
 LOAD_STEP = 0.25

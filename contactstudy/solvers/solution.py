@@ -207,7 +207,7 @@ class Solution:
     residual
         Dimensionless residual, see :func:`~contactstudy.solve`.
     note
-        Empty, or how the solver went on after a stall.
+        Empty, or sentences on how the solution was found, such as how the solver went on after a stall.
     traction
         Shear of a scene with friction; None without.
     adhesion

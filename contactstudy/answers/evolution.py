@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from contactstudy.evolution.equilibrium.yielding_film import YieldingFilms
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
     from contactstudy.evolution.trajectory import Frame, Trajectory
-    from contactstudy.lubrication.evolve_lubricated import FilmTrajectory
+    from contactstudy.lubrication.film_trajectory import FilmTrajectory
 
 
 NO_BOUND_OF_PASSES = (

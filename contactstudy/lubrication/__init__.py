@@ -3,5 +3,5 @@
 In the order of the method: ``posed_film`` (a scene in Hertz units), ``film_equation`` (balance of flow, and its
 linearisation), ``pseudo_time`` (the iteration), ``plane_strain`` and ``along_length`` (its linear systems), ``mixed``
 (asperities on a boundary film), ``steady_film`` (starts and nested grids), ``solve_lubricated`` (grid and errors),
-``evolve_lubricated`` (in time); ``lubricated_contact`` is the result.
+``evolve_lubricated`` (in time) and ``film_trajectory`` (its errors); ``lubricated_contact`` is the result.
 """

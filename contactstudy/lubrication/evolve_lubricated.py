@@ -5,9 +5,8 @@ solved by the iteration of a steady film. It starts from a predictor, the quadra
 difference of the predictor to the solution estimates the error of the step (Gear 1971).
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from math import inf
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,7 @@ from contactstudy.domain.checks import InvalidInput, finite, positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import Film, Storage
+from contactstudy.lubrication.film_trajectory import Difference, FilmTrajectory, errors_by_steps
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
@@ -31,7 +31,7 @@ from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.lubrication.lubrication import ChangingSpeed
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
-from contactstudy.solvers.solution import Status, worst
+from contactstudy.solvers.solution import Status
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,6 @@ class StepTuning:
         Step over the first one where a failed step is kept, and the evolution ends.
     step_error
         Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps).
-    error_over_difference
-        Error by the steps over the largest difference to an evolution with steps twice as long.
     pseudo_time_step
         First pseudo-time step [a / u_m], so long that it is a Newton step.
     min_film_fraction
@@ -62,48 +60,11 @@ class StepTuning:
     safety: float = 0.8
     min_step: float = 1e-4
     step_error: float = 2 / 11
-    error_over_difference: float = 1.5
     pseudo_time_step: float = 1e6
     min_film_fraction: float = 0.3
 
 
 TUNING = StepTuning()
-
-# Numbers of a film whose errors by the steps are estimated; the peak pressure is the last.
-NUMBERS = ("central_film", "minimum_film", "friction", "peak_pressure")
-
-
-@dataclass(frozen=True, eq=False)
-class FilmTrajectory:
-    """Lubricated contacts at ``times`` [s], and the steps, iterations and the largest error of a step that they took.
-
-    ``step_error`` is that of the film in the Hertzian zone, in L1 over its mean, of one step. ``errors_by_steps``
-    (time,) are estimates of the relative errors of quantities by all steps, from a second evolution with steps twice as
-    long; infinite if one of the two failed.
-    """
-
-    times: tuple[float, ...]
-    contacts: tuple[FilmSolution, ...]
-    steps: int
-    iterations: int
-    linear_iterations: int
-    step_error: float
-    errors_by_steps: Mapping[str, Array] = field(default_factory=dict)
-
-    @property
-    def status(self) -> Status:
-        """Gravest outcome of the recorded contacts."""
-        return worst([contact.status for contact in self.contacts])
-
-    @property
-    def central_film(self) -> Array:
-        """Central film (time,) [m]."""
-        return np.array([contact.central_film for contact in self.contacts])
-
-    @property
-    def minimum_film(self) -> Array:
-        """Smallest film (time,) [m]."""
-        return np.array([contact.minimum_film for contact in self.contacts])
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,38 +141,6 @@ def evolve_lubricated(
     return _integrate(stepper, instants, recorded_times, error, step, tolerance, progress)
 
 
-def errors_by_steps(fine: FilmTrajectory, coarse: FilmTrajectory) -> Mapping[str, Array]:
-    """Return estimates (time,) of relative errors of an evolution, from one with longer steps at the same instants."""
-    pairs = zip(fine.contacts, coarse.contacts, strict=False)
-    compared = [(time, _differences(*pair)) for time, pair in zip(fine.times, pairs, strict=False)]
-    return _estimates(fine, compared)
-
-
-def _differences(fine: FilmSolution, coarse: FilmSolution) -> Array:
-    """Return the differences of `NUMBERS` between two films; infinite if one has not converged.
-
-    That of the peak pressure is the largest of any cell, as a peak that moves may keep its height by chance.
-    """
-    if Status.FILM_NOT_CONVERGED in (fine.status, coarse.status):
-        return np.full(len(NUMBERS), inf)
-    differences = [abs(getattr(fine, name) - getattr(coarse, name)) for name in NUMBERS[:-1]]
-    return np.array([*differences, np.abs(fine.pressure - coarse.pressure).max()])
-
-
-def _estimates(films: FilmTrajectory, compared: list[tuple[float, Array]]) -> Mapping[str, Array]:
-    """Return estimates (time,) of relative errors from differences of `NUMBERS` at times [s] between films.
-
-    The error at an instant is estimated by the largest difference until then, as one alone may vanish by chance.
-    """
-    if not compared:
-        return {name: np.full(len(films.times), inf) for name in NUMBERS}
-    times, differences = zip(*compared, strict=True)
-    until = np.minimum(np.searchsorted(times, films.times), len(times) - 1)
-    errors = TUNING.error_over_difference * np.maximum.accumulate(differences)[until]
-    values = np.array([[getattr(film, name) for name in NUMBERS] for film in films.contacts])
-    return dict(zip(NUMBERS, (errors / np.where(values == 0, 1, np.abs(values))).T, strict=True))
-
-
 def check_loaded(scene: Scene, instants: list[float]) -> None:
     """Raise :class:`~contactstudy.InvalidInput` if the load is zero at a time of the evolution."""
     if not isinstance(load := scene.load, ChangingLoad):
@@ -282,7 +211,7 @@ def _integrate(
         linear_iterations,
         largest_error,
     )
-    return replace(films, errors_by_steps=_estimates(films, double.compared))
+    return replace(films, errors_by_steps=errors_by_steps(films, double.compared))
 
 
 class _DoubleSteps:
@@ -290,7 +219,7 @@ class _DoubleSteps:
 
     def __init__(self, start: "_FilmStepper", tolerance: float) -> None:
         self.stepper, self.tolerance = start, tolerance
-        self.compared: list[tuple[float, Array]] = []
+        self.compared: list[Difference] = []
         self._middle: float | None = None
 
     def follow(self, time: float, contact: FilmSolution) -> None:
@@ -306,7 +235,7 @@ class _DoubleSteps:
             half, _ = self.stepper.advanced(self._middle - self.stepper.time)
             advanced, _ = half.advanced(time - half.time)
         self.stepper, self._middle = advanced, None
-        self.compared.append((time, _differences(contact, advanced.contact())))
+        self.compared.append(Difference.of(time, contact, advanced.contact()))
 
 
 def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:

@@ -22,7 +22,7 @@ from contactstudy.evolution.equilibrium.quasi_static import frame_in_equilibrium
 from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Trajectory
-from contactstudy.lubrication.evolve_lubricated import FilmTrajectory, errors_by_steps
+from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_beside
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from contactstudy.problem.problem import Field
@@ -322,7 +322,7 @@ def follow_film_wear(
         max(instant.largest_change for instant in instants),
     )
     coarse = tuple(instant.coarse.contact for instant in instants if instant.coarse is not None)
-    return replace(films, errors_by_steps=errors_by_steps(films, replace(films, contacts=coarse)))
+    return replace(films, errors_by_steps=errors_beside(films, coarse))
 
 
 def _wear_rate(wear: Wear, pressed: Array, grid: Grid) -> Array:

@@ -19,12 +19,8 @@ from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
 from contactstudy.evolution.states.plastic import PlasticState, YieldingBody
 from contactstudy.evolution.states.state_variables import State
 from contactstudy.evolution.warm_started import with_added_gap
-from contactstudy.lubrication.evolve_lubricated import (
-    FilmTrajectory,
-    check_loaded,
-    errors_by_steps,
-    instants_of,
-)
+from contactstudy.lubrication.evolve_lubricated import check_loaded, instants_of
+from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_beside
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_on
@@ -125,7 +121,7 @@ def follow_yielding_film(
         _with_increments(scene, grid, padding, instants, factor, options, report)
         for factor, report in ((2, progress), (1, None))
     )
-    return replace(fine, errors_by_steps=errors_by_steps(fine, coarse))
+    return replace(fine, errors_by_steps=errors_beside(fine, coarse.contacts))
 
 
 def _with_increments(

@@ -365,8 +365,8 @@ def on_padded_grid(
     padded = padded_cells(grid, paddings)
     around: Array = np.zeros(padded)
     for kind, weight in terms:
-        known = influence_coefficients(grid, paddings, kind)
-        around += weight * mirrored_by_parity(known, padded, kind.parity)
+        quadrant = influence_coefficients(grid, paddings, kind)
+        around += weight * mirrored_by_parity(quadrant, padded, kind.parity)
     return around
 
 

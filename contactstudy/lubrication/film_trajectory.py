@@ -85,10 +85,10 @@ def errors_by_steps(films: FilmTrajectory, compared: list[Difference]) -> Mappin
     """
     if not compared:
         return {name: np.full(len(films.times), inf) for name in NUMBERS}
-    until = np.searchsorted([one.time for one in compared], films.times)
+    until = np.searchsorted([film.time for film in compared], films.times)
     until = np.minimum(until, len(compared) - 1)
-    differences = np.array([one.differences for one in compared])
-    relative = differences / _not_zero([one.values for one in compared])
+    differences = np.array([film.differences for film in compared])
+    relative = differences / _not_zero([film.values for film in compared])
     absolute = np.maximum.accumulate(differences)[until]
     errors = np.minimum(
         absolute / _not_zero([_values(film) for film in films.contacts]),
@@ -104,5 +104,5 @@ def _not_zero(values: list[Array]) -> Array:
 
 def errors_beside(films: FilmTrajectory, coarse: tuple[FilmSolution, ...]) -> Mapping[str, Array]:
     """Return estimates (time,) of relative errors from films after longer steps, one an instant or fewer."""
-    together = zip(films.times, films.contacts, coarse, strict=False)
-    return errors_by_steps(films, [Difference.of(*each) for each in together])
+    pairs = zip(films.times, films.contacts, coarse, strict=False)
+    return errors_by_steps(films, [Difference.of(*pair) for pair in pairs])

@@ -45,7 +45,7 @@ def plan_of_film(
     instants
         Instants that are recorded of a film in time; 0 of a steady one.
     """
-    requirements, scales, given = grid_requirements(scene), lubricated_scales(scene), grid
+    requirements, scales = grid_requirements(scene), lubricated_scales(scene)
     warnings = (
         []
         if grid is None
@@ -85,7 +85,7 @@ def plan_of_film(
     return Plan(
         grid=grid,
         padding=ExactPeriodicity(),
-        error=error if ny == 1 and given is None else inf,
+        error=inf if warnings else error,
         seconds=seconds,
         bytes=8 * floats,
         period_check=requirements.period_check(grid.length),

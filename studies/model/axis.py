@@ -251,17 +251,17 @@ def values_between(
     kind
         Type of the values, int or float.
     """
-    low, high, whole = float(first), float(last), kind is int
-    if whole and not (low.is_integer() and high.is_integer()):
+    low, high, is_integer = float(first), float(last), kind is int
+    if is_integer and not (low.is_integer() and high.is_integer()):
         return None
     if not count:
-        rises = whole and low <= high and high - low < 2**53
+        rises = is_integer and low <= high and high - low < 2**53
         return range(int(low), int(high) + 1) if rises else None
     number, is_range = int(count), low < high and not (spacing and low <= 0)
     if number < 2 or not is_range or number * POINT_BYTES > available_bytes():
         return None
     spaced = np.geomspace(low, high, number) if spacing else np.linspace(low, high, number)
-    if whole:
+    if is_integer:
         rounded = np.round(spaced).astype(int)
         if not spacing and np.abs(spaced - rounded).max() > 1e-9 * high:
             return None

@@ -48,10 +48,10 @@ def _revision() -> str:
     # without it git would name the repository that the environment happens to lie in
     if (checkout / ".git").exists():
         with suppress(OSError, subprocess.SubprocessError):
-            done = subprocess.run(
+            described = subprocess.run(
                 command, cwd=checkout, capture_output=True, text=True, timeout=10, check=True
             )
-            return done.stdout.strip()
+            return described.stdout.strip()
     return "unknown (not a git checkout)"
 
 

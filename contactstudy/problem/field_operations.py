@@ -347,7 +347,7 @@ class CompiledOperations(ArrayOperations):
         step_length: float,
         buffer: Array,
     ) -> TrialSums:
-        """Write the trial pressure without tension, as :meth:`ArrayOperations.trial` does."""
+        """Write the trial pressure as :meth:`ArrayOperations.trial` does, and cut tension off at once."""
         fields = pressure, height, *direction, step_length, self._limit, buffer
         sums = _rows(self._loops.trial, *fields, results=5)
         cut, load, loaded, slope = sums[:4].sum(axis=1).tolist()

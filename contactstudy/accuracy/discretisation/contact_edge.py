@@ -55,9 +55,9 @@ class EdgeConstants:
     max_misfit
         Largest misfit of a pressure over the largest one at a resolved edge. From 1e-4 to 1e-2 nothing changes on smooth
         contacts.
-    corrected_part
-        From either edge the law corrects one in this many of the touching cells, half of the half, so that a pressure
-        which follows no root keeps its middle. With 8 the error of a line contact is up to twice as large.
+    max_departure
+        Largest departure of a pressure from the law, over the largest one at its place along the length, up to which
+        cells are corrected. From 0.02 to 0.1 the error of line contacts changes by 0.9 to 1.1 times in the mean.
     """
 
     series_terms: int = 400
@@ -69,7 +69,7 @@ class EdgeConstants:
     fitted_cells: int = 6
     min_touching: int = 12
     max_misfit: float = 1e-3
-    corrected_part: int = 4
+    max_departure: float = 0.03
 
 
 CONSTANTS = EdgeConstants()
@@ -306,17 +306,22 @@ def corrected_pressure(pressure: Array) -> Array:
 
     The cell that holds an edge has an error like the root of its size, whatever the solver does. Where the edge is
     resolved (see :func:`half_widths`) the law gives that error, and the remaining error falls like the cell to the power
-    3/2; elsewhere nothing changes. The load is no longer the sum over the cells.
+    3/2. Cells are corrected from the edge inward as far as the pressure follows the law, at most half of those that
+    touch; elsewhere nothing changes. The load is no longer the sum over the cells.
     """
     corrected = pressure.copy()
     for side, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):
         edges = _resolved(side)
-        reach = edges.touching // CONSTANTS.corrected_part
-        cells = np.arange(reach.max(initial=0))[:, None]
+        half = edges.touching // 2
+        cells = np.arange(half.max(initial=0))[:, None]
         inside = np.maximum(cells + edges.outward, 0)
         law = np.sqrt(inside) * np.polynomial.polynomial.polyval(inside, edges.shape, tensor=False)
-        law -= edge_modes(len(cells)) @ edges.strength
-        result[edges.last - cells, edges.iy] += np.where(cells < reach, law, 0)
+        modes = edge_modes(len(cells)) @ edges.strength
+        departure = np.abs(side[edges.last - cells, edges.iy] - modes)
+        allowed = CONSTANTS.max_departure * side[:, edges.iy].max(axis=0, initial=0)
+        follows = (cells < half) & (departure <= allowed)
+        law = np.where(np.logical_and.accumulate(follows), law - modes, 0)
+        result[edges.last - cells, edges.iy] += law
     return np.maximum(corrected, 0)
 
 

@@ -166,7 +166,7 @@ def solve(
         request.refuse_unless("a contact that rolls and wears", "times")
         return request.steady_wear()
     if scene.takes_times:
-        if scene.is_quasi_static:
+        if scene.evolves_without_states:
             request.refuse_unless("a load history with adhesion or rolling", "times")
             return request.quasi_static()
         request.refuse_unless("a scene that changes in time", "times", "folder")

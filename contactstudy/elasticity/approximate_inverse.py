@@ -57,7 +57,7 @@ CONSTANTS = InverseConstants()
 
 
 class ExactInverse:
-    """Solution of the linear equations of the cells in contact, for one row of few cells.
+    """Solution of the linear equations of the cells in contact, for few cells in plane strain (ny = 1).
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class ExactInverse:
 
 
 class ExactExtension:
-    """Extension of an active set within one row: the displacement under the pressure that makes that of the set."""
+    """Extension of an active set in plane strain: the displacement under the pressure that makes that of the set."""
 
     def __init__(self, active: Array, compliance: Array) -> None:
         self.active, self._cells = active, np.flatnonzero(active)
@@ -128,7 +128,7 @@ class SpectralInverse:
         self._inverse, self.real = xp.astype(inverse, real, copy=False), real
         self._cells, self._work_array = cells, work_array
         self._transforms, self._waves = transforms(), work_array(cells, real)
-        # inverse of the shortest wavelength along either axis
+        # inverse of the spectrum at the shortest wavelength along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
         # the range of the smoothing in cells, and its spectrum
         self._smoothing: tuple[float, Array] = 0.0, self._inverse
@@ -159,7 +159,10 @@ class SpectralInverse:
         return self._filtered(displacement, self._inverse)
 
     def _on_blocks(self, spectrum: Array) -> "SpectralInverse | None":
-        """Return the same map on blocks of 2 x 2 cells, or None where they are elongated or too few to pay."""
+        """Return the same map on blocks of 2 x 2 cells, or None.
+
+        There is none where cells are elongated, too few to pay, or no multiple of 4 along either axis.
+        """
         nx, ny = self._cells
         if compiled_loops(self._cells) is None or nx % 4 or ny % 4:
             return None
@@ -184,7 +187,8 @@ class SpectralInverse:
 class CoveringExtension:
     """Extension of a set with a part of every cell: the displacement of that part is that of the whole cell.
 
-    `pressure` is the map from a displacement of all cells to their pressure.
+    `active` (x, y) has the fraction of each cell that belongs to the set, above 0. `pressure` is the map from a
+    displacement of all cells to their pressure.
     """
 
     def __init__(self, active: Array, pressure: Callable[[Array], Array]) -> None:
@@ -305,7 +309,7 @@ def hole_width(active: Array) -> float:
 
 
 def at_unpadded_waves(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
-    """Return the spectrum of a padded grid at the wave numbers of the unpadded one, bounded from below.
+    """Return the spectrum of a padded grid at the wave numbers nearest to those of the unpadded one, bounded from below.
 
     The bound is a thousandth of the smallest magnitude beside the mean across.
     """

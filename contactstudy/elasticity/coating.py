@@ -35,7 +35,7 @@ class CoatingCoefficients:
     """Influence coefficients [m] that a bonded layer adds to those of a half-space of its own material.
 
     They are pi E1* times displacement over pressure, with E1* the plane-strain modulus of the layer: ``d0 I + J``.
-    I is the displacement by a cell two thicknesses above the surface, in closed form; far away it changes the layer's
+    I is the displacement by a cell buried at two thicknesses, in closed form; far away it changes the layer's
     compliance to that of the substrate. J is short-ranged.
 
     Parameters
@@ -91,9 +91,9 @@ class CoatingCoefficients:
 class CoatingShearCoefficients:
     """Influence coefficients [m] that a bonded layer adds under shear to those of a half-space of its own material.
 
-    They are those of :class:`~contactstudy.elasticity.kernels.layer.shear.ShearWaves`: displacement along the surface
-    takes long waves as in the substrate. A row's mean and a cell alone have long waves in closed form, as images two
-    thicknesses above the surface; what is left is summed by its waves.
+    They are those of :class:`~contactstudy.elasticity.kernels.layer.shear.ShearWaves`: under long waves the
+    displacement along the surface is that of a half-space of the substrate. A row's mean and a cell alone have long
+    waves in closed form, as images buried at two thicknesses; what is left is summed by its waves.
 
     Parameters
     ----------
@@ -102,7 +102,8 @@ class CoatingShearCoefficients:
     thickness
         Thickness of the layer [m].
     name
-        Field "xx", "xy", "yy", "x" or "y", as in :class:`~contactstudy.elasticity.tangential.CerrutiCoefficients`.
+        "xx", "xy" or "yy" for displacement along one axis under shear along another, "x" or "y" for displacement along
+        the normal under shear along that axis.
     datum
         Distance [m] as in :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
     """

@@ -104,9 +104,9 @@ class _Axis:
 def without_shift(
     coefficients: Coefficients, grid: Grid, paddings: Paddings
 ) -> tuple[Coefficients, float]:
-    """Return the coefficients with the datum 1 m where they have one, and the constant that they then lack on `grid`.
+    """Return the coefficients with the datum 1 m, and the constant that they then lack on `grid`.
 
-    The costly arrays are then equal for all data.
+    The costly arrays are then equal for every datum. Coefficients without a rigid shift are returned unchanged.
     """
     if not hasattr(coefficients, "rigid_shift"):
         return coefficients, 0.0

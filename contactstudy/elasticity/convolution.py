@@ -39,7 +39,7 @@ NEGLIGIBLE_ENERGY = 1e-28
 
 @dataclass(frozen=True)
 class OperatorConstants:
-    """Constants of coarser grids and of the inverse of one row.
+    """Constants of coarser grids and of the inverse in plane strain (ny = 1).
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class OperatorConstants:
         Least cells along an axis of a coarser grid. With 64, contacts take up to 1.2 times the convolutions; with 8, as
         many.
     exact_row_cells
-        Most cells of one row whose equations a direct solution preconditions. It saves half of the convolutions
+        Most cells in plane strain whose equations a direct solution preconditions. It saves half of the convolutions
         there, and up to a quarter of the time.
     mean_compliance
         Compliance of the mean over the largest coefficient, which makes these equations positive definite. From 1 to
@@ -206,7 +206,7 @@ class Convolution:
         """Return a preconditioner: division by the spectrum on the unpadded grid, as if it were periodic.
 
         It works in the operator's own precision, unless another `precision` is given and can hold the spectrum's range.
-        For one row of few cells it solves the equations of the contact exactly.
+        For few cells in plane strain it solves the equations of the contact exactly.
         """
         if (
             self.cells[1] == 1
@@ -219,7 +219,7 @@ class Convolution:
         return SpectralInverse(spectrum, self.cells, self.work_array, real)
 
     def _compliance(self) -> Array:
-        """Return the displacement of each cell of one row under a unit pressure on each (cells, cells).
+        """Return the displacement of each cell in plane strain under a unit pressure on each (cells, cells).
 
         A constant is added that makes it positive definite; under a given load it only changes the approach.
         """
@@ -273,8 +273,8 @@ def convolution(
 ) -> Convolution:
     """Return the operator of two half-spaces in contact.
 
-    An axis that wraps is circular; one that does not is padded to twice its cells, which makes it linear (Liu, Wang &
-    Liu 2000).
+    An axis that wraps is circular; one that does not is padded to at least twice its cells, which makes it linear (Liu,
+    Wang & Liu 2000).
 
     Parameters
     ----------

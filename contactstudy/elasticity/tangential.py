@@ -1,4 +1,4 @@
-"""Operators from shear on the surface to displacement: coefficients that are odd, and of two components."""
+"""Operators from tangential traction, called shear here, to displacement: odd coefficients and two components."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -106,7 +106,9 @@ def general_convolution(
 
 @dataclass(frozen=True, eq=False)
 class ShearResponse:
-    """Displacement along the surface [m] under shear [Pa], both (component, x, y): symmetric and positive.
+    """Displacement along the surface [m] under shear [Pa], both (component, x, y).
+
+    It is symmetric and positive, unless a body creeps while it rolls.
 
     Of half-spaces ``u_x = (c / pi) sum of [1 / r + n x^2 / r^3] q_x + n (x y / r^3) q_y``, c their compliance and ``n =
     nu / (1 - nu)``. Source: Johnson (1985), eqs. 3.75a, b. Its convolutions are `xx`, `yy` and `xy`.
@@ -134,7 +136,7 @@ class ShearResponse:
 
     @property
     def largest(self) -> float:
-        """Upper bound of displacement over shear in the root mean square [m/Pa], apart from rigid-body motion."""
+        """Upper bound of displacement over shear in the root mean square [m/Pa], of any wave or the mean."""
         sums = np.maximum(np.abs(self.xx.spectrum), np.abs(self.yy.spectrum))
         return float((sums + np.abs(self.xy.spectrum)).max())
 

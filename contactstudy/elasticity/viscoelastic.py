@@ -30,7 +30,7 @@ class Creep:
     instantaneous
         Value at time zero.
     terms
-        Pairs (J_i, lambda_i [s]), J_i in the unit of `instantaneous`.
+        Pairs of a compliance and its retardation time (J_i, lambda_i [s]), J_i in the unit of `instantaneous`.
     fluidity
         Rate of flow after infinite time, in that unit per second.
     """
@@ -125,7 +125,7 @@ def _zeros(
 POINTS = 8
 # Number of times that panels are halved towards the kink.
 HALVINGS = 10
-# A pressure older than this multiple of the time constant has no effect left.
+# A pressure older than this multiple of the retardation time has no effect left.
 NEGLIGIBLE_AGE = 40.0
 
 Kernel = Callable[[Array], Array]
@@ -136,15 +136,15 @@ class RetardedCoefficients:
     """Influence coefficients of the retarded displacement under a moving pressure.
 
     They are a part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with the coefficients K of
-    `inner`: the displacement behind a pressure that moves to larger x at a speed v, in a body with the time constant
-    ``length / v``.
+    `inner`: the displacement behind a pressure that moves to larger x at a speed v, in a body with the retardation
+    time ``length / v``.
 
     Parameters
     ----------
     inner
         Coefficients K, even or odd along each axis.
     length
-        Distance travelled during the time constant of the body.
+        Distance travelled during the retardation time of the body.
     sign
         1 for the part that is even along the axis of motion, -1 for the odd one.
     axis
@@ -211,8 +211,8 @@ def retarded(
     response
         Coefficients of the response to a sudden load, with their weights.
     distance
-        Distance [m] along x that the contact moves in the time constant of the body, negative to smaller x. At 0 m the
-        response is that of a contact at rest, at an infinite distance there is none.
+        Distance [m] along x that the contact moves in the retardation time of the body, negative to smaller x. At 0 m
+        the response is that of a contact at rest, at an infinite distance there is none.
     """
     if distance == 0 or isinf(distance):
         return {} if distance else response

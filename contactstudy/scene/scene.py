@@ -244,7 +244,7 @@ class Scene:
 
     @property
     def radius(self) -> float | None:
-        """Radius [m] of the shapes' mean curvature; None without curvature."""
+        """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
         curvature = sum(shape.curvature for shape in self.shapes)
         return 1 / curvature if curvature > 0 else None
 
@@ -264,7 +264,7 @@ class Scene:
 
     @property
     def hertz(self) -> HertzLine | None:
-        """Smooth line contact of the reference load, these bodies and the shapes' mean curvature; None without either.
+        """Smooth line contact of the reference load, these bodies and the equivalent radius; None without either.
 
         Coated bodies enter with the modulus that they have at the half-width of this contact, which is an estimate.
         """
@@ -311,7 +311,8 @@ class Scene:
         Raises
         ------
         InvalidInput
-            If the arguments are of another kind, the scene changes in time or rolls, or memory does not suffice.
+            If the arguments are of another kind, the scene changes in time, rolls or has a film, or memory does not
+            suffice.
         """
         return self._problem_with(grid, padding, None)
 
@@ -379,7 +380,10 @@ class Scene:
         return not is_free and all(of_shape and not of_shape.roller for of_shape in scales)
 
     def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
-        """Return the constant load over the period of `grid` [N/m]; a total one on an infinite roller over its own."""
+        """Return the constant load over the period of `grid` [N/m].
+
+        A total load on a roller that periodic images continue without end is spread over the roller's length.
+        """
         load = self.load
         if isinstance(load, TotalLoad) and self.repeats(padding):
             return load.per_length
@@ -426,7 +430,7 @@ class Scene:
 
     @property
     def rolling_speed(self) -> float | None:
-        """Speed [m/s] along x of a contact that rolls steadily and is solved in its own frame; None for others."""
+        """Speed [m/s] along x of steady `Rolling`, or of `TractiveRolling` of a body that creeps; None for others."""
         if self.rolling is not None:
             return self.rolling.speed if self.rolling.passes is None else None
         drives = getattr(self.friction, "is_steady", False) and any(map(creeps, self.solids))
@@ -451,8 +455,8 @@ class Scene:
         return self.wear is not None and (steady or self.lubrication is not None)
 
     @property
-    def is_quasi_static(self) -> bool:
-        """True if each instant is in equilibrium by itself, as with adhesion and in steady rolling."""
+    def evolves_without_states(self) -> bool:
+        """True if its instants are solved without state variables of the bodies, as with adhesion and in rolling."""
         changes = any(creeps(solid) or yields(solid) for solid in self.solids)
         adheres = self.adhesion is not None and not changes
         return adheres or self.rolling is not None or getattr(self.friction, "is_steady", False)
@@ -461,7 +465,7 @@ class Scene:
     def supports_checkpoints(self) -> bool:
         """True if a folder can keep the frames, as of a dry scene that changes in time with state variables."""
         effects = self.lubrication, self.rolling, self.adhesion
-        stateful = self.time_dependent_field is not None and not self.is_quasi_static
+        stateful = self.time_dependent_field is not None and not self.evolves_without_states
         return stateful and all(effect is None for effect in effects)
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:

@@ -120,7 +120,7 @@ class SubsurfaceStressOperator:
     sign
         1 for the first body, -1 for the second.
     shear
-        Shear (component, x, y) on the body, or None.
+        Tangential traction (component, x, y) on the body, or None.
     residual
         Returns the residual stress of the body, None if it does not yield; or None.
     """
@@ -186,7 +186,7 @@ class SubsurfaceStressOperator:
         return len(self.searched_depths(width)) + len(FINE_STEPS)
 
     def at_chosen_depths(self, pressure: Array) -> dict[float, Array]:
-        """Return the stress (component, x, y) by depths [m], growing, that include the largest von Mises stress, to 1 %.
+        """Return the stress (component, x, y) by ascending depths [m] that include the largest von Mises stress, to 1 %.
 
         Near its maximum the stress changes slowly with depth, so that steps by a third find the neighbouring depths, and
         steps by a tenth between them the maximum. On a large grid only the depth of the maximum, those beside it and the

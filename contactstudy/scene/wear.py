@@ -32,7 +32,8 @@ class Wear:
     speed
         Sliding speed [m/s], at least zero, so that ``ds = speed dt``; zero where slip or a film gives the sliding.
     body
-        Index (0 or 1) of the wearing body in ``Scene.solids``; the contact is the same for either.
+        Index (0 or 1) of the wearing body in ``Scene.solids``; a dry contact is the same for either, and in
+        a film it counts which body moves.
     circumference
         Circumference [m] of the wearing body where it rolls through the contact; None where it does not.
 

@@ -40,7 +40,7 @@ NEAR = 0.6
 
 
 class SurfaceLoad(Enum):
-    """Load on the surface under which stress is a wave."""
+    """Load on the surface that varies as a wave, and the stress with it."""
 
     #: Pressure.
     PRESSURE = "pressure"
@@ -218,7 +218,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """Waves of some orders along the length, each with all that repeat across in a period, as fields (period, orders).
+    """Waves of some orders along the length and of all orders across one period, as fields (period, orders).
 
     `across` (period,) and `along` (orders,) are wave numbers [1/m].
     """

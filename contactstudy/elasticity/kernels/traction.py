@@ -78,7 +78,7 @@ def _zero(strip: Strip, nu: float) -> float:
 
 
 _NORMAL = COMPONENTS
-# Stress under unit shear along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.75 and 2.24
+# Stress under unit shear along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76 and 2.26
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
 for _name, _parity, _point, _corner, _plane, _other in (

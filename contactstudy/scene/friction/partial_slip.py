@@ -27,8 +27,8 @@ class PartialSlip:
     """Partial slip under a tangential force that friction holds back.
 
     The bodies are pressed first, sheared after, and never unloaded. Shear is found by Ciavarella and Jaeger's
-    superposition where that is exact (nothing varies along the length, or Poisson's ratio is 0, and no hardness limits
-    the pressure), and else for both components of shear.
+    superposition where that is exact: for half-spaces without adhesion or a hardness where nothing varies along the
+    exact period, or where Poisson's ratio is 0. Else both components of shear are solved for.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class PartialSlip:
                 if scene.adhesion is not None
                 else "the tangential compliance of a coating differs from its normal one;"
                 if any(map(is_layered, scene.solids))
-                else "something varies along the length and Poisson's ratio is not 0;"
+                else "something varies along the length, or is not periodic along it, and Poisson's ratio is not 0;"
             )
             + " 20 to 60 applications of four transforms each, in addition to the normal solve."
         )

@@ -24,7 +24,7 @@ from contactstudy.solvers.friction.laws import FullSliding
 @suggest_fields
 @dataclass(frozen=True)
 class Sliding:
-    """Full sliding: the first body is dragged along +x, shear is the coefficient times the pressure.
+    """Full sliding: the tangential traction is the coefficient times the pressure, on the first body along +x.
 
     Between elastically dissimilar bodies (Dundurs' beta) shear makes the pressure asymmetric; between similar ones the
     pressure is that without friction.
@@ -37,7 +37,8 @@ class Sliding:
     Raises
     ------
     InvalidInput
-        For other coefficients; in a scene with dissimilar bodies one of which creeps, or that roll.
+        For other coefficients; in a scene with repeated rolling, or with dissimilar bodies one of which creeps or that
+        roll.
     """
 
     coefficient: Number

@@ -35,11 +35,11 @@ STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: shear u
 class TractiveRolling:
     """Steady rolling with creepage: a part of the contact sticks, the rest slips.
 
-    The contact moves to larger x over both bodies, and material enters it at the largest x. Heights are fixed in the
-    frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid slip of the
-    second body against the first, over the distance rolled, so that a positive creepage makes a positive shear on the
-    first body. Between dissimilar bodies shear changes the pressure, and they slip under the normal load alone. Bodies
-    that creep follow pressure and shear with their delay, which makes a rolling resistance.
+    The contact moves over both bodies, to larger x at a positive speed, and material enters it ahead. Heights are fixed
+    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid slip of the second
+    body against the first, over the distance rolled, so that a positive creepage makes a positive shear on the first
+    body. Between dissimilar bodies shear changes the pressure, and they slip under the normal load alone. Bodies that
+    creep follow pressure and shear with their delay, which makes a rolling resistance.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ class Approach:
         Approach [m], of any sign.
     datum
         Distance from the axis at which the surface does not move [m], at least half the width of the grid; None is the
-        width of the grid. It has no effect if both axes are periodic.
+        width of the grid. It has an effect where one axis alone has infinitely many images.
 
     Raises
     ------

@@ -101,7 +101,8 @@ class FilmHeat:
     def thinning(self, rise: Array, viscosity: float) -> Array:
         """Return the change of ``ln(eta)`` at a temperature rise [K] of a lubricant of ``viscosity`` [Pa s].
 
-        ``ln(eta / eta_l)`` falls as ``(T - T_l)^(-S)`` (Roelands 1966).
+        ``ln(eta / eta_l)`` falls as ``(T - T_l)^(-S)``, with eta_l and T_l the least viscosity and temperature, and S
+        the slope that `temperature_viscosity` gives at the supply (Roelands 1966).
         """
         above = self.supply_temperature - LEAST_TEMPERATURE
         height = log(viscosity / LEAST_VISCOSITY)

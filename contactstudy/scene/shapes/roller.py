@@ -111,8 +111,8 @@ class Crown:
     radius
         Radius R of the crown [m], above zero; infinite, the default, for no crown.
     length
-        Length of the roller [m], above zero, over which a :class:`~contactstudy.TotalLoad` is spread; infinite, the
-        default, where it is not known. The parabola goes on beyond it.
+        Length of the roller [m], above zero, over which a :class:`~contactstudy.TotalLoad` on a crowned
+        roller is spread; infinite, the default, where it is not known. The parabola goes on beyond it.
 
     Raises
     ------
@@ -146,7 +146,7 @@ class Crown:
         return LengthScales(roller=self.length if self.radius < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
-        """Return ``y^2 / (2 R)`` [m], of shape (1, length), or (nx, 1) without a crown."""
+        """Return ``y^2 / (2 R)`` [m], of shape (1, ny), or (nx, 1) without a crown."""
         if self.radius == inf:
             return np.zeros((grid.cells[0], 1))
         return (grid.y**2 / (2 * self.radius))[None, :]
@@ -263,7 +263,7 @@ class LundbergProfile:
         return LengthScales(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
-        """Return the profile at the cell centres [m], of shape (1, length), or (nx, 1) without a profile."""
+        """Return the profile at the cell centres [m], of shape (1, ny), or (nx, 1) without a profile."""
         if self.amplitude == 0 or self.end_drop == 0:
             return np.zeros((grid.cells[0], 1))
         profiled = self.length - self.straight
@@ -310,7 +310,7 @@ class FiniteLength:
         return LengthScales(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
-        """Return zero on the roller and `length` beyond it [m], of shape (1, length), or (nx, 1) without an end."""
+        """Return zero on the roller and `length` beyond it [m], of shape (1, ny), or (nx, 1) without an end."""
         beyond = np.abs(grid.y) > self.length / 2
         return (
             np.where(beyond, self.length, 0.0)[None, :]
@@ -319,7 +319,7 @@ class FiniteLength:
         )
 
     def covered_fractions(self, grid: Grid) -> Array:
-        """Return the length of the roller that each row of cells represents, over that of a cell, of shape (length,).
+        """Return the length of the roller that each row of cells represents, over that of a cell, of shape (ny,).
 
         A row whose centre lies beyond the end represents nothing; its part on the roller is added to the row beside it.
         """

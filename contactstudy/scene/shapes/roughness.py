@@ -177,7 +177,7 @@ class Roughness:
         return self._rms, self._rms * ratio
 
     def gap(self, grid: Grid) -> Array:
-        """Return heights [m] with zero mean over the surface's extent, of shape (width, length).
+        """Return depths [m] with zero mean over the surface's extent, of shape (nx, ny).
 
         The shape is (nx, 1) if there is no surface.
         """

@@ -54,7 +54,7 @@ class Tilt:
         return LengthScales(roller=inf if self.angle else 0.0)
 
     def gap(self, grid: Grid) -> Array:
-        """Return ``y tan(angle)`` [m], of shape (1, length), or (nx, 1) without a tilt."""
+        """Return ``y tan(angle)`` [m], of shape (1, ny), or (nx, 1) without a tilt."""
         if self.angle == 0:
             return np.zeros((grid.cells[0], 1))
         return (grid.y * tan(self.angle))[None, :]

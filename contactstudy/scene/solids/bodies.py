@@ -141,7 +141,10 @@ class Layered(Protocol):
 
 
 def is_layered(solid: object) -> TypeGuard[Layered]:
-    """Return whether a body is :class:`Layered`: ``isinstance`` of a protocol takes as long as a tenth of a set-up."""
+    """Return whether a body has a compliance that depends on the wavelength, which is the method `compliance_at`.
+
+    ``isinstance`` of a protocol takes as long as a tenth of a set-up.
+    """
     return hasattr(solid, "compliance_at")
 
 
@@ -229,7 +232,7 @@ class SceneContext(Protocol):
 
     @property
     def radius(self) -> float | None:
-        """Radius [m] of the shapes' mean curvature; None without curvature."""
+        """Equivalent radius R [m] of the shapes, 1/R the sum of their curvatures; None unless that is above zero."""
 
     @property
     def hertz(self) -> HertzLine | None:

@@ -85,18 +85,18 @@ class StressCoefficients:
         return StressCoefficients(self.component.swap_axes(), self.depth, self.poisson_ratio)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the stress due to pressure on one cell."""
+        """Return the stress over the pressure or shear on one cell."""
         return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the stress due to an infinite row of images along y."""
+        """Return the stress over the pressure or shear on a cell and an infinite row of its images along y."""
         cell = self.depth, dx, dy
         return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Return the stress due to an infinite lattice of images."""
+        """Return the stress over the pressure or shear on a cell and an infinite lattice of its images."""
         periods = width, period
         arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio
         return stress_cell_doubly_periodic(self.component, *arguments)

@@ -40,9 +40,9 @@ class MeasuredSurface:
     """Measured surface.
 
     The surface is centred on the grid; a smaller grid contains its middle part. A grid must not be wider than the
-    surface, and a longer period must be a whole multiple of the surface's. Each cell has the mean of one smooth surface
-    through the points, whatever the grid. Two surfaces are equal if the `digest` of all heights and all other
-    fields agree.
+    surface without a seam across, and a longer period must be a whole multiple of the surface's. Each cell has the mean
+    of one smooth surface whose means around the points are their heights, whatever the grid. Two surfaces are equal if
+    the `digest` of all heights and all other fields agree.
 
     Parameters
     ----------
@@ -239,11 +239,11 @@ class MeasuredSurface:
         )
 
     def _complete(self) -> Array:
-        """Return heights (width, length) [m] without missing points, less their trend."""
+        """Return heights (x, y) [m] without missing points, less their trend."""
         return _completed(self)
 
     def gap(self, grid: Grid) -> Array:
-        """Return depths below the datum [m], of shape (width, length), or (nx, 1) if all is one profile."""
+        """Return depths below height zero [m], of shape (nx, ny), or (nx, 1) if all is one profile."""
         heights = self._complete()
         is_profile = bool((heights == heights[:, :1]).all())
         if is_profile:

@@ -255,7 +255,7 @@ class Tapered:
         check_fields(self, fraction=(up_to_one, remedy))
 
     def periodic(self, heights: Array) -> Array:
-        """Return the windowed surface."""
+        """Return the tapered surface."""
         count = heights.shape[1]
         from_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
         window = (1 - np.cos(np.pi * np.minimum(from_end / (self.fraction / 2), 1))) / 2
@@ -270,7 +270,7 @@ Ends = Literal["periodic", "not-a-knot"]
 def cell_means(
     heights: Array, axis: int, *, extent: float, cells: int, width: float, ends: Ends
 ) -> Array:
-    """Return means over equal cells of the smooth surface through `heights`.
+    """Return means over equal cells of a smooth surface that has the means `heights`.
 
     This is conservative resampling: a cubic spline interpolates the cumulative integral, and its differences between
     the edges of a cell give the mean. A cell made of whole pieces has their mean.

@@ -96,7 +96,8 @@ class LayerResponse:
         Displacement by shear along the wave is ``2 (1 - nu1^2) / (E1 q) (1 + d0 exp(-2 k) + R)``. By shear across it
         is ``1 / (G1 q) (1 + (m - 1) exp(-2 k) + R)``, with m the ratio of the shear moduli. Normal displacement by
         shear along the wave is ``1 / (2 G1 q) (1 - 2 nu1 + h0 exp(-2 k) + R)``, a quarter of a wave behind, with h0 the
-        `coupling_contrast`. Source: that of the class; antiplane strain of the layer across the wave.
+        `coupling_contrast`; q [1/m] is the wave number, k that times the thickness, and E1, G1 and nu1 are the layer's.
+        Source: that of the class; antiplane strain of the layer across the wave.
         """
         _, kap, one_lam, one_kap, cross = self._mismatch
         ratio = (self.shear_ratio - 1) / (self.shear_ratio + 1)
@@ -157,7 +158,7 @@ def _sinh_square_less_square(k: RealOrComplex) -> RealOrComplex:
 # The tables' pieces are [0, 1], [1, 2], [2, 4] ... thicknesses: singularities at two thicknesses and, of
 # the far form, at zero lie outside a Bernstein ellipse of rho = 5.8.
 CHEBYSHEV_POINTS = 22
-# R is below 1e-16 of its largest beyond this k.
+# R is below 1e-14 of its largest beyond this k.
 LAST_WAVE = 20.0
 # Gauss points on each piece of k, at most two oscillations long.
 GAUSS_POINTS = 18
@@ -177,7 +178,10 @@ class RemainderTables:
         self._strip: dict[int, Array] = {}
 
     def edge(self, s: Array) -> Array:
-        """Return ``(1 / s) int R(k) J1(k s) / k dk``: the radial field whose divergence is ``int R(k) J0(k s) dk``."""
+        """Return ``(1 / s) int R(k) J1(k s) / k dk``.
+
+        Times s it is the radial field with the divergence ``int R(k) J0(k s) dk``.
+        """
         return self._interpolated(s, self._edge, self._edge_at)
 
     def strip(self, s: Array) -> Array:

@@ -214,7 +214,10 @@ BURIED_FIELDS = {
 def buried_field(
     name: str, order: int, x: Array, y: Array, dx: float, dy: float, depth: float
 ) -> Array:
-    """Return the integral of the field `name` over a cell buried at a `depth`, derived by -z `order` times."""
+    """Return the integral of the field `name` over a cell buried at a `depth`.
+
+    The field is differentiated `order` times with respect to -z.
+    """
     if name not in BURIED_FIELDS:
         x, y, dx, dy, name = y, x, dy, dx, SWAPPED[name]
     return 2 * np.pi * stress_cell(BURIED_FIELDS[name][order], x, y, depth, dx, dy, 0.0)

@@ -1,6 +1,6 @@
 """Stress in a layer and in the half-space below it, under a wave of pressure and shear on the surface.
 
-With the wave number k, ``t = k z`` and Airy's function ``f(t) cos(k x) / k^2``, a pressure ``P cos`` and a shear
+With the wave number k, ``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos`` and a shear
 ``Q sin`` along x give ``s_zz = -f cos``, ``s_xz = f' sin`` and ``s_xx = f'' cos``. Displacements and traction are
 continuous at the bond. Two bases are used: exponentials from either face of the layer, and for long waves, where these
 become alike, the matrix exponential of the state (2 G k U, 2 G k V, s_zz, s_xz).
@@ -76,9 +76,9 @@ class LayerStress:
     def remainder(self, k: RealOrComplex) -> RealOrComplex:
         """Return :meth:`plane` less what is known in closed form: zero at k = 0, decaying as exp(-k `decay_rate`).
 
-        In the layer that is the stress in a half-space of its material, and at the depth of the mirror image of the
-        point in the bond the difference between the substrate's strain in the layer's material and that. Below, it is
-        the stress in a half-space of the substrate.
+        In the layer the closed form is the stress in a half-space of its material, and a change of s_xx at the depth
+        of the point's mirror image in the bond, from the stress there to that of the layer under the substrate's strain.
+        Below the layer it is the stress in a half-space of the substrate.
         """
         remainder: RealOrComplex = self.plane(k) - np.array(half_space(k * self.depth))
         if self.in_layer:
@@ -95,7 +95,10 @@ class LayerStress:
         return np.asarray((below + nu1 * normal) / (1 - nu1))
 
     def antiplane(self, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
-        """Return s_tz and the imaginary part of s_lt by a unit shear across the wave, less the closed form."""
+        """Return the shear stresses along the crests by a unit shear along them, less those of a half-space.
+
+        The first acts on planes of constant depth, the second, of which this is the imaginary part, across the crests.
+        """
         ratio = self._ratios[0]
         mismatch = (ratio - 1) / (ratio + 1)
         reflected = 1 / (1 - mismatch * np.exp(-2 * k))
@@ -194,7 +197,7 @@ def _reversed(functions: RealOrComplex) -> RealOrComplex:
 
 
 def _displacements(functions: RealOrComplex, nu: float) -> RealOrComplex:
-    """Return ``2 G k U`` and ``2 G k V`` (function, displacement, t) of Airy's `functions`."""
+    """Return ``2 G k U`` and ``2 G k V`` (function, displacement, t) of Airy's stress functions."""
     value, first, second, third = np.moveaxis(functions, 1, 0)
     return np.stack([(1 - nu) * second + nu * value, (1 - nu) * third + (nu - 2) * first], axis=1)
 

@@ -47,7 +47,7 @@ class WaveResponse(Protocol):
     def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
         """Return the fields over the load, by name, under waves (across, along).
 
-        The products of a field's parities are even for a real amplitude.
+        A field that is even along both axes or odd along both has a real amplitude, another an imaginary one.
         """
 
     def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
@@ -58,7 +58,7 @@ class WaveResponse(Protocol):
 class WaveCoefficients:
     """Influence coefficients of a field that falls as the inverse cube of the distance, by its waves.
 
-    A cell alone is approximated by a lattice four times as wide.
+    A cell alone is approximated by a periodic lattice four times as wide as the grid.
 
     Parameters
     ----------

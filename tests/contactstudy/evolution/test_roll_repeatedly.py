@@ -117,6 +117,7 @@ def test_a_first_pass_over_a_finite_distance_is_that_of_finite_elements() -> Non
         pressure=cs.RollingPressure.ELASTIC,
     )
     x = found.grid.x
+    assert found.passes[0].distance == pytest.approx(6.0, rel=1e-12)
     middle = int(np.abs(x + 3.0).argmin())
     stress = found.unloaded.residual_stress()[0, :, middle, 0] / K
     known = (-1.231, -0.895, -0.709, -0.643, -0.593)

@@ -323,7 +323,7 @@ def _within_total_pressure(
 
     The boundary film determines their total pressure. Its parts are nearly indeterminate in a viscous lubricant: they
     may be many times as large, of opposite signs, and if each is cut off at zero, the film moves off the boundary film.
-    Without this, films of a narrow transition took 27 and 48 steps for 15 and 20.
+    Without this, four films of a narrow transition took 117 steps for 78.
     """
     if active.touching is None or change.asperity_pressure is None:
         return change

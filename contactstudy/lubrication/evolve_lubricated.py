@@ -7,6 +7,7 @@ difference of the predictor to the solution estimates the error of the step (Gea
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -164,8 +165,8 @@ def _integrate(
     progress: Callable[[float, float], None] | None,
 ) -> FilmTrajectory:
     """Step to the last of ``instants``; record every step if ``times`` is None."""
-    contact, double = stepper.contact(), _DoubleSteps(stepper, tolerance)
-    recorded, contacts = [instants[0]], [contact]
+    double = _DoubleSteps(stepper, tolerance)
+    recorded, contacts = [instants[0]], [stepper.contact]
     steps, largest_error, iterations, linear_iterations = 0, 0.0, 0, 0
     cell_passage = stepper.posed.equation.cell[0] * stepper.time_unit
     # two steps at least, which the estimate takes at once
@@ -187,8 +188,7 @@ def _integrate(
                 length = trial * max(TUNING.shrink, 0.0 if failed else factor)
                 continue
             stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
-            contact = stepper.contact()
-            double.follow(stepper.time, contact)
+            double.follow(stepper)
             if progress is not None:
                 progress(stepper.time, instants[-1])
             grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
@@ -198,10 +198,10 @@ def _integrate(
                 break
             if times is None and stepper.time < target - 1e-9 * cell_passage:
                 recorded.append(stepper.time)
-                contacts.append(contact)
+                contacts.append(stepper.contact)
         recorded.append(target)
-        contacts.append(contact)
-        if contact.status is Status.FILM_NOT_CONVERGED:
+        contacts.append(stepper.contact)
+        if stepper.contact.status is Status.FILM_NOT_CONVERGED:
             break
     films = FilmTrajectory(
         tuple(recorded),
@@ -222,11 +222,12 @@ class _DoubleSteps:
         self.compared: list[Difference] = []
         self._middle: float | None = None
 
-    def follow(self, time: float, contact: FilmSolution) -> None:
-        """Take note of a step of the other evolution, to a `time` [s]; after every second one, step there and compare.
+    def follow(self, other: "_FilmStepper") -> None:
+        """Take note of a step of the `other` evolution; after every second one, step to its time and compare.
 
         Where a double step does not converge, it takes both.
         """
+        time = other.time
         if self._middle is None:
             self._middle = time
             return
@@ -235,7 +236,7 @@ class _DoubleSteps:
             half, _ = self.stepper.advanced(self._middle - self.stepper.time)
             advanced, _ = half.advanced(time - half.time)
         self.stepper, self._middle = advanced, None
-        self.compared.append(Difference.of(time, contact, advanced.contact()))
+        self.compared.append(Difference.of(time, other.contact, advanced.contact))
 
 
 def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
@@ -338,8 +339,9 @@ class _FilmStepper:
         past = (instant, *self.past[:2])
         return replace(self, past=past, now=now, distance=distance), size
 
+    @cached_property
     def contact(self) -> FilmSolution:
-        """Return the contact at the last instant."""
+        """Contact at the last instant."""
         return film_solution(
             self.scene, self.grid, self.padding, self.now, self.last, self.tolerance
         )

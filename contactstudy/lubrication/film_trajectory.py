@@ -12,8 +12,6 @@ from contactstudy.solvers.solution import Status, worst
 
 # Error by the steps over the largest difference to an evolution with steps twice as long.
 ERROR_OVER_DIFFERENCE = 1.5
-
-
 # Numbers of a film whose errors by the steps are estimated; the peak pressure is the last.
 NUMBERS = ("central_film", "minimum_film", "friction", "peak_pressure")
 
@@ -78,8 +76,9 @@ def _values(film: FilmSolution) -> Array:
 
 
 def errors_by_steps(films: FilmTrajectory, compared: list[Difference]) -> Mapping[str, Array]:
-    """Return estimates (time,) of relative errors from differences at ascending times; infinite without any.
+    """Return estimates (time,) of relative errors from differences at ascending times.
 
+    They are infinite without any, and where a film has not converged.
     The error at an instant is estimated by the largest difference until then, as one alone may vanish by chance: by the
     absolute or by the relative one, whichever is less, since a number may grow or fall by orders of magnitude.
     """
@@ -94,6 +93,7 @@ def errors_by_steps(films: FilmTrajectory, compared: list[Difference]) -> Mappin
         absolute / _not_zero([_values(film) for film in films.contacts]),
         np.maximum.accumulate(relative)[until],
     )
+    errors[[film.status is Status.FILM_NOT_CONVERGED for film in films.contacts]] = inf
     return dict(zip(NUMBERS, ERROR_OVER_DIFFERENCE * errors.T, strict=True))
 
 

@@ -115,10 +115,9 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
     """Return `solution` with bounds by its own cells and by its change from `coarser` grids.
 
     The discretisation error in L1 is at most the estimate from one solution, unless the end of a roller is loaded, of
-    which that shows little. In two dimensions many edges share in it,
-    so that the changes from grid to grid, with their order of convergence, and the errors by the cells' pressure give a
-    sharper bound together. In one dimension a change may be small by chance, as two edges lie alike in their cells; it
-    is not used.
+    which that shows little. In two dimensions many edges share in it, so that the changes from grid to grid, with their
+    order of convergence, and the errors by the cells' pressure give a sharper bound together. In one dimension a change
+    may be small by chance, as two edges lie alike in their cells; it is not used.
 
     Parameters
     ----------

@@ -320,7 +320,7 @@ class OuterIteration:
         gap = self.problem.undeformed_gap + state.added_gap
         residual = max(contact.residual, state.change / CONSTANTS.change_in_tolerances)
         status = contact.status
-        if status is Status.CONVERGED and residual > self.options.tolerance:
+        if status.has_converged and residual > self.options.tolerance:
             status = Status.ITERATION_LIMIT
         elif status is Status.CONVERGED and not contact.pressure.any():
             status = Status.DETACHED

@@ -85,6 +85,14 @@ class Status(Enum):
         return f"{self.name}: {self.value}."
 
     @property
+    def has_converged(self) -> bool:
+        """True if the residual of a contact or film is below the tolerance, whatever else the status warns of."""
+        return self in (
+            Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.ATTRACTION_AT_EDGE,
+            Status.STARVED_INLET, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS,
+        )  # fmt: skip
+
+    @property
     def is_failure(self) -> bool:
         """True if there is no pressure, as none is admissible or the iteration left the range of numbers."""
         return self in (Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE)
@@ -288,12 +296,12 @@ def with_traction(
 ) -> Solution:
     """Return a normal `solution` with a `traction`, whose solve ended with this status and residual.
 
-    The status is that of the normal contact where it did not converge, the residual the larger one. The `iterations` and
-    `convolutions` of the traction are added.
+    The status is the more serious one, the residual the larger one. The `iterations` and `convolutions` of the traction
+    are added.
     """
     return replace(
         solution,
-        status=status if solution.status is Status.CONVERGED else solution.status,
+        status=worst([solution.status, status]),
         residual=max(solution.residual, residual),
         iterations=solution.iterations + iterations,
         convolutions=solution.convolutions + convolutions,

@@ -24,8 +24,8 @@ def solve_by_substitution(
 
     It converges where the map is a contraction, as that of friction below 1 is between elastic bodies. Each outer
     iteration adds the displacement of the one before to the gap, until that changes the gap in the contact by less than
-    the tolerance, in units of ``problem.scales.gap``; the status is :attr:`~contactstudy.Status.NOT_CONVERGED` where it
-    does not.
+    the tolerance, in units of ``problem.scales.gap``; where it does not, the status of a contact that converged is
+    :attr:`~contactstudy.Status.NOT_CONVERGED`.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def solve_by_substitution(
         convolutions += solution.convolutions
         outer += 1
     status = solution.status
-    if status is Status.CONVERGED and not change <= options.tolerance:
+    if status.has_converged and not change <= options.tolerance:
         status = Status.NOT_CONVERGED
     return replace(
         solution,

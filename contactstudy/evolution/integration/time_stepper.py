@@ -226,12 +226,12 @@ class TimeStepper:
             if next_instant is instant or len(solutions) == MAX_FIXED_POINT_ITERATIONS:
                 break
             instant = next_instant
-        if next_instant is not instant and solution.status is Status.CONVERGED:
+        if next_instant is not instant and solution.status.has_converged:
             solution = replace(solution, status=Status.NOT_CONVERGED)
         for variable, state in zip(self.state_variables, states, strict=True):
             if isinstance(variable, IteratedStateVariable):
                 status, residual = variable.outcome(state)
-                if solution.status is Status.CONVERGED and status is not Status.CONVERGED:
+                if solution.status.has_converged and status is not Status.CONVERGED:
                     solution = replace(solution, status=status, residual=residual)
         solutions[-1] = solution
         instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)

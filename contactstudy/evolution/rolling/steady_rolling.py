@@ -20,7 +20,7 @@ from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.anderson import LaggedSolution, solve_with_mixing
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fine cells per cell, and the largest number of fine cells, for the retarded displacement under the pressure.
@@ -207,8 +207,8 @@ def solve_rolling(
         last = lagged.solution
         with_shear = replace(last.problem, friction=law)
         sheared = solve_contact(with_shear, options, last.pressure)
-        worst_status = last.status if sheared.status is Status.CONVERGED else sheared.status
-        lagged = replace(lagged, solution=replace(sheared, status=worst_status))
+        status = worst([last.status, sheared.status])
+        lagged = replace(lagged, solution=replace(sheared, status=status))
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
     solve_on = partial(
         solve_rolling,

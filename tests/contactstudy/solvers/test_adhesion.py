@@ -187,6 +187,15 @@ def test_an_attraction_cut_off_at_the_edge_is_said() -> None:
     assert solution.status is cs.Status.ATTRACTION_AT_EDGE
 
 
+def test_a_contact_at_the_edge_does_not_hide_an_attraction_at_its_iteration_limit() -> None:
+    narrow = cs.Grid((32, 1), (2.0, 1.0))
+    problem = cylinder(2.0, 0.5).problem(narrow, cs.ZeroPadding())
+    stopped = cs.solve(problem, tolerance=1e-9, max_iterations=5)
+    assert stopped.status is cs.Status.ITERATION_LIMIT
+    assert stopped.residual > 1e-9
+    assert cs.solve(problem, tolerance=1e-9).status is cs.Status.CONTACT_AT_EDGE
+
+
 @pytest.mark.parametrize("law", [Exponential(2.0, 0.5), Dugdale(2.0, 0.5)])
 def test_the_remaining_work_is_the_integral_of_the_traction(law: Exponential | Dugdale) -> None:
     gap = np.linspace(0, 20, 400_001)

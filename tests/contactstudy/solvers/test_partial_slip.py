@@ -1,5 +1,7 @@
 """One step of partial slip under a given force or displacement, from a state with shear."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -97,3 +99,15 @@ def test_bodies_apart_carry_no_shear() -> None:
     found = step(limit=0 * LIMIT, total=np.zeros(2))
     assert not found.shear.any()
     assert found.applications == 0
+
+
+def test_a_contact_at_the_edge_does_not_hide_a_shear_that_did_not_converge() -> None:
+    solids = (cs.HalfSpace(210e9, 0.3),) * 2
+    friction = cs.PartialSlip(0.5, 0.4)
+    scene = cs.Scene(cs.LineLoad(1e5), solids, (cs.Cylinder(0.01),), friction=friction)
+    problem = scene.problem(cs.Grid((32, 8), (1e-4, 1e-4)), cs.ZeroPadding())
+    stopped = cs.solve(problem, max_iterations=12)
+    normal = cs.solve(replace(problem, friction=None), max_iterations=12)
+    assert normal.status is cs.Status.CONTACT_AT_EDGE
+    assert stopped.status is cs.Status.ITERATION_LIMIT
+    assert stopped.residual > 1e-8

@@ -70,9 +70,9 @@ class SceneFile:
     time_steps: TimeSteps = field(default_factory=TimeSteps)
     vary: tuple[Mapping[str, object], ...] = ()
 
-    def plan(self, *, on: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
-        """Return the plan for this scene, on the file's grid if it has one; seconds are for the device `on`."""
-        return plan(self.scene, on=on, **self._plan_arguments)
+    def plan(self, *, device: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
+        """Return the plan for this scene, on the file's grid if it has one; seconds are for the `device`."""
+        return plan(self.scene, device=device, **self._plan_arguments)
 
     @property
     def _plan_arguments(self) -> dict[str, Any]:

@@ -62,7 +62,7 @@ def solve(
     error: float | str | None = None,
     start: Array | Contact | None = None,
     progress: Callable[[Progress], object] | None = None,
-    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    device: Device = Cpu(),  # noqa: B008 (a frozen value)
     options: SolveOptions | None = None,
     **named: Any,
 ) -> Contact: ...
@@ -78,7 +78,7 @@ def solve(
     start: "Array | Contact | LubricatedContact | None" = None,
     folder: str | PathLike[str] | None = None,
     progress: Callable[[Progress], object] | None = None,
-    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    device: Device = Cpu(),  # noqa: B008 (a frozen value)
     options: SolveOptions | None = None,
     **named: Any,
 ) -> "Contact | LubricatedContact | Evolution": ...
@@ -93,7 +93,7 @@ def solve(
     start: "Array | Contact | LubricatedContact | None" = None,
     folder: str | PathLike[str] | None = None,
     progress: Callable[[Progress], object] | None = None,
-    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    device: Device = Cpu(),  # noqa: B008 (a frozen value)
     options: SolveOptions | None = None,
     **named: Any,
 ) -> "Contact | LubricatedContact | Evolution":
@@ -120,7 +120,7 @@ def solve(
         that was refined in a folder of their own in it.
     progress
         Called with a :class:`~contactstudy.Progress` as the solve goes on.
-    on
+    device
         Device of a dry static contact, such as ``Cpu(threads=2)``.
     options, named
         :class:`~contactstudy.SolveOptions`, or its fields by name: ``tolerance``, ``max_iterations``, ...
@@ -139,10 +139,10 @@ def solve(
         options = replace(options, **named) if options else SolveOptions(**named)
     requested = None if error is None else checked_relative_error("solve.error", error)
     request = _Request(
-        scene, grid, padding, requested, period, times, start, folder, progress, on, options or SolveOptions()
+        scene, grid, padding, requested, period, times, start, folder, progress, device, options or SolveOptions()
     )  # fmt: skip
     if isinstance(scene, Problem):
-        request.refuse_unless("a problem", "start", "on")
+        request.refuse_unless("a problem", "start", "device")
         if grid is not None or padding is not None:
             argument = "padding" if grid is None else "grid"
             raise InvalidInput(
@@ -176,7 +176,7 @@ def solve(
         return (
             request.repeated_rolling() if scene.rolling_speed is None else request.steady_rolling()
         )
-    request.refuse_unless("a static contact", "start", "on")
+    request.refuse_unless("a static contact", "start", "device")
     return request.contact()
 
 
@@ -193,7 +193,7 @@ class _Request:
     start: Any
     folder: str | PathLike[str] | None
     progress: Callable[[Progress], object] | None
-    on: Device
+    device: Device
     options: SolveOptions
 
     def refuse_unless(self, kind: str, *used: str) -> None:
@@ -202,7 +202,7 @@ class _Request:
             "times": self.times is not None,
             "start": self.start is not None,
             "folder": self.folder is not None,
-            "on": not isinstance(self.on, Cpu),
+            "device": not isinstance(self.device, Cpu),
             "period": self.period is not None and self.grid is not None,
         }
         for name, is_given in arguments.items():
@@ -255,7 +255,7 @@ class _Request:
             options = replace(
                 options, solver=ReportingSolver(self._residual_reporter(problem), options.solver)
             )
-        return contact_answer(solve_contact(problem, options, self.first_pressure, self.on))
+        return contact_answer(solve_contact(problem, options, self.first_pressure, self.device))
 
     def _residual_reporter(self, problem: Problem) -> Callable[[float, Array], None]:
         """Return what takes residual and pressure of each iteration, and reports them as progress."""
@@ -298,7 +298,7 @@ class _Request:
             padding=self.padding,
             options=self.options,
             start=self.first_pressure,
-            on=self.on,
+            device=self.device,
             progress=self._grid_reporter,
         )
         return contact_answer(refined.solution, estimate=refined.estimate, requested=requested)

@@ -217,7 +217,7 @@ def threads() -> int:
 @contextmanager
 def using(chosen: Device) -> Iterator[None]:
     """Use the `chosen` device inside a ``with`` block."""
-    token, library = _DEVICE.set(checked(chosen, "solve.on")), _ARRAYS.set(chosen.arrays)
+    token, library = _DEVICE.set(checked(chosen, "solve.device")), _ARRAYS.set(chosen.arrays)
     try:
         yield
     finally:

@@ -227,28 +227,28 @@ def _work_sizes(
     return (prod(grid.cells), images), (padded_points(grid, padding), convolutions)
 
 
-def speedup(grid: Grid, padding: Padding | Paddings, on: Device) -> float:
-    """Measure how many times faster a convolution runs `on` a device than on one thread; 1 for one thread.
+def speedup(grid: Grid, padding: Padding | Paddings, device: Device) -> float:
+    """Measure how many times faster a convolution runs on `device` than on one thread; 1 for one thread.
 
     It is measured on this grid, or on one of `large_sample` cells along either axis.
     """
-    if on == ONE_THREAD:
+    if device == ONE_THREAD:
         return 1.0
     across, along = (min(count, CONSTANTS.large_sample) for count in grid.cells)
     sample = Grid((across, along), grid.extent)
     points = padded_cells(sample, across_and_along(padding))
-    one_thread, on_device = (_seconds(sample, points, device) for device in (ONE_THREAD, on))
+    one_thread, on_device = (_seconds(sample, points, each) for each in (ONE_THREAD, device))
     return one_thread / on_device
 
 
-def _seconds(grid: Grid, points: tuple[int, int], on: Device) -> float:
+def _seconds(grid: Grid, points: tuple[int, int], device: Device) -> float:
     """Return the wall time [s] of one convolution on `grid` padded to `points`, the least of several."""
     durations: list[float] = []
-    with using(on):
+    with using(device):
         operator = Convolution(
-            on.to_device(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points
+            device.to_device(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points
         )
-        pressure = on.to_device(np.ones(grid.cells))
+        pressure = device.to_device(np.ones(grid.cells))
         while len(durations) < 5 or sum(durations) < CONSTANTS.min_total_seconds:
             start = perf_counter()
             float(operator(pressure)[0, 0])  # reading a number waits for a graphics processor

@@ -52,7 +52,7 @@ def plan(
     period: float | None = None,
     grid: Grid | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
-    on: Device = ONE_THREAD,
+    device: Device = ONE_THREAD,
 ) -> Plan:
     """Choose a grid and a padding that solve a scene to a relative L1 error of the pressure.
 
@@ -72,7 +72,7 @@ def plan(
         Grid to keep. The plan then warns of its faults.
     times
         Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`.
-    on
+    device
         Device that the seconds are for. A scene that changes in time is solved on one thread.
 
     Raises
@@ -81,7 +81,7 @@ def plan(
         If the scene does not determine a grid: the width of the contact needs a curved shape, the length of a crowned
         roller a FiniteLength.
     """
-    planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, on=on)
+    planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, device=device)
     if scene.time_dependent_field is None and scene.outputs:
         stress = stress_seconds(scene, planned.grid, planned.padding)
         planned = replace(planned, seconds=planned.seconds + stress)
@@ -117,10 +117,10 @@ def plan_grid(
     period: float | None = None,
     grid: Grid | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
-    on: Device = ONE_THREAD,
+    device: Device = ONE_THREAD,
 ) -> Plan:
     """Return the plan as :func:`plan` does, with the seconds of one contact where a scene changes in time or rolls."""
-    checked(on, "plan.on")
+    checked(device, "plan.device")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
     scales = measured_length_scales(scene)
@@ -130,7 +130,7 @@ def plan_grid(
         and scene.time_dependent_field is None
         and grid is None
     ):
-        return _plan_of_flat(scales, period, on)
+        return _plan_of_flat(scales, period, device)
     if scene.lubrication is not None:
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
@@ -145,7 +145,7 @@ def plan_grid(
         return plan_of_adhesion(scene, error or DEFAULT_ERROR, period, grid, instants)
     if scene.time_dependent_field is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
-    return _plan_static(scene, error, period, grid, on)
+    return _plan_static(scene, error, period, grid, device)
 
 
 def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
@@ -155,7 +155,7 @@ def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
     return TimeSteps.of(times)
 
 
-def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Plan:
+def _plan_of_flat(scales: LengthScales, period: float | None, device: Device) -> Plan:
     """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
     grid, padding = flat_grid(scales, period), (ExactPeriodicity(), ExactPeriodicity())
     seconds = CostModel().seconds(grid, padding, TIMING.rough_convolutions)
@@ -163,14 +163,14 @@ def _plan_of_flat(scales: LengthScales, period: float | None, on: Device) -> Pla
         grid=grid,
         padding=padding,
         error=inf,
-        seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, on),
+        seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, device),
         bytes=memory(grid, padding),
         period_check=f"The period {readable(grid.length)} is that of the measured surface.",
         reasons=(
             "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
             "periodic; the solve estimates the error.",
         ),
-        on=on,
+        device=device,
     )
 
 
@@ -179,7 +179,7 @@ def _plan_static(
     error: float | None,
     period: float | None,
     grid: Grid | None,
-    on: Device,
+    device: Device,
     width: float = 0.0,
 ) -> Plan:
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
@@ -187,7 +187,7 @@ def _plan_static(
     padding = requirements.padding()
     if grid is not None and period is not None and period != grid.length:
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
-    limit = MEMORY_FRACTION * min(available_bytes(), on.available_bytes)
+    limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
     own_points = grid is None and error is None and requirements.point_spacing is not None
     if own_points:
         grid = requirements.grid_on_measured_points(period)
@@ -205,7 +205,7 @@ def _plan_static(
         grid=grid,
         padding=padding,
         error=expected_error,
-        seconds=forecast.seconds / speedup(grid, padding, on),
+        seconds=forecast.seconds / speedup(grid, padding, device),
         bytes=memory(grid, padding),
         period_check=requirements.period_check(grid.length),
         reasons=(
@@ -216,7 +216,7 @@ def _plan_static(
             *requirements.warnings(grid),
             *_warnings(requirements, forecast, grid, limit, error=target),
         ),
-        on=on,
+        device=device,
     )
 
 

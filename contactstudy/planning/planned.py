@@ -37,7 +37,7 @@ class Plan:
         A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
     solves
         Number of contacts or films that are solved one after the other, in a scene that changes in time or rolls.
-    on
+    device
         Device that the seconds are for.
     """
 
@@ -51,7 +51,7 @@ class Plan:
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
     solves: int = 1
-    on: Device = ONE_THREAD
+    device: Device = ONE_THREAD
 
     def __post_init__(self) -> None:
         set_fields(self, dimension=1 if self.grid.cells[1] == 1 else 2)

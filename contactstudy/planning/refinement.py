@@ -118,7 +118,7 @@ def solve_to(
     padding: Padding | Paddings | None = None,
     options: SolveOptions | None = None,
     start: Array | None = None,
-    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    device: Device = Cpu(),  # noqa: B008 (a frozen value)
     most_cells: int = 2_000_000,
     progress: Callable[[BoundedSolution], object] | None = None,
 ) -> Refined:
@@ -141,7 +141,7 @@ def solve_to(
         Options of the solver.
     start
         Pressure (x, y) [Pa] of a similar contact of the same extent, on any grid.
-    on
+    device
         Device.
     most_cells
         Cells of a grid at most.
@@ -160,7 +160,7 @@ def solve_to(
         padding or requirements.padding(),
         requirements.pressure_error(error),
         options or SolveOptions(),
-        on,
+        device,
         most_cells,
         progress,
     )
@@ -181,7 +181,7 @@ class GridRefinement:
     padding: Padding | Paddings
     error: float
     options: SolveOptions
-    on: Device
+    device: Device
     most_cells: int
     progress: Callable[[BoundedSolution], object] | None = None
     keeps_width: bool = False
@@ -225,7 +225,7 @@ class GridRefinement:
     def _solve_on(self, grid: Grid, start: Array | None, options: SolveOptions) -> Solution:
         """Return the solution on `grid` from a pressure on another of the same extent."""
         begin = None if start is None else on_cells(start, grid.cells)
-        return solve_contact(self.scene.problem(grid, self.padding), options, begin, self.on)
+        return solve_contact(self.scene.problem(grid, self.padding), options, begin, self.device)
 
     def first_grid(self, extent: tuple[float, float]) -> Grid:
         """Return the first grid: coarse, but fine enough to resolve the surface, where that takes few cells."""

@@ -91,6 +91,6 @@ def refuse_on(device: Device, operator: Convolution, precision: Precision) -> No
     needed, available = numbers * precision.bytes, device.available_bytes
     if needed > available:
         raise InvalidInput(
-            f"solve.on is {device!r}: the solve needs {needed / 1e9:.3g} GB and it has {available / 1e9:.3g} GB "
+            f"solve.device is {device!r}: the solve needs {needed / 1e9:.3g} GB and it has {available / 1e9:.3g} GB "
             "left, give fewer cells or Cpu()."
         )

@@ -97,14 +97,14 @@ class Source(Protocol):
 class FrictionLaw(Protocol):
     """Law that adds shear to the pressure of a frictionless contact."""
 
-    def solve(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
+    def solve(self, problem: "Problem", options: Any, start: Array | None, device: Device) -> Any:
         """Return the Solution of a frictionless `problem` with its shear, by SolveOptions, from a pressure [Pa]."""
 
 
 class AdhesionLaw(Protocol):
     """Law that adds attraction to the pressure of a contact."""
 
-    def solve(self, problem: "Problem", options: Any, start: Array | None, on: Device) -> Any:
+    def solve(self, problem: "Problem", options: Any, start: Array | None, device: Device) -> Any:
         """Return the Solution of a `problem` with its attraction, by SolveOptions, from a pressure [Pa]."""
 
     def continued(self, attraction: Array) -> "AdhesionLaw":

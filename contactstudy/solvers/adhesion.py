@@ -118,10 +118,10 @@ class AdhesiveSolver:
         return self.continued(solution.adhesion.attraction)
 
     def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the solution of the contact `problem` with adhesion, from the state that the branch names."""
-        return self.solve_beside(None, problem, options, start, on)[0]
+        return self.solve_beside(None, problem, options, start, device)[0]
 
     def solve_beside(
         self,
@@ -129,7 +129,7 @@ class AdhesiveSolver:
         problem: Problem,
         options: SolveOptions,
         start: Array | None,
-        on: Device,
+        device: Device,
     ) -> tuple[Solution, Any]:
         """Return the solution of :meth:`solve`, and the state of the bodies that `inner` found with it.
 
@@ -142,7 +142,7 @@ class AdhesiveSolver:
             Branch.CONTINUED: self.attraction,
         }[self.branch]
         attraction = np.broadcast_to(np.asarray(first), problem.undeformed_gap.shape)
-        return OuterIteration(problem, self, options, on, inner).solution(attraction, start)
+        return OuterIteration(problem, self, options, device, inner).solution(attraction, start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ class OuterIteration:
     problem: Problem
     solver: AdhesiveSolver
     options: SolveOptions
-    on: Device
+    device: Device
     inner: InnerSolve | None = None
     count: int = 0
     iterations: int = 0
@@ -282,7 +282,7 @@ class OuterIteration:
         )
         options = replace(self.options, tolerance=self._inner_tolerance(gap_error))
         if self.inner is None:
-            coupled = CoupledSolution(solve_contact(frozen, options, start, self.on))
+            coupled = CoupledSolution(solve_contact(frozen, options, start, self.device))
         else:
             coupled = self.inner(frozen, attraction, options, start)
         contact = coupled.solution

@@ -42,11 +42,11 @@ class PullOffSearch:
         return self
 
     def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the last stable state; its part `adhesion` has the first unstable load."""
         assert isinstance(problem.control, PrescribedLoad)
-        last_stable = self.solver.solve(problem, options, start, on)
+        last_stable = self.solver.solve(problem, options, start, device)
         iterations, convolutions = last_stable.iterations, last_stable.convolutions
         load, first_unstable = problem.control.total, -inf
         options = replace(options, max_iterations=ITERATION_FACTOR * options.max_iterations)
@@ -57,7 +57,9 @@ class PullOffSearch:
             pull = LOAD_STEP * float(last_stable.adhesion.attraction.sum())
             trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
             lowered = replace(problem, control=PrescribedLoad(trial))
-            state = self.solver.after(last_stable).solve(lowered, options, last_stable.pressure, on)
+            state = self.solver.after(last_stable).solve(
+                lowered, options, last_stable.pressure, device
+            )
             iterations += state.iterations
             convolutions += state.convolutions
             if state.status is Status.DETACHED:

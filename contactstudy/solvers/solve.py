@@ -91,7 +91,7 @@ def solve_contact(
     problem: Problem,
     options: SolveOptions = SolveOptions(),
     start: Array | None = None,
-    on: Device = Cpu(),  # noqa: B008 (a frozen value)
+    device: Device = Cpu(),  # noqa: B008 (a frozen value)
 ) -> Solution:
     """Return the solution of a problem.
 
@@ -103,7 +103,7 @@ def solve_contact(
         Accuracy and method.
     start
         Pressure (x, y) [Pa] to begin with; None begins on coarser grids.
-    on
+    device
         The device that the fields of the iteration are held on.
 
     Returns
@@ -122,28 +122,28 @@ def solve_contact(
         start = _finite_pressure(start, problem)
     if problem.friction is not None:
         frictionless = replace(problem, friction=None)
-        solution: Solution = problem.friction.solve(frictionless, options, start, on)
+        solution: Solution = problem.friction.solve(frictionless, options, start, device)
         return replace(solution, problem=problem)
     if problem.adhesion is not None:
-        adhered: Solution = problem.adhesion.solve(problem, options, start, on)
+        adhered: Solution = problem.adhesion.solve(problem, options, start, device)
         return adhered
     if not problem.control.is_met_by(problem.constraint, problem.undeformed_gap.size):
         return _without_pressure(problem)
-    if isinstance(on, Cpu):
+    if isinstance(device, Cpu):
         refuse_solve(problem, options.precision)
     else:
-        _refuse_other_device(checked(on, "solve.on"), problem, options.precision)
+        _refuse_other_device(checked(device, "solve.device"), problem, options.precision)
     if start is not None:
         start = _admissible_start(start, problem, options.precision)
-    with using(on), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+    with using(device), np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         bare = problem.bare(options.precision)
         last = options.solver.iterate(
             bare,
             tolerance=options.tolerance,
             max_iterations=options.max_iterations,
-            start=None if start is None else on.to_device(start),
+            start=None if start is None else device.to_device(start),
         )
-    pressure, displacement = on.to_numpy(last.pressure), on.to_numpy(last.displacement)
+    pressure, displacement = device.to_numpy(last.pressure), device.to_numpy(last.displacement)
     last = replace(last, pressure=pressure, displacement=displacement)
     status, scales = _status(bare, last, options, problem), problem.scales
     displacement = scaled_in_double(displacement, scales.gap)
@@ -164,16 +164,16 @@ def solve_contact(
     )
 
 
-def _refuse_other_device(on: Device, problem: Problem, precision: Precision) -> None:
+def _refuse_other_device(device: Device, problem: Problem, precision: Precision) -> None:
     """Raise InvalidInput for a problem that a device other than a processor cannot solve."""
     operator, constraint = problem.operator, problem.constraint
     if not isinstance(operator, Convolution) or not isinstance(
         constraint, Compressive | HardnessLimited
     ):
         raise InvalidInput(
-            f"solve.on is {on!r}: an operator or a constraint of your own works on numpy arrays, give Cpu()."
+            f"solve.device is {device!r}: an operator or a constraint of your own works on numpy arrays, give Cpu()."
         )
-    refuse_on(on, operator, precision)
+    refuse_on(device, operator, precision)
 
 
 def _finite_pressure(start: Array, problem: Problem) -> Array:

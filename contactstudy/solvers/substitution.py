@@ -17,7 +17,7 @@ def solve_by_substitution(
     displacement_of: Callable[[Array], Array],
     options: SolveOptions,
     start: Array | None,
-    on: Device,
+    device: Device,
     max_outer: int,
 ) -> Solution:
     """Return the solution of a problem with a displacement that follows from its own pressure, by substitution.
@@ -38,7 +38,7 @@ def solve_by_substitution(
     max_outer
         Largest number of outer iterations.
     """
-    solution = solve_contact(problem, options, start, on)
+    solution = solve_contact(problem, options, start, device)
     if not solution.pressure.any():
         return solution
     iterations, convolutions, outer = solution.iterations, solution.convolutions, 1
@@ -50,7 +50,7 @@ def solve_by_substitution(
             break
         added = displacement
         lowered = replace(problem, undeformed_gap=problem.undeformed_gap + added)
-        solution = solve_contact(lowered, options, solution.pressure, on)
+        solution = solve_contact(lowered, options, solution.pressure, device)
         iterations += solution.iterations
         convolutions += solution.convolutions
         outer += 1

@@ -48,9 +48,12 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     SCENE is a TOML file.
     """
     described = cs.read_scene(scene)
-    planned = described.plan(on=_device(device, threads))
+    planned = described.plan(device=_device(device, threads))
     if as_json:
-        fields = asdict(planned) | {"padding": repr(planned.padding), "on": repr(planned.on)}
+        fields = asdict(planned) | {
+            "padding": repr(planned.padding),
+            "device": repr(planned.device),
+        }
         click.echo(json.dumps(fields))
         return
     cells, extent = planned.grid.cells, planned.grid.extent
@@ -59,12 +62,13 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     for reason in planned.reasons:
         click.echo(f"  {reason}")
     click.echo(f"  period: {planned.period_check}")
-    on = thread_count(planned.on.threads) if isinstance(planned.on, cs.Cpu) else repr(planned.on)
+    chosen = planned.device
+    processor = thread_count(chosen.threads) if isinstance(chosen, cs.Cpu) else repr(chosen)
     is_unknown = isinf(planned.error)
     error = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
     seconds = "a time not known" if isinf(planned.seconds) else f"{planned.seconds:.2g} s"
     click.echo(
-        f"  estimated: {error}, {seconds} on {on} without files and pictures, {planned.bytes / 1e6:.3g} MB"
+        f"  estimated: {error}, {seconds} on {processor} without files and pictures, {planned.bytes / 1e6:.3g} MB"
     )
     for warning in planned.warnings:
         click.echo(f"  warning: {warning}")
@@ -107,13 +111,13 @@ def solve(
     from studies.cli.solving import solve_with_progress
     from studies.store.netcdf import check_kind, open_folder
 
-    on = _device(device, threads)
+    chosen = _device(device, threads)
     described = cs.read_scene(scene)
     check_kind(out / f"{scene.stem}.nc", "solution")
-    if isinstance(on, cs.Cpu):  # the solve reports whether another device can solve the scene
-        _announce(scene, described, on)
+    if isinstance(chosen, cs.Cpu):  # the solve reports whether another device can solve the scene
+        _announce(scene, described, chosen)
     begin = perf_counter()
-    answer = solve_with_progress(described, scene, out, start, on)
+    answer = solve_with_progress(described, scene, out, start, chosen)
     files = _stored(answer, open_folder(out) / f"{scene.stem}.nc", with_png(formats))
     seconds = perf_counter() - begin
     notes = _notes(described)
@@ -129,11 +133,11 @@ def solve(
         sys.exit(1)
 
 
-def _announce(scene: Path, described: cs.SceneFile, on: cs.Cpu | cs.Gpu) -> None:
+def _announce(scene: Path, described: cs.SceneFile, device: cs.Cpu | cs.Gpu) -> None:
     """Print the warnings of the plan, and its cost if that is large; nothing without a curved shape."""
     if described.scene.hertz is None:
         return
-    planned = described.plan(on=on)
+    planned = described.plan(device=device)
     for warning in planned.warnings:
         click.echo(f"{scene}: warning: {warning}", err=True)
     if LONG < planned.seconds < inf or planned.bytes > LARGE:

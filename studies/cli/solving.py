@@ -18,7 +18,7 @@ BAR = "{desc} {percentage:3.0f} %|{bar}| {postfix} [{elapsed}]"
 
 
 def solve_with_progress(
-    described: cs.SceneFile, scene: Path, folder: Path, start: Path | None, on: cs.Cpu | cs.Gpu
+    described: cs.SceneFile, scene: Path, folder: Path, start: Path | None, device: cs.Cpu | cs.Gpu
 ) -> Answer:
     """Solve a scene file and show the progress.
 
@@ -42,7 +42,7 @@ def solve_with_progress(
                 start=None if start is None else pressure_in(start),
                 folder=frames_folder if described.scene.supports_checkpoints else None,
                 progress=show,
-                on=on,
+                device=device,
             )
         except KeyboardInterrupt:
             from studies.store.netcdf import open_folder

@@ -91,8 +91,8 @@ def _libraries(program: str) -> ThreadpoolController:
 
 def _contactstudy(program_run: ProgramRun) -> Callable[[], Array]:
     """Return the solve of this package, whose result is the pressure (x, y) [Pa]."""
-    problem, on = program_run.problem(), cs.Cpu(threads=program_run.threads)
-    return lambda: cs.solve(problem, tolerance=TOLERANCE, on=on).pressure
+    problem, device = program_run.problem(), cs.Cpu(threads=program_run.threads)
+    return lambda: cs.solve(problem, tolerance=TOLERANCE, device=device).pressure
 
 
 def _contact_mechanics(program_run: ProgramRun) -> Callable[[], Array]:

@@ -52,12 +52,12 @@ class CaseOnDevice:
     """A case to solve on a device."""
 
     case: Case
-    on: Device
+    device: Device
 
     @property
     def threads(self) -> int:
         """Number of threads of the processor that a solve uses."""
-        return self.on.threads if isinstance(self.on, cs.Cpu) else 1
+        return self.device.threads if isinstance(self.device, cs.Cpu) else 1
 
     def prepare(self) -> cs.Problem:
         """Return the problem: influence coefficients, transforms, gap."""
@@ -70,16 +70,16 @@ class CaseOnDevice:
     def solved(self, problem: cs.Problem, max_iterations: int) -> cs.Contact:
         """Return the solution after at most ``max_iterations``."""
         options = replace(self.case.options, max_iterations=max_iterations)
-        return cs.solve(problem, on=self.on, options=options)
+        return cs.solve(problem, device=self.device, options=options)
 
     def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
         return self.case.record(result)
 
 
-def clock_of(on: Device) -> Callable[[], float]:
+def clock_of(device: Device) -> Callable[[], float]:
     """Return the clock: CPU time, which a busy neighbour does not lengthen, where the processor does all the work."""
-    return process_time if isinstance(on, cs.Cpu) else perf_counter
+    return process_time if isinstance(device, cs.Cpu) else perf_counter
 
 
 def case_at(point: Point) -> CaseOnDevice:
@@ -126,8 +126,8 @@ def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable
     """Return the fraction in contact, the most memory a solve holds, and its time over that of its transforms."""
     problem = result.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
-    seconds = least_seconds(clock_of(case.on), lambda: case.run(problem))
-    pair = transform_seconds(problem.operator, case.case.options.precision, case.on)
+    seconds = least_seconds(clock_of(case.device), lambda: case.run(problem))
+    pair = transform_seconds(problem.operator, case.case.options.precision, case.device)
     fields, ratio = peak / (8 * prod(problem.grid.cells)), seconds / (result.convolutions * pair)
     what = "peak memory of a solve over that of one field in double precision"
     return {
@@ -147,12 +147,12 @@ def least_seconds(clock: Callable[[], float], act: Callable[[], object]) -> floa
     return min(durations)
 
 
-def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device) -> float:
+def transform_seconds(operator: cs.Operator, precision: cs.Precision, device: Device) -> float:
     """Return the least time [s] of a bare pair of transforms of the operator's size."""
     assert isinstance(operator, Convolution)
-    with using(on):
+    with using(device):
         scaled, pair = operator.scaled(1.0, precision), transforms()
-        field = on.to_device(np.zeros(scaled.cells, dtype=precision.real))
+        field = device.to_device(np.zeros(scaled.cells, dtype=precision.real))
 
         def transform_pair() -> float:
             work = scaled.work_array(scaled.padded, precision.real)
@@ -160,4 +160,4 @@ def transform_seconds(operator: cs.Operator, precision: cs.Precision, on: Device
             # read, so that another device is done
             return float(pair.backward(waves, scaled.cells, scaled.padded)[0, 0])
 
-        return least_seconds(clock_of(on), transform_pair)
+        return least_seconds(clock_of(device), transform_pair)

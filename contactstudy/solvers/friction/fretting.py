@@ -38,10 +38,10 @@ class FrettingShear:
     response: ShearResponse
 
     def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the normal contact with the shear after the last force, and the history of slip."""
-        normal = solve_contact(problem, options, start, on)
+        normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0
         applications, residual, statuses = 0, 0.0, [Status.CONVERGED]

@@ -32,7 +32,7 @@ class FullSliding:
     coupling: GeneralConvolution | None
 
     def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the solution under shear.
 
@@ -42,7 +42,7 @@ class FullSliding:
         """
         coupling = self.coupling
         if coupling is None:
-            solution = solve_contact(problem, options, start, on)
+            solution = solve_contact(problem, options, start, device)
             return replace(solution, traction=self.traction(solution.pressure))
         applications = 0
 
@@ -52,7 +52,7 @@ class FullSliding:
             return self.coefficient * coupling(pressure)
 
         solution = solve_by_substitution(
-            problem, gap_change, options, start, on, MAX_SLIDING_ITERATIONS
+            problem, gap_change, options, start, device, MAX_SLIDING_ITERATIONS
         )
         return replace(
             solution,
@@ -80,16 +80,16 @@ class CiavarellaJaeger:
     fraction: float
 
     def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the solution with its shear from two normal contacts; its status is that of the first that failed."""
-        outer = solve_contact(problem, options, start, on)
+        outer = solve_contact(problem, options, start, device)
         if self.fraction == 0:
             shear = np.zeros((2, *outer.pressure.shape))
             stick = outer.pressure > 0
             return replace(outer, traction=TangentialTraction(shear, stick, "Ciavarella-Jaeger", 1))
         reduced = replace(problem, control=problem.control.scaled(1 - abs(self.fraction)))
-        inner = solve_contact(reduced, options, outer.pressure, on)
+        inner = solve_contact(reduced, options, outer.pressure, device)
         across = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
         across *= np.sign(self.fraction)
         # to the exact resultant after clipping
@@ -115,10 +115,10 @@ class PartialSlipShear:
     response: ShearResponse
 
     def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the normal contact with its shear, by one step from no shear."""
-        normal = solve_contact(problem, options, start, on)
+        normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
         total = self.force_per_length * problem.grid.length / problem.grid.cell_area
         limits = options.tolerance, options.max_iterations

@@ -109,7 +109,7 @@ class TractiveShear:
     note: str = ""
 
     def solve(
-        self, problem: Problem, options: SolveOptions, start: Array | None, on: Device
+        self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the normal contact with its shear; for dissimilar bodies, iterated until neither changes."""
         state: SteadyShear | None = None
@@ -128,10 +128,10 @@ class TractiveShear:
 
         if self.coupling is not None:
             normal = solve_by_substitution(
-                problem, gap_change, options, start, on, MAX_COUPLED_ITERATIONS
+                problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS
             )
         else:
-            normal = solve_contact(problem, options, start, on)
+            normal = solve_contact(problem, options, start, device)
             if normal.pressure.any():
                 gap_change(normal.pressure)
         if state is None:

@@ -39,7 +39,7 @@ def test_a_rough_contact_is_the_same(
     posed = rough(cells, hardness, line_contact)
     ours = cs.solve(posed, tolerance=1e-10)
     request.getfixturevalue("compiled")
-    other = cs.solve(posed, tolerance=1e-10, on=cs.Cpu(2))
+    other = cs.solve(posed, tolerance=1e-10, device=cs.Cpu(2))
     agree(ours, other, 1e-10)
     assert other.status is ours.status
 

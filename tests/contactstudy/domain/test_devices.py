@@ -87,7 +87,7 @@ def test_a_rough_contact_is_the_same(
     if hardness is not None:
         limit = cs.HardnessLimited(hardness * line_contact.hertz.peak_pressure)
         posed = replace(posed, constraint=limit)
-    ours, other = (cs.solve(posed, tolerance=1e-10, on=on) for on in (cs.Cpu(), device))
+    ours, other = (cs.solve(posed, tolerance=1e-10, device=each) for each in (cs.Cpu(), device))
     agree(ours, other, 1e-10)
     assert other.status is ours.status
     if hardness is not None:
@@ -110,7 +110,7 @@ def agree(ours: cs.Solution, other: cs.Solution, tolerance: float) -> None:
 def test_single_precision_reaches_what_it_can(device: Device, line_contact: LineContact) -> None:
     posed = problem(line_contact, 64, "80 %")
     ours = cs.solve(posed, tolerance=1e-10)
-    other = cs.solve(posed, tolerance=1e-5, precision="single", on=device)
+    other = cs.solve(posed, tolerance=1e-5, precision="single", device=device)
     assert other.status is cs.Status.CONVERGED
     agree(ours, other, 1e-5)
 
@@ -120,7 +120,7 @@ def test_a_warm_start_needs_its_pressure_alone(device: Device, line_contact: Lin
     posed = problem(line_contact, 48, "80 %", BOTH)
     ours = cs.solve(posed, tolerance=1e-10)
     begin = ours.pressure.copy()
-    again = cs.solve(posed, tolerance=1e-8, start=begin, on=device)
+    again = cs.solve(posed, tolerance=1e-8, start=begin, device=device)
     assert again.iterations == 0
     np.testing.assert_array_equal(begin, ours.pressure)
     agree(ours, again, 1e-8)
@@ -130,8 +130,8 @@ def test_a_warm_start_needs_its_pressure_alone(device: Device, line_contact: Lin
 def test_polonsky_and_keer_s_scheme_is_the_same(device: Device, line_contact: LineContact) -> None:
     posed = problem(line_contact, 32, "smooth")
     ours, other = (
-        cs.solve(posed, tolerance=1e-9, solver=cs.PolonskyKeer(), on=on)
-        for on in (cs.Cpu(), device)
+        cs.solve(posed, tolerance=1e-9, solver=cs.PolonskyKeer(), device=each)
+        for each in (cs.Cpu(), device)
     )
     agree(ours, other, 1e-9)
 
@@ -140,7 +140,7 @@ def test_polonsky_and_keer_s_scheme_is_the_same(device: Device, line_contact: Li
 def test_a_contact_with_friction_is_the_same(device: Device, line_contact: LineContact) -> None:
     scene = replace(line_contact.scene, friction=cs.PartialSlip(0.3, 1.2e4))
     posed = scene.problem(line_contact.grid((64, 1), 2.4), cs.ExactPeriodicity())
-    ours, other = (cs.solve(posed, on=on) for on in (cs.Cpu(), device))
+    ours, other = (cs.solve(posed, device=each) for each in (cs.Cpu(), device))
     scale = ours.pressure.max()
     # two contacts of one operator, each to the tolerance
     np.testing.assert_allclose(other.shear, ours.shear, rtol=0, atol=2 * 10 * 64 * 1e-8 * scale)
@@ -150,7 +150,9 @@ def test_a_contact_with_friction_is_the_same(device: Device, line_contact: LineC
 def test_who_watches_sees_numpy(device: Device, line_contact: LineContact) -> None:
     posed = problem(line_contact, 32, "smooth")
     seen: list[Array] = []
-    found = cs.solve(posed, on=device, solver=ReportingSolver(lambda _, p: seen.append(p.copy())))
+    found = cs.solve(
+        posed, device=device, solver=ReportingSolver(lambda _, p: seen.append(p.copy()))
+    )
     assert {type(one) for one in seen} == {np.ndarray}
     np.testing.assert_array_equal(seen[-1] * posed.scales.pressure, found.pressure)
 
@@ -169,8 +171,10 @@ STRICT = Library(import_module(LIBRARIES[0]))
 
 def test_an_operator_of_one_s_own_is_refused(line_contact: LineContact) -> None:
     posed = replace(problem(line_contact, 8, "smooth"), operator=Spring())  # type: ignore[arg-type]
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is .* of your own .*, give Cpu\(\)\.$"):
-        cs.solve(posed, on=STRICT)
+    with pytest.raises(
+        cs.InvalidInput, match=r"^solve\.device is .* of your own .*, give Cpu\(\)\.$"
+    ):
+        cs.solve(posed, device=STRICT)
 
 
 def test_what_the_device_has_no_room_for_is_refused(
@@ -179,11 +183,11 @@ def test_what_the_device_has_no_room_for_is_refused(
     posed = problem(line_contact, (8, 4), "smooth", BOTH)
     # 14 fields of 32 cells, and as many as 4 of the transforms, of 8 bytes each
     monkeypatch.setattr(Library, "available_bytes", 18 * 32 * 8)
-    cs.solve(posed, on=STRICT)
+    cs.solve(posed, device=STRICT)
     monkeypatch.setattr(Library, "available_bytes", 18 * 32 * 8 - 1)
     with pytest.raises(cs.InvalidInput, match=r"needs 4\.61e-06 GB and it has 4\.61e-06 GB left"):
-        cs.solve(posed, on=STRICT)
-    cs.solve(posed, on=STRICT, precision="single")
+        cs.solve(posed, device=STRICT)
+    cs.solve(posed, device=STRICT, precision="single")
 
 
 def without_cupy(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -239,13 +243,13 @@ def test_a_graphics_processor_solves_with_the_arrays_of_its_library(
 ) -> None:
     with_cupy(1, monkeypatch)
     posed = problem(line_contact, 32, "smooth")
-    found = cs.solve(posed, tolerance=1e-10, on=cs.Gpu())
+    found = cs.solve(posed, tolerance=1e-10, device=cs.Gpu())
     agree(cs.solve(posed, tolerance=1e-10), found, 1e-10)
     # what is free, and what CuPy keeps
     assert cs.Gpu().available_bytes == 10**6 + 24
     large = problem(line_contact, (256, 64), "smooth")
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is Gpu\(\): .* has 0\.001 GB left"):
-        cs.solve(large, on=cs.Gpu())
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.device is Gpu\(\): .* has 0\.001 GB left"):
+        cs.solve(large, device=cs.Gpu())
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])

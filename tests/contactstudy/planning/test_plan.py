@@ -240,13 +240,15 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
 
 
 def test_a_device_that_is_none_is_refused(line_contact: LineContact) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^plan\.on is 2: give Cpu\(threads=2\) or Gpu\(\)"):
-        cs.plan(line_contact.scene, on=2)  # type: ignore[arg-type]
+    with pytest.raises(
+        cs.InvalidInput, match=r"^plan\.device is 2: give Cpu\(threads=2\) or Gpu\(\)"
+    ):
+        cs.plan(line_contact.scene, device=2)  # type: ignore[arg-type]
 
 
 def test_a_plan_for_two_threads_has_the_grid_of_one_for_one(line_contact: LineContact) -> None:
-    one, two = (cs.plan(line_contact.scene, error=1e-2, on=cs.Cpu(count)) for count in (1, 2))
-    assert (two.grid, two.on) == (one.grid, cs.Cpu(2))
+    one, two = (cs.plan(line_contact.scene, error=1e-2, device=cs.Cpu(count)) for count in (1, 2))
+    assert (two.grid, two.device) == (one.grid, cs.Cpu(2))
     assert two.seconds > 0
 
 

@@ -205,7 +205,7 @@ def test_threads_give_the_same_answer(
     posed = scene.problem(line_contact.grid((64, 48), 2.4, 4.8), cs.ExactPeriodicity())
     tolerance = 1e-10 if precision is cs.Precision.DOUBLE else 1e-5
     one, two = (
-        cs.solve(posed, tolerance=tolerance, precision=precision, on=cs.Cpu(threads))
+        cs.solve(posed, tolerance=tolerance, precision=precision, device=cs.Cpu(threads))
         for threads in (1, 2)
     )
     assert two.residual <= tolerance
@@ -216,5 +216,7 @@ def test_threads_give_the_same_answer(
 
 def test_solve_on_what_is_no_device_is_refused(line_contact: LineContact) -> None:
     posed = line_contact.scene.problem(line_contact.grid(8, 2.4), cs.ExactPeriodicity())
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.on is 2: give Cpu\(threads=2\) or Gpu\(\)"):
-        cs.solve(posed, on=2)  # type: ignore[arg-type]
+    with pytest.raises(
+        cs.InvalidInput, match=r"^solve\.device is 2: give Cpu\(threads=2\) or Gpu\(\)"
+    ):
+        cs.solve(posed, device=2)  # type: ignore[arg-type]

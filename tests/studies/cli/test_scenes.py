@@ -67,7 +67,7 @@ def test_a_plan_says_what_it_will_be_and_what_it_will_cost(tmp_path: Path) -> No
     for words in (f"{cells[0]} x {cells[1]} cells", "padding exact", "s on 1 thread", "MB"):
         assert words in text
     fields = json.loads(said("plan", path, "--json", "--threads", 3))
-    assert fields["on"] == "Cpu(threads=3)"
+    assert fields["device"] == "Cpu(threads=3)"
     assert fields["grid"]["cells"] == list(cells)
     assert fields["error"] == planned.error
     assert not list(tmp_path.iterdir())
@@ -88,7 +88,7 @@ def test_what_is_wrong_with_a_grid_is_said_and_the_solution_flagged(tmp_path: Pa
     [
         ("smooth", ["--device", "gpu"], "^Gpu needs CuPy"),
         ("smooth", ["--device", "gpu", "--threads", "2"], "^--threads is for --device cpu"),
-        ("rubber", ["--device", "gpu"], "^solve.on is given, and a scene that changes in time has no use for it"),
+        ("rubber", ["--device", "gpu"], "^solve.device is given, and a scene that changes in time has no use for it"),
     ],
 )  # fmt: skip
 def test_a_device_that_cannot_solve_the_scene_is_refused(

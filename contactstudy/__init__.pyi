@@ -67,7 +67,7 @@ from .scene.rolling import Rolling, RollingPressure
 from .scene.scene import Output, Scene
 from .scene.shapes.moving_shape import MovingShape
 from .scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
-from .scene.shapes.roughness import Ra, RmsSlope, Roughness
+from .scene.shapes.roughness import RmsSlope, Roughness, Sa
 from .scene.shapes.shape import LengthScales, Shape
 from .scene.shapes.texture import Cosine, Dimple, FlatBottomed, Groove, Parabolic, Texture, Waviness
 from .scene.shapes.tilt import Tilt
@@ -172,7 +172,6 @@ __all__ = [
     "Progress",
     "PullOff",
     "Quantity",
-    "Ra",
     "RefuseMissing",
     "ReynoldsCavitation",
     "RmsSlope",
@@ -180,6 +179,7 @@ __all__ = [
     "Rolling",
     "RollingPressure",
     "Roughness",
+    "Sa",
     "Scales",
     "Scene",
     "SceneFile",

@@ -34,7 +34,7 @@ MAX_WAVES = 1e9
 @suggest_fields
 @dataclass(frozen=True)
 class RmsSlope:
-    """Roughness given by its slope.
+    """Roughness given by its root mean square slope Sdq (ISO 25178-2).
 
     Parameters
     ----------
@@ -53,10 +53,10 @@ class RmsSlope:
 
 @suggest_fields
 @dataclass(frozen=True)
-class Ra:
-    """Roughness given by its arithmetic mean height Ra (ISO 21920-2).
+class Sa:
+    """Roughness given by its arithmetic mean height Sa (ISO 25178-2).
 
-    A Gaussian surface has the rms height ``Ra sqrt(pi / 2)``.
+    A Gaussian surface has the rms height ``Sa sqrt(pi / 2)``.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Roughness:
     Parameters
     ----------
     rms
-        Root mean square of the height [m], at least zero, or an :class:`~contactstudy.Ra` or
+        Root mean square of the height [m], at least zero, or an :class:`~contactstudy.Sa` or
         :class:`~contactstudy.RmsSlope`; zero is no surface.
     hurst
         Exponent H between 0 and 1.
@@ -111,10 +111,10 @@ class Roughness:
         If a number is outside these limits, or no wave fits the extent.
     """
 
-    #: Mean curvature [1/m].
+    #: Curvature [1/m]: roughness does not bend the mean cross-section.
     curvature: ClassVar[float] = 0.0
 
-    rms: Metres | RmsSlope | Ra
+    rms: Metres | RmsSlope | Sa
     hurst: Number
     roll_off: Metres
     cut_off: Metres
@@ -123,7 +123,7 @@ class Roughness:
     extent: tuple[Metres, Metres] | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.rms, RmsSlope | Ra):
+        if not isinstance(self.rms, RmsSlope | Sa):
             check_fields(self, rms=(in_range_from_zero, "give an rms height of 0 m or more"))
         wavelength = in_range, "give a wavelength above 0 m"
         check_fields(
@@ -162,7 +162,7 @@ class Roughness:
     def _rms(self) -> float:
         """Root mean square of the height [m], where it is given."""
         assert not isinstance(self.rms, RmsSlope)  # whose height follows from the spectrum
-        return self.rms.rms if isinstance(self.rms, Ra) else self.rms
+        return self.rms.rms if isinstance(self.rms, Sa) else self.rms
 
     def _rms_height_and_slope(self) -> tuple[float, float]:
         """Return rms height [m] and rms slope, the missing one from the spectrum of an infinite surface without lay."""

@@ -155,11 +155,11 @@ def test_a_seed_keeps_its_surface() -> None:
     assert found == pytest.approx(first, rel=1e-11)
 
 
-def test_ra_is_the_mean_height_of_a_gaussian_surface() -> None:
+def test_sa_is_the_mean_height_of_a_gaussian_surface() -> None:
     grid = cs.Grid((256, 256), (1e-3, 1e-3))
-    by_ra = cs.Roughness(cs.Ra(4e-7), hurst=0.8, roll_off=2e-4, cut_off=2e-5, seed=3)
-    by_rms = replace(by_ra, rms=4e-7 * np.sqrt(np.pi / 2))
-    np.testing.assert_array_equal(by_ra.gap(grid), by_rms.gap(grid))
+    by_sa = cs.Roughness(cs.Sa(4e-7), hurst=0.8, roll_off=2e-4, cut_off=2e-5, seed=3)
+    by_rms = replace(by_sa, rms=4e-7 * np.sqrt(np.pi / 2))
+    np.testing.assert_array_equal(by_sa.gap(grid), by_rms.gap(grid))
     # of some hundred independent heights, so that the mean varies by a tenth
-    assert np.abs(by_ra.gap(grid)).mean() == pytest.approx(4e-7, rel=0.1)
-    assert not cs.Ra(0.0)
+    assert np.abs(by_sa.gap(grid)).mean() == pytest.approx(4e-7, rel=0.1)
+    assert not cs.Sa(0.0)

@@ -46,7 +46,20 @@ def compute_batch(
     """Compute a batch of cases on a thread of a dask worker, in a process that it keeps for the next batch.
 
     Returns the outcomes of the cases begun within a quarter of a second; none where the run is over, or where the cases
-    cannot be read together. A run elsewhere has no name.
+    cannot be read together.
+
+    Parameters
+    ----------
+    run
+        Name of the run; empty where the scheduler is not in the process that started it.
+    work
+        Settings of the run, pickled.
+    limit
+        Longest time of a case [s]; None without a limit.
+    batch
+        The cases, pickled together.
+    names
+        Name of each case.
     """
     from distributed import get_worker
 
@@ -64,7 +77,7 @@ def compute_batch(
 
 @contextmanager
 def client_of_dask(address: str | None, threads: int, patience: float) -> "Iterator[Client]":
-    """Provide a client of the scheduler at an address for a block, or of one here that ends with it."""
+    """Provide a client of the scheduler at an address for a block; without one, of a local cluster that ends with it."""
     from distributed import Client
 
     # an idle dask takes 3 % of a core
@@ -130,9 +143,9 @@ class DaskRun:
     stop
         Raises where a signal asks to stop.
     workers
-        Threads of the dask started here, without an address.
+        Threads of the worker of a local cluster, where there is no address.
     address
-        Address of a dask scheduler; None starts one here.
+        Address of a dask scheduler; None starts a local cluster.
     patience
         Seconds in which a lost scheduler may come back; it gets unfinished cases again.
     log
@@ -161,7 +174,7 @@ class DaskRun:
         try:
             with client_of_dask(self.address, self.workers, self.patience) as self._client:
                 if not self.address and find_spec("bokeh"):
-                    self.log(f"dask shows its work at {self._client.dashboard_link}")
+                    self.log(f"the dask dashboard is at {self._client.dashboard_link}")
                 self._compute_all()
         finally:
             end_workers(name)

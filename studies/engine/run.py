@@ -80,9 +80,10 @@ def run(
 def estimate_cost(
     study: Study, out: Path, *, options: RunOptions, log: Log = print
 ) -> float | None:
-    """Report what :func:`run` would compute, and return its predicted seconds; nothing is computed or written.
+    """Report what :func:`run` would compute, and return its predicted seconds; None where the plan of a case fails.
 
-    Of a large study some points are looked at, evenly spaced. None where the plan of a case fails.
+    No case is computed and nothing is stored: the plans of some cases solve coarse grids. Of a large study some points
+    are looked at, evenly spaced. A damaged file of fields is set aside, as in a run.
     """
     study.check_size(options.most_points)
     every, log = study.size, _with_name(study, log)
@@ -120,7 +121,10 @@ def planned_seconds(cases: Sequence[Computation]) -> float:
     Of many cases a few are planned, evenly spaced; a padding other than that of the plan is not accounted for.
     """
     chosen = cases[:: -(-len(cases) // MAX_PLANNED) or 1]
-    planned = [cs.plan(case.scene, grid=case.grid).seconds for case in chosen]  # type: ignore[attr-defined]
+    planned = [
+        cs.plan(case.scene, grid=case.grid, times=getattr(case, "time_steps", None)).seconds  # type: ignore[attr-defined]
+        for case in chosen
+    ]
     return sum(planned) * len(cases) / max(len(planned), 1)
 
 

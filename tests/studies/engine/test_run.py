@@ -186,3 +186,8 @@ def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None
     run(study, tmp_path, workers=0, repeats=0, log=quiet)
     grown = study.override({"grid": "16,24,32"})
     assert 0 < estimate_cost(grown, tmp_path, options=RunOptions(repeats=0), log=quiet) < np.inf
+
+
+def test_the_time_of_an_evolution_is_estimated_from_its_own_instants(tmp_path: Path) -> None:
+    study = load("creep").override({"steps": "10", "grid": "64"})
+    assert 0 < estimate_cost(study, tmp_path, options=RunOptions(), log=quiet) < np.inf

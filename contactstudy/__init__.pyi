@@ -83,8 +83,8 @@ from .scene.surfaces.preparation import (
     Mirrored,
     RefuseMissing,
     Tapered,
+    Tile,
     Trend,
-    Window,
 )
 from .scene.wear import Wear
 from .scene_file import SceneFile, read_scene, write_scene
@@ -199,6 +199,7 @@ __all__ = [
     "Tapered",
     "Texture",
     "ThermalBody",
+    "Tile",
     "Tilt",
     "TimeSteps",
     "TotalLoad",
@@ -207,7 +208,6 @@ __all__ = [
     "ViscoelasticHalfSpace",
     "Waviness",
     "Wear",
-    "Window",
     "ZeroPadding",
     "analytic",
     "compare",

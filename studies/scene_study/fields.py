@@ -25,7 +25,7 @@ SHORT_NAMES: Mapping[str, str] = {
     "max_iterations": "solve.max_iterations",
 }
 # Keys of a measured surface in a file, which the surface has used and no longer holds.
-FILE_KEYS = ("file", "turn", "window")
+FILE_KEYS = ("file", "turn", "tile")
 
 
 @dataclass(frozen=True)

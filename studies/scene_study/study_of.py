@@ -34,7 +34,7 @@ MAX_POINTS = 100_000
 # Largest number of points that are planned; the others take the finest cells of these.
 MAX_PLANNED = 8
 # Order in which the keys of a measured surface are applied: it is read before it is cut and turned.
-ORDER = {"file": 0, "window": 1, "turn": 2}
+ORDER = {"file": 0, "tile": 1, "turn": 2}
 
 
 def posed(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
@@ -213,7 +213,7 @@ def study_of(
         A scene, what :func:`~contactstudy.read_scene` reads, or the path of a file.
     vary
         Values by the paths of fields in a scene file, such as ``load.per_length``, ``shapes.1.rms`` or ``padding``;
-        ``surfaces`` and ``windows`` vary the measured surface of the scene. Values are a sequence, or a text as on the
+        ``surfaces`` and ``tiles`` vary the measured surface of the scene. Values are a sequence, or a text as on the
         command line. Fields of one mapping in a sequence of mappings change together. None takes what the file says.
     name
         Name of the study, that of the file if None.

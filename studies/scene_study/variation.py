@@ -9,14 +9,14 @@ from typing import Any, get_args, get_origin
 import numpy as np
 
 import contactstudy as cs
-from contactstudy import InvalidInput, MeasuredSurface, Window
+from contactstudy import InvalidInput, MeasuredSurface, Tile
 from contactstudy.io.scene_files.scene_schema import KINDS, SceneDocument, Turn
 from contactstudy.io.scene_files.structuring import structured
 from studies.model.axis import Axis, Value
 from studies.scene_study.fields import SceneField, document_of, find, replaced, without_none
 from studies.scene_study.values import parse_values
 
-SURFACES, WINDOWS = "surfaces", "windows"
+SURFACES, TILES = "surfaces", "tiles"
 # Long names of axes by path; other axes have the words of their path.
 LONG_NAMES = {
     "load.per_length": "load per length",
@@ -60,7 +60,7 @@ class Variation:
         for field, values in self.changes:
             path, new = field.path, values[value]
             try:
-                if path[0] == "shapes" and path[-1] in ("file", "turn", "window"):
+                if path[0] == "shapes" and path[-1] in ("file", "turn", "tile"):
                     document = _with_surface(document, path, new)
                 else:
                     document = replaced(document, path, new)
@@ -122,8 +122,8 @@ def variation(
     document = document_of(described)
     if name == SURFACES:
         return _surfaces(document, values_given, folder)
-    if name == WINDOWS:
-        return _windows(document, values_given)
+    if name == TILES:
+        return _tiles(document, values_given)
     field = find(document, name)
     if field.path[-1] == "file":
         return _surfaces(document, values_given, folder, field)
@@ -291,34 +291,34 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
         return item
     make = MeasuredSurface.read if isinstance(item, str | Path) else MeasuredSurface
     surface = make(item, missing=present.missing, trend=present.trend, seam=present.seam)
-    surface = surface if present.window is None else surface.cut(present.window)
+    surface = surface if present.tile is None else surface.cut(present.tile)
     return surface.turned() if present.is_turned else surface
 
 
-def _windows(document: SceneDocument, windows_given: object) -> Variation:
-    """Return equal windows of a surface as an axis, such as ``2x6`` across and along."""
-    field = SceneField(("shapes", _only_surface(document, "windows"), "window"), Window)
-    text = windows_given
+def _tiles(document: SceneDocument, tiles_given: object) -> Variation:
+    """Return equal tiles of a surface as an axis, such as ``2x6`` across and along."""
+    field = SceneField(("shapes", _only_surface(document, "tiles"), "tile"), Tile)
+    text = tiles_given
     if not isinstance(text, str):
-        text = "x".join(map(str, _listed(WINDOWS, windows_given)))
+        text = "x".join(map(str, _listed(TILES, tiles_given)))
     parts = text.replace(" ", "").split("x")
     if len(parts) != 2 or not all(part.isdigit() for part in parts):
-        raise InvalidInput(f"windows is {text!r}: give how many across and along, such as 2x6.")
+        raise InvalidInput(f"tiles is {text!r}: give how many across and along, such as 2x6.")
     tiles = int(parts[0]), int(parts[1])
-    values: dict[Value, Any] = {n: Window(tiles, n) for n in range(tiles[0] * tiles[1])}
+    values: dict[Value, Any] = {n: Tile(tiles, n) for n in range(tiles[0] * tiles[1])}
     if not values:
-        raise InvalidInput(f"windows is {text!r}: give at least 1x1.")
-    long_name = f"window of the surface, {tiles[0]} across and {tiles[1]} along it"
-    return Variation(Axis("window", tuple(values), long_name), ((field, values),))
+        raise InvalidInput(f"tiles is {text!r}: give at least 1x1.")
+    long_name = f"tile of the surface, {tiles[0]} across and {tiles[1]} along it"
+    return Variation(Axis("tile", tuple(values), long_name), ((field, values),))
 
 
 def _with_surface(document: SceneDocument, path: tuple[str, ...], new: Any) -> SceneDocument:
-    """Return `document` with another surface, with a window of its surface, or with it turned."""
+    """Return `document` with another surface, with a tile of its surface, or with it turned."""
     shape = document.shapes[int(path[1])]
     assert isinstance(shape, MeasuredSurface)
     if path[-1] == "file":
         shape = new
-    elif path[-1] == "window":
+    elif path[-1] == "tile":
         shape = shape.cut(new)
     elif (new is Turn.QUARTER) != shape.is_turned:
         shape = shape.turned()

@@ -72,8 +72,8 @@ from contactstudy.scene.surfaces.preparation import (
     RefuseMissing,
     Seam,
     Tapered,
+    Tile,
     Trend,
-    Window,
 )
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.polonsky_keer import PolonskyKeer
@@ -106,7 +106,7 @@ class MeasuredSurfaceTable:
     seam: Seam = field(default_factory=Tapered)
     seam_across: Seam | None = None
     turn: Turn = Turn.NONE
-    window: Window | None = None
+    tile: Tile | None = None
 
     def shape(self, folder: Path, context: ProfileContext) -> MeasuredSurface:
         """Return the surface, read from the file."""
@@ -125,7 +125,7 @@ class MeasuredSurfaceTable:
             seam=self.seam,
             seam_across=self.seam_across or (None if curvature else self.seam),
         )
-        surface = surface if self.window is None else surface.cut(self.window)
+        surface = surface if self.tile is None else surface.cut(self.tile)
         return surface.turned() if self.turn is Turn.QUARTER else surface
 
 

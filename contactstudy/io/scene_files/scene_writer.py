@@ -107,8 +107,8 @@ def _measured_surface_table(
             table["extent"] = list(surface.file_extent)
         if surface.is_turned:
             table["turn"] = "quarter"
-        if surface.window is not None:
-            table["window"] = _fields(surface.window, f"Scene.shapes[{number}].window")
+        if surface.tile is not None:
+            table["tile"] = _fields(surface.tile, f"Scene.shapes[{number}].tile")
     elif scene_path is None:
         table["file"] = f"heights with the digest {surface.digest}, not stored"
     else:

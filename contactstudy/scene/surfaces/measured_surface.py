@@ -28,8 +28,8 @@ from contactstudy.scene.surfaces.preparation import (
     RefuseMissing,
     Seam,
     Tapered,
+    Tile,
     Trend,
-    Window,
     cell_means,
 )
 
@@ -65,8 +65,8 @@ class MeasuredSurface:
         File that the heights were read from, if any.
     is_turned
         Whether the surface was rotated by 90 degrees.
-    window
-        Window that was cut from the surface, if any.
+    tile
+        Tile that was cut from the surface, if any.
     unit, file_extent
         Unit and size [m] that were given for a file without them.
 
@@ -86,7 +86,7 @@ class MeasuredSurface:
     seam: Seam = field(default_factory=AsMeasured)
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
-    window: Window | None = field(default=None, compare=False, repr=False)
+    tile: Tile | None = field(default=None, compare=False, repr=False)
     unit: str | None = field(default=None, compare=False, repr=False)
     file_extent: tuple[Metres, Metres] | None = field(default=None, compare=False, repr=False)
     seam_across: Seam = field(default_factory=AsMeasured)
@@ -181,9 +181,9 @@ class MeasuredSurface:
         """Write the heights to a netCDF file that :meth:`read` reads."""
         measurement.write(self.heights, self.extent, path)
 
-    def cut(self, window: Window) -> Self:
-        """Return a window of this surface: fewer points, from the same file."""
-        points = window.of(self.heights)
+    def cut(self, tile: Tile) -> Self:
+        """Return a tile of this surface: fewer points, from the same file."""
+        points = tile.of(self.heights)
         extent = self.extent
         if extent is not None:
             sides = [
@@ -191,9 +191,9 @@ class MeasuredSurface:
                 for side, n, m in zip(extent, points.shape, self.heights.shape, strict=True)
             ]
             extent = sides[0], sides[1]
-        # a file cannot express a window of a window, or of a turned surface
-        file = None if self.window or self.is_turned else self.file
-        return replace(self, heights=points, extent=extent, file=file, window=window)
+        # a file cannot express a tile of a tile, or of a turned surface
+        file = None if self.tile or self.is_turned else self.file
+        return replace(self, heights=points, extent=extent, file=file, tile=tile)
 
     def turned(self) -> Self:
         """Return this surface rotated by 90 degrees: its length then runs across the contact."""
@@ -214,7 +214,7 @@ class MeasuredSurface:
     @property
     def length_scales(self) -> LengthScales:
         """Length scales, from the spacing of the points and the highest of them."""
-        heights = self._complete()
+        heights = _completed(self)
         extent = self.extent or heights.shape
         steps = extent[0] / self.heights.shape[0], extent[1] / self.heights.shape[1]
         with np.errstate(
@@ -238,13 +238,9 @@ class MeasuredSurface:
             spacing=steps,
         )
 
-    def _complete(self) -> Array:
-        """Return heights (x, y) [m] without missing points, less their trend."""
-        return _completed(self)
-
     def gap(self, grid: Grid) -> Array:
         """Return depths below height zero [m], of shape (nx, ny), or (nx, 1) if all is one profile."""
-        heights = self._complete()
+        heights = _completed(self)
         is_profile = bool((heights == heights[:, :1]).all())
         if is_profile:
             heights = heights[:, :1]
@@ -297,7 +293,7 @@ class MeasuredSurface:
 
 @lru_cache(maxsize=2)
 def _completed(surface: MeasuredSurface) -> Array:
-    """Return the heights of a surface less their trend, cached and read-only."""
+    """Return heights (x, y) [m] without missing points, less their trend, cached and read-only."""
     heights = surface.trend.subtracted(surface.missing.fill(surface.heights)).view()
     heights.flags.writeable = False
     return heights

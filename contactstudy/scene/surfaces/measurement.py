@@ -226,7 +226,7 @@ def _written(path: str | PathLike[str]) -> Measurement | None:
 
 def _plane(heights: Any) -> Array:
     """Return the heights as a read-only array of floats, a copy."""
-    remedy = "give an array (width, length) of real numbers, heights in m"
+    remedy = "give an array (x, y) of real numbers, heights in m"
     try:
         values = np.ma.asarray(heights) if np.ma.isMaskedArray(heights) else np.asarray(heights)
     except ValueError:  # rows of different lengths

@@ -1,4 +1,4 @@
-"""Preparation of measured heights: windows, missing points, trend, seam and resampling to cells."""
+"""Preparation of measured heights: tiles, missing points, trend, seam and resampling to cells."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -22,22 +22,22 @@ from contactstudy.domain.fields import Array
 
 @suggest_fields
 @dataclass(frozen=True)
-class Window:
-    """Rectangular window of a measured surface that is cut into equal ones.
+class Tile:
+    """One of the equal tiles into which a measured surface is cut.
 
-    If the tiles do not divide the number of points, the remaining points at the far ends belong to no window.
+    If the tiles do not divide the number of points, the remaining points at the far ends belong to none.
 
     Parameters
     ----------
     tiles
-        Numbers of windows (across, along).
+        Numbers of tiles (across, along).
     number
-        Index of this window, at least 0, counted along the length first.
+        Index of this tile, at least 0, counted along the length first.
 
     Raises
     ------
     InvalidInput
-        If there is no window of that index.
+        If there is no tile of that index.
     """
 
     tiles: tuple[int, int]
@@ -45,23 +45,23 @@ class Window:
 
     def __post_init__(self) -> None:
         remedy = "give two whole numbers, (across, along)"
-        across, along = pair("Window.tiles", self.tiles, remedy)
+        across, along = pair("Tile.tiles", self.tiles, remedy)
         tiles = (
-            whole_number("Window.tiles[0]", across, 1, "give at least 1 window across"),
-            whole_number("Window.tiles[1]", along, 1, "give at least 1 window along"),
+            whole_number("Tile.tiles[0]", across, 1, "give at least 1 tile across"),
+            whole_number("Tile.tiles[1]", along, 1, "give at least 1 tile along"),
         )
         count = tiles[0] * tiles[1]
         remedy = f"give a number from 0 to {count - 1}"
-        number = whole_number("Window.number", self.number, 0, remedy, at_most=count - 1)
+        number = whole_number("Tile.number", self.number, 0, remedy, at_most=count - 1)
         set_fields(self, tiles=tiles, number=number)
 
     def of(self, points: Array) -> Array:
-        """Return this window of `points` (x, y)."""
+        """Return this tile of `points` (x, y)."""
         sides = [count // tiles for count, tiles in zip(points.shape, self.tiles, strict=True)]
         if min(sides) < 2:
             raise InvalidInput(
-                f"Window.tiles is {self.tiles}: give fewer, since the surface has {points.shape} points and a "
-                "window needs 2 x 2."
+                f"Tile.tiles is {self.tiles}: give fewer, since the surface has {points.shape} points and a tile "
+                "needs 2 x 2."
             )
         first, second = divmod(self.number, self.tiles[1])
         return points[
@@ -203,7 +203,7 @@ class Seam(Protocol):
         """Period, in lengths of the surface."""
 
     def periodic(self, heights: Array) -> Array:
-        """Return one period (width, points along) [m] of the surface `heights` (x, y)."""
+        """Return one period (x, y) [m] along the length of the surface `heights` (x, y)."""
 
 
 @suggest_fields
@@ -258,9 +258,9 @@ class Tapered:
         """Return the tapered surface."""
         count = heights.shape[1]
         from_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
-        window = (1 - np.cos(np.pi * np.minimum(from_end / (self.fraction / 2), 1))) / 2
+        taper = (1 - np.cos(np.pi * np.minimum(from_end / (self.fraction / 2), 1))) / 2
         mean = heights.mean()
-        return np.asarray(mean + (heights - mean) * window)
+        return np.asarray(mean + (heights - mean) * taper)
 
 
 # The boundary condition of scipy.interpolate.CubicSpline.

@@ -48,7 +48,7 @@ DOUBTFUL: Any = {
     "label": "no bound of the error, or one above the requested error",
 }
 # Axes that number samples.
-SAMPLES = ("seed", "window")
+SAMPLES = ("seed", "tile")
 MAX_PANELS, MAX_LINES, MAX_FIGURES = 6, 8, 12
 
 

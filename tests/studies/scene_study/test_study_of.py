@@ -125,9 +125,9 @@ def test_a_grid_that_cannot_hold_a_surface_is_refused(smooth: Path) -> None:
         studies.study_of(wide, {"load.per_length": [1e4, 2e4]})
 
 
-def test_windows_of_a_surface_are_an_axis(smooth: Path) -> None:
+def test_tiles_of_a_surface_are_an_axis(smooth: Path) -> None:
     heights = np.random.default_rng(0).standard_normal((40, 60)) * 1e-8
-    study = studies.study_of(measured(smooth, heights, 1e-3), {"windows": "2x3"})
+    study = studies.study_of(measured(smooth, heights, 1e-3), {"tiles": "2x3"})
     assert study.axes[0].values == (0, 1, 2, 3, 4, 5)
     parts = [case.scene.shapes[1].heights for case in scenes(study)]  # type: ignore[attr-defined]
     np.testing.assert_array_equal(np.block([parts[:3], parts[3:]]), heights)
@@ -176,7 +176,7 @@ def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -
         ({"grid.cells": "[32, 1]"}, "give grid in the file"),
         ({"padding": "Duplicated"}, "DuplicatedPadding"),
         ({"surfaces": "*.x3p"}, "MeasuredSurface"),
-        ({"windows": "12"}, "MeasuredSurface|2x6"),
+        ({"tiles": "12"}, "MeasuredSurface|2x6"),
         ({"seed": "1.5"}, "whole number"),
         ({}, "vary is empty"),
     ):

@@ -207,25 +207,25 @@ def test_a_ground_surface_bears_by_its_lay(line_contact: LineContact) -> None:
     assert max(spread["along"]) < 0.5 * min(spread["across"])
 
 
-def test_windows_are_counted_along_the_length_first_and_keep_the_size_of_a_point() -> None:
+def test_tiles_are_counted_along_the_length_first_and_keep_the_size_of_a_point() -> None:
     heights = np.arange(42.0).reshape(6, 7)
     surface = cs.MeasuredSurface(heights, (0.6, 1.4), trend=cs.Trend.NONE)
-    cut = surface.cut(cs.Window((2, 3), 4))
+    cut = surface.cut(cs.Tile((2, 3), 4))
     np.testing.assert_array_equal(cut.heights, [[23, 24], [30, 31], [37, 38]])
     assert cut.extent == pytest.approx((0.3, 0.4), rel=1e-12)
     assert cut.turned().extent == pytest.approx((0.4, 0.3), rel=1e-12)
     np.testing.assert_array_equal(cut.turned().heights, [[24, 31, 38], [23, 30, 37]])
 
 
-def test_the_last_window_is_the_one_before_the_count() -> None:
-    assert cs.Window((2, 3), 5).number == 5
+def test_the_last_tile_is_the_one_before_the_count() -> None:
+    assert cs.Tile((2, 3), 5).number == 5
     for number in (6, -1):
         with pytest.raises(cs.InvalidInput, match="from 0 to 5"):
-            cs.Window((2, 3), number)
+            cs.Tile((2, 3), number)
     narrow = cs.MeasuredSurface(np.zeros((5, 4)), trend=cs.Trend.NONE)
-    assert narrow.cut(cs.Window((2, 2), 3)).heights.shape == (2, 2)
+    assert narrow.cut(cs.Tile((2, 2), 3)).heights.shape == (2, 2)
     with pytest.raises(cs.InvalidInput, match="2 x 2"):
-        narrow.cut(cs.Window((2, 3)))
+        narrow.cut(cs.Tile((2, 3)))
 
 
 X, Y = np.meshgrid(np.linspace(-3, 2, 13), np.linspace(0, 7, 9), indexing="ij")

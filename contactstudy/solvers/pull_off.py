@@ -15,16 +15,14 @@ from contactstudy.solvers.solve import SolveOptions
 ITERATION_FACTOR = 10
 # Step of the load over the sum of the attraction, until a load is unstable.
 LOAD_STEP = 0.25
-# Outcomes in which a state is one of equilibrium.
-EQUILIBRIUM = (Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.ATTRACTION_AT_EDGE)
 
 
 @dataclass(frozen=True, eq=False)
 class PullOffSearch:
     """Search for the pull-off load of a contact with adhesion, from the load of its problem on.
 
-    The load is lowered until no equilibrium is found, and bisected between the last stable load and the first unstable
-    one. Each solve begins with the last stable state.
+    The load is lowered until the bodies detach, and bisected between the last stable load and the first unstable one.
+    Each solve begins with the last stable state. A load at which the solve does not converge ends the search.
 
     Parameters
     ----------
@@ -44,13 +42,18 @@ class PullOffSearch:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
-        """Return the last stable state; its part `adhesion` has the first unstable load."""
+        """Return the last stable state; its part `adhesion` has the first unstable load, None if none was found.
+
+        Where the solve at some load does not converge, the status is that of this load, which the note says.
+        """
         assert isinstance(problem.control, PrescribedLoad)
         last_stable = self.solver.solve(problem, options, start, device)
+        status, note = last_stable.status, last_stable.note
         iterations, convolutions = last_stable.iterations, last_stable.convolutions
         load, first_unstable = problem.control.total, -inf
+        line = problem.grid.cell_area / problem.grid.length
         options = replace(options, max_iterations=ITERATION_FACTOR * options.max_iterations)
-        while last_stable.status in EQUILIBRIUM and (
+        while status.has_converged and (
             first_unstable == -inf or load - first_unstable > self.error * abs(first_unstable)
         ):
             assert last_stable.adhesion is not None
@@ -64,13 +67,24 @@ class PullOffSearch:
             convolutions += state.convolutions
             if state.status is Status.DETACHED:
                 first_unstable = trial
-            else:
+                continue
+            status, note = state.status, state.note
+            if status.has_converged:
                 load, last_stable = trial, state
+            else:
+                ended = f"The search for the pull-off load ended at {trial * line:.4g} N/m, where it did not converge."
+                note = f"{note} {ended}".lstrip()
         assert last_stable.adhesion is not None
-        line = problem.grid.cell_area / problem.grid.length
         part = replace(
             last_stable.adhesion,
             branch=self.solver.branch.value,
             first_unstable_load=first_unstable * line if first_unstable > -inf else None,
         )
-        return replace(last_stable, iterations=iterations, convolutions=convolutions, adhesion=part)
+        return replace(
+            last_stable,
+            status=status,
+            note=note,
+            iterations=iterations,
+            convolutions=convolutions,
+            adhesion=part,
+        )

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.solvers import pull_off
 from contactstudy.solvers.cohesive_law import Dugdale, Exponential
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
@@ -37,7 +38,7 @@ def pulled(scene: cs.Scene, grid: cs.Grid, error: float, padding: object = LINE)
 
 
 @pytest.mark.parametrize(
-    ("lam", "width", "cells", "pull_off"),
+    ("lam", "width", "cells", "expected"),
     [
         (0.5, 50.0, 2048, 0.82149),
         (2.0, 24.0, 2048, 1.14064),
@@ -45,11 +46,11 @@ def pulled(scene: cs.Scene, grid: cs.Grid, error: float, padding: object = LINE)
     ],
 )
 def test_a_cylinder_separates_at_the_pull_off_load_of_fine_grids(
-    lam: float, width: float, cells: int, pull_off: float
+    lam: float, width: float, cells: int, expected: float
 ) -> None:
     error = 1e-4
     found = pulled(cylinder(lam, 0.5), cs.Grid((cells, 1), (width, 1.0)), error)
-    assert -force(found) / UNIT == pytest.approx(pull_off, rel=2 * error)
+    assert -force(found) / UNIT == pytest.approx(expected, rel=2 * error)
     assert found.adhesion.first_unstable_load == pytest.approx(force(found), rel=1.01 * error)
 
 
@@ -64,6 +65,19 @@ def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui() -> None:
     found = pulled(cylinder(1.0, 0.5, "dugdale"), cs.Grid((2048, 1), (36.0, 1.0)), 2e-4)
     # the fall of the attraction over a fifth of its range takes up to 2.1e-4
     assert -force(found) / UNIT == pytest.approx(1.11303, rel=6e-4)
+
+
+def test_a_pull_that_does_not_converge_at_some_load_returns_the_last_stable_state(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(pull_off, "ITERATION_FACTOR", 1)
+    scene = replace(cylinder(2.0, 0.5), load=cs.PullOff(0.5 * UNIT, 1e-4))
+    found = cs.solve(scene, cs.Grid((128, 1), (24.0, 1.0)), LINE, tolerance=1e-9, max_iterations=80)
+    assert found.status is cs.Status.ITERATION_LIMIT
+    assert "search for the pull-off load ended at" in found.note
+    assert found.residual <= 1e-9
+    # both loads still enclose that of fine grids
+    assert found.adhesion.first_unstable_load / UNIT < -1.14064 < force(found) / UNIT
 
 
 @pytest.mark.cases(1)

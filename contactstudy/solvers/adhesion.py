@@ -194,6 +194,8 @@ class OuterIteration:
         plain_left = plain_after_rejection = CONSTANTS.plain_iterations
         is_mixture, pressure, last = False, start, None
         while True:
+            if last is not None and self._iterations_left() == 0:
+                return self._ended(last)
             load = self._contact_load(attraction)
             if load <= 0 and not is_mixture:
                 return self._detached(), None
@@ -218,7 +220,7 @@ class OuterIteration:
             self.energies.append(state.energy)
             converged = state.change <= tolerance
             is_exact = self._inner_tolerance(gap_error) <= self.options.tolerance
-            if (converged and is_exact) or self._limit_reached():
+            if converged and is_exact:
                 return self._ended(state)
             if converged:  # the same attraction once more, to the tolerance of the contact
                 gap_error = 0.0
@@ -250,9 +252,9 @@ class OuterIteration:
         allowed = gap_error * self.solver.law.range / self.problem.scales.gap
         return max(self.options.tolerance, allowed)
 
-    def _limit_reached(self) -> bool:
-        """Return whether all iterations together have reached their limit."""
-        return self.iterations + self.count > self.options.max_iterations
+    def _iterations_left(self) -> int:
+        """Return how many inner and outer iterations together are left to their limit."""
+        return max(self.options.max_iterations - self.iterations - self.count, 0)
 
     def _is_negligible(self, attraction: Array, displacement: Array, last: _State) -> bool:
         """Return whether the step from the `last` state to an `attraction` is far below the tolerance of the contact."""
@@ -280,7 +282,11 @@ class OuterIteration:
             control=control,
             adhesion=None,
         )
-        options = replace(self.options, tolerance=self._inner_tolerance(gap_error))
+        options = replace(
+            self.options,
+            tolerance=self._inner_tolerance(gap_error),
+            max_iterations=max(self._iterations_left() - 1, 0),
+        )
         if self.inner is None:
             coupled = CoupledSolution(solve_contact(frozen, options, start, self.device))
         else:

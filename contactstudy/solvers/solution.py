@@ -154,8 +154,8 @@ class AdhesiveTraction:
     branch
         History that the state belongs to, in words.
     energies
-        Energy [J] of the deformed bodies, the load and the adhesive traction after each outer iteration, relative to
-        bodies far apart.
+        Energy [J] of the deformed bodies, the load and the adhesive traction after each outer iteration but those whose
+        mixture was rejected, relative to bodies far apart.
     cells_in_zone
         Number of cells in the cohesive zone, over which the traction falls at the edge of a contact.
     tabor
@@ -163,7 +163,7 @@ class AdhesiveTraction:
     regularised
         Whether the range was chosen for the grid, in place of the JKR limit of short ranges.
     outer_iterations
-        Number of contacts solved with a frozen traction.
+        Number of contacts solved with a frozen traction, those of rejected mixtures too.
     range
         Range of the traction [m]: the work of adhesion over the largest traction.
     first_unstable_load

@@ -54,8 +54,8 @@ class SolveOptions:
         Largest dimensionless residual, see :func:`~contactstudy.solve`; above 0.
     max_iterations
         Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of shear, applications of
-        its response; with adhesion, all inner and outer iterations, and ten times as many for each load of a pull-off
-        but the first.
+        its response; with adhesion, inner and outer iterations together, and ten times as many for each load of a
+        pull-off but the first.
     solver
         The iteration, such as :class:`~contactstudy.PreconditionedCG`.
     precision

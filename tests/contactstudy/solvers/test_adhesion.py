@@ -201,6 +201,14 @@ def test_an_attraction_cut_off_at_the_edge_is_said() -> None:
     assert solution.status is cs.Status.ATTRACTION_AT_EDGE
 
 
+@pytest.mark.parametrize("limit", [5, 12, 30])
+def test_inner_and_outer_iterations_together_stay_within_their_limit(limit: int) -> None:
+    problem = cylinder(2.0, 0.5).problem(cs.Grid((128, 1), (24.0, 1.0)), LINE)
+    stopped = cs.solve(problem, tolerance=1e-9, max_iterations=limit)
+    assert stopped.status is cs.Status.ITERATION_LIMIT
+    assert stopped.iterations + stopped.adhesion.outer_iterations <= limit
+
+
 def test_a_contact_at_the_edge_does_not_hide_an_attraction_at_its_iteration_limit() -> None:
     narrow = cs.Grid((32, 1), (2.0, 1.0))
     problem = cylinder(2.0, 0.5).problem(narrow, cs.ZeroPadding())

@@ -73,24 +73,24 @@ def study_in(path: Path) -> Study:
     description = module.__doc__ if isinstance(module.__doc__, str) else path.stem
     title = one_line(description.strip().split("\n")[0], 300)
     times = getattr(module, "times", "taken")
-    depends = [*_names(path, module, "depends"), *_names(path, module, "files")]
+    depends = _depends(path, module)
     try:
         return Study(
             path.stem, title, tuple(module.axes), module.case_at, module.measures, times,
-            depends=tuple(depends), folder=path.absolute().parent,
+            depends=depends, folder=path.absolute().parent,
         )  # fmt: skip
     except InvalidInput as error:
         blamed = "times" if str(error).startswith("times") else "axes"
         raise InvalidInput(f"{_where(path, blamed)}: {error}") from None
 
 
-def _names(path: Path, module: ModuleType, part: str) -> tuple[str, ...]:
-    """Return the names of files that a study file gives in `part`."""
-    names = getattr(module, part, ())
+def _depends(path: Path, module: ModuleType) -> tuple[str, ...]:
+    """Return the names of the files that a study file depends on."""
+    names = getattr(module, "depends", ())
     names = (names,) if isinstance(names, str) else names
     if not isinstance(names, tuple | list) or not all(isinstance(name, str) for name in names):
         raise InvalidInput(
-            f"{_where(path, part)}: {part} is {shortened(names)}: give the names of files beside the study."
+            f"{_where(path, 'depends')}: depends is {shortened(names)}: give the names of files beside the study."
         )
     return tuple(names)
 

@@ -8,9 +8,8 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.domain.checks import whole_number
-from contactstudy.evolution.trajectory import Trajectory
 from studies.model.axis import Axis
-from studies.model.case import EvolutionCase, dimensionless
+from studies.model.case import SceneCase, TimedAnswer, dimensionless
 from studies.model.study import Point
 
 # In units of the radius, of E* under a sudden load, and of the retardation time; HALF_WIDTH is under a sudden load.
@@ -32,20 +31,21 @@ axes = (
 times = "none"
 
 
-def case_at(point: Point) -> EvolutionCase:
+def case_at(point: Point) -> SceneCase:
     """Return an evolution under the constant load, with equal steps."""
     steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
     cells = whole_number("grid", point["grid"], 4, "give at least 4 cells across the width")
     times = tuple(np.linspace(0, END, steps + 1).tolist())
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
-    return EvolutionCase(SCENE, grid, cs.ExactPeriodicity(), time_steps=cs.TimeSteps(times))
+    return SceneCase(SCENE, grid, cs.ExactPeriodicity(), time_steps=cs.TimeSteps(times))
 
 
-def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
+def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
-    indices = np.unique(np.linspace(0, len(result.frames) - 1, INSTANTS + 1).round().astype(int))
-    frames = [result.frames[index] for index in indices]
+    recorded = result.trajectory.frames
+    indices = np.unique(np.linspace(0, len(recorded) - 1, INSTANTS + 1).round().astype(int))
+    frames = [recorded[index] for index in indices]
     time = np.linspace(0, END, INSTANTS + 1)
     padded = (0, INSTANTS + 1 - len(frames))
 

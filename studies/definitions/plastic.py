@@ -11,9 +11,8 @@ import contactstudy as cs
 from contactstudy.accuracy.discretisation.contact_edge import half_widths
 from contactstudy.domain.checks import non_negative, positive, whole_number
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.trajectory import Trajectory
 from studies.model.axis import Axis
-from studies.model.case import EvolutionCase, dimensionless_variables
+from studies.model.case import SceneCase, TimedAnswer, dimensionless_variables
 from studies.model.study import Point
 
 # Hertz's half-width and the yield stress are 1.
@@ -47,7 +46,7 @@ axes = (
 times = "none"
 
 
-def case_at(point: Point) -> EvolutionCase:
+def case_at(point: Point) -> SceneCase:
     """Return an evolution that loads in equal steps and unloads in one step."""
     peak = positive("pressure", point["pressure"], "give a peak pressure above 0 yield stresses")
     hardening = non_negative("hardening", point["hardening"], "must be at least 0")
@@ -62,14 +61,14 @@ def case_at(point: Point) -> EvolutionCase:
     times = (*np.linspace(0, 1, steps + 1)[1:].tolist(), 2.0)
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
     steps_in_load = cs.TimeSteps(times, step_error=cs.StepError.NONE)
-    return EvolutionCase(scene, grid, cs.ExactPeriodicity(), time_steps=steps_in_load)
+    return SceneCase(scene, grid, cs.ExactPeriodicity(), time_steps=steps_in_load)
 
 
-def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
+def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return the contact under the largest load and the remaining dent, and both with a hardness in place of yield."""
     peak = case.scene.load.largest * 2 / pi
     x = case.grid.x
-    loaded, last = result.frames[-2:]
+    loaded, last = result.trajectory.frames[-2:]
     equivalent_strain = last.coupled_state["equivalent0"]
     yielded = np.flatnonzero((equivalent_strain > 0).any(axis=(1, 2)))
     deepest = float(last.coupled_state["edges0"][yielded[-1] + 1]) if yielded.size else 0.0
@@ -108,7 +107,7 @@ def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variabl
     return dimensionless_variables(answers | errors | cap | {"layers": layers})
 
 
-def _hardness_limited(case: EvolutionCase) -> cs.Solution:
+def _hardness_limited(case: SceneCase) -> cs.Solution:
     """Solve an elastic contact of the same largest load, with a hardness."""
     scene = replace(
         case.scene,

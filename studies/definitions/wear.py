@@ -10,9 +10,8 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.domain.checks import whole_number
 from contactstudy.domain.fields import Array
-from contactstudy.evolution.trajectory import Trajectory
 from studies.model.axis import Axis, one_of
-from studies.model.case import EvolutionCase, dimensionless, dimensionless_variables
+from studies.model.case import SceneCase, TimedAnswer, dimensionless, dimensionless_variables
 from studies.model.study import Point
 
 RADIUS, HALF_WIDTH = 1.0, 0.1
@@ -48,7 +47,7 @@ axes = (
 times = "none"
 
 
-def case_at(point: Point) -> EvolutionCase:
+def case_at(point: Point) -> SceneCase:
     """Return an evolution in equal steps from the unworn cylinder."""
     scheme = one_of("scheme", point["scheme"], SCHEMES)
     steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
@@ -56,23 +55,23 @@ def case_at(point: Point) -> EvolutionCase:
     return _case(cells, steps, SCHEMES[scheme])
 
 
-def _case(cells: int, steps: int, scheme: cs.Scheme) -> EvolutionCase:
+def _case(cells: int, steps: int, scheme: cs.Scheme) -> SceneCase:
     """Return an evolution in equal steps with a scheme."""
     times = tuple(np.linspace(0, DISTANCE, steps + 1).tolist())
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
     time_steps = cs.TimeSteps(times, scheme=scheme, step_error=cs.StepError.NONE)
-    return EvolutionCase(SCENE, grid, cs.ExactPeriodicity(), time_steps=time_steps)
+    return SceneCase(SCENE, grid, cs.ExactPeriodicity(), time_steps=time_steps)
 
 
 @cache
 def _fine(cells: int) -> Array:
     """Return the pressure (x, y) at the end of an evolution with many short steps."""
-    return _case(cells, FINE, cs.Scheme.TWO_STAGE).run().frames[-1].pressure
+    return _case(cells, FINE, cs.Scheme.TWO_STAGE).run().trajectory.frames[-1].pressure
 
 
-def measures(case: EvolutionCase, result: Trajectory) -> Mapping[str, xr.Variable]:
+def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return the half-width over distance, the volume, and the error against an evolution with many short steps."""
-    frames = result.frames
+    frames = result.trajectory.frames
     indices = np.linspace(0, len(frames) - 1, INSTANTS + 1).round().astype(int)
     cell = case.grid.cell_size[0]
     widths = [np.count_nonzero(frames[n].pressure) * cell / 2 / HALF_WIDTH for n in indices]

@@ -83,6 +83,13 @@ class TimedAnswer:
     answer: cs.Contact | cs.LubricatedContact | cs.Evolution
     seconds: float
 
+    @property
+    def trajectory(self) -> Trajectory:
+        """Steps of a dry contact that changes in time."""
+        assert isinstance(self.answer, cs.Evolution)
+        assert self.answer.trajectory is not None
+        return self.answer.trajectory
+
 
 @dataclass(frozen=True)
 class SceneCase(PosedCase):
@@ -124,43 +131,6 @@ class SceneCase(PosedCase):
             str(name): variable
             for name, variable in dataset.variables.items()
             if variable.ndim and name != "displacement" and "cause" not in variable.dims
-        }
-
-
-@dataclass(frozen=True)
-class EvolutionCase(PosedCase):
-    """A dry contact that changes in time, whose steps are measured.
-
-    Parameters
-    ----------
-    scene, grid, padding, options
-        As of :class:`Case`.
-    time_steps
-        Instants and steps.
-    """
-
-    time_steps: cs.TimeSteps = field(default_factory=cs.TimeSteps)
-
-    def prepare(self) -> None:
-        """Do nothing: an evolution sets up its problems."""
-
-    def run(self, prepared: None = None) -> Trajectory:
-        """Return the frames at the instants."""
-        answer = cs.solve(
-            self.scene, self.grid, self.padding, times=self.time_steps, options=self.options
-        )
-        assert isinstance(answer, cs.Evolution)
-        assert answer.trajectory is not None
-        return answer.trajectory
-
-    def record(self, result: Trajectory) -> Mapping[str, xr.Variable]:
-        """Return the numbers of the solver over all steps, and the worst status as CF flags."""
-        return {
-            "solver_status": solver_status(result.status, "how the worst step ended"),
-            "iterations": dimensionless(result.iterations, "solver iterations of all steps"),
-            "convolutions": dimensionless(result.convolutions, "transform pairs of the full grid"),
-            "residual": dimensionless(result.residual, "largest residual"),
-            "solves": dimensionless(result.solves, "solves"),
         }
 
 

@@ -87,6 +87,21 @@ def with_breakpoints_at(
     return tuple(sorted((*broken, *added), key=lambda point: point.time))
 
 
+def with_turning_points_recorded(
+    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad
+) -> tuple[Breakpoint, ...]:
+    """Return `breakpoints` and the turning points of `load` between them, all recorded, on both sides of a jump.
+
+    The first is recorded after its jump alone.
+    """
+    turns = load.turning_points(breakpoints[-1].time)
+    first, *others = with_breakpoints_at(breakpoints, load, turns)
+    return (
+        replace(first, times_recorded=1),
+        *(replace(point, times_recorded=1 + point.jumps) for point in others),
+    )
+
+
 # Steps in a period of a load that repeats, at least.
 PER_PERIOD = 4
 

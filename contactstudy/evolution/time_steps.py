@@ -62,8 +62,9 @@ class TimeSteps:
     end
         Last instant [s], that of the load and the speed if None.
     instants
-        Number of instants, evenly spaced but for those moved to where a history bends; None for 41, or for every step
-        where `error` is given and `end` is not.
+        Number of instants, evenly spaced but for those moved to where a history bends; None for 41, or, where
+        `error` is given and `end` is not, for every step, and of elastic bodies for the start, the end and where the
+        load turns or jumps.
     error
         Largest relative L1 error by the steps (of a film: of its thickness in one step). None takes a fraction of the
         error requested of the solve; without one, one step from each instant to the next.

@@ -19,6 +19,7 @@ from contactstudy.evolution.breakpoints import (
     schedule,
     with_breakpoints_at,
     with_steps_within_quarter_period,
+    with_turning_points_recorded,
 )
 from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator
 from contactstudy.evolution.integration.checkpoint import Checkpoint
@@ -128,7 +129,8 @@ def evolve(
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     times
         Recorded instants [s], which do not decrease. Steps end there, and wherever the load or its rate jumps. A time
-        given twice is recorded before and after a jump of the load. None records every pair of steps.
+        given twice is recorded before and after a jump of the load. None records every pair of steps; without a state
+        variable, the start, the end and the instants at which the load turns or jumps.
     error
         Allowed relative L1 error of the pressure by the steps, which are chosen for it. None steps from one of `times`
         to the next, at most a quarter of the load's period at a time.
@@ -166,6 +168,8 @@ def evolve(
     stepper = _time_stepper(scene, grid, padding, load, scheme, options)
     if stepper.all_state_variables:
         breakpoints = with_steps_within_quarter_period(breakpoints, load)
+    elif times is None:
+        breakpoints = with_turning_points_recorded(breakpoints, load)
     step_doubling = step_error is StepError.STEP_DOUBLING or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     integrator = AdaptiveIntegrator(

@@ -55,6 +55,9 @@ class ChangingLoad(History, Protocol):
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load or its rate jumps."""
 
+    def turning_points(self, end: float) -> tuple[float, ...]:
+        """Return times [s] up to `end` between which the load only rises or only falls, its extremes among them."""
+
     def before(self, time: float) -> float:
         """Return the load [N/m] just before `time` [s], before any jump there."""
 
@@ -88,6 +91,10 @@ class PiecewiseLinear:
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the instants [s] up to `end`."""
         return tuple(sorted({time for time in self.times if time <= end}))
+
+    def turning_points(self, end: float) -> tuple[float, ...]:
+        """Return the instants [s] up to `end`, between which the values only rise or only fall."""
+        return self.breaks(end)
 
     def before(self, time: float) -> float:
         """Return the value just before `time` [s]; zero up to the first instant."""
@@ -240,15 +247,25 @@ class SineLoad:
 
     def breaks(self, end: float) -> tuple[float, ...]:
         """Return the times [s] up to `end` at which the load starts, reaches zero or rises from it."""
+        if self.amplitude <= self.mean_load:
+            return (0.0,)
+        crossing = asin(self.mean_load / self.amplitude)
+        return self._times_at((-crossing, pi + crossing), end)
+
+    def turning_points(self, end: float) -> tuple[float, ...]:
+        """Return the :meth:`breaks` and the times [s] up to `end` at which the load turns."""
+        extremes = (pi / 2, -pi / 2) if self.amplitude <= self.mean_load else (pi / 2,)
+        return tuple(sorted({*self.breaks(end), *self._times_at(extremes, end)}))
+
+    def _times_at(self, angles: tuple[float, ...], end: float) -> tuple[float, ...]:
+        """Return 0 and the times [s] up to `end` at which the sine is at one of `angles` [rad] of a cycle."""
         times = {0.0}
-        if self.amplitude > self.mean_load:
-            crossing = asin(self.mean_load / self.amplitude)
-            for angle in (-crossing, pi + crossing):
-                first = ceil((self.phase - angle) / (2 * pi))
-                last = floor((self._angle(end) - angle) / (2 * pi))
-                for cycle in range(first, last + 1):
-                    time = (angle + 2 * pi * cycle - self.phase) / (2 * pi * self.frequency)
-                    times.add(min(max(time, 0.0), end))
+        for angle in angles:
+            first = ceil((self.phase - angle) / (2 * pi))
+            last = floor((self._angle(end) - angle) / (2 * pi))
+            for cycle in range(first, last + 1):
+                time = (angle + 2 * pi * cycle - self.phase) / (2 * pi * self.frequency)
+                times.add(min(max(time, 0.0), end))
         return tuple(sorted(times))
 
     def before(self, time: float) -> float:

@@ -2,6 +2,7 @@
 
 import random
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,33 @@ def test_without_times_every_pair_of_steps_is_recorded() -> None:
     assert found.times[-1] == 1
     assert (np.diff(found.times) > 0).all()
     assert len(found.frames) > 3
+
+
+@pytest.mark.parametrize(
+    ("load", "times", "loads"),
+    [
+        (
+            cs.LoadHistory((0.0, 1.0, 2.0, 2.0, 3.0), (0.0, 3.0, 1.0, 2.0, 0.5)),
+            [0, 1, 2, 2, 3],
+            [0, 3, 1, 2, 0.5],
+        ),
+        (cs.SineLoad(2.0, 1.0, 1.0, pi / 4), [0, 1 / 8, 5 / 8, 1], [2 + 0.5**0.5, 3, 1, 2 + 0.5**0.5]),
+        (cs.SineLoad(1.0, 2.0, 1.0), [0, 1 / 4, 7 / 12, 11 / 12, 1], [1, 3, 0, 0, 1]),
+    ],
+    ids=["history", "sine", "sine cut off at zero"],
+)  # fmt: skip
+def test_without_times_elastic_bodies_are_recorded_where_the_load_turns_or_jumps(
+    load: cs.LoadHistory | cs.SineLoad, times: list[float], loads: list[float]
+) -> None:
+    found = cs.solve(
+        cs.Scene(load, (cs.HalfSpace(200.0, 0.0), RIGID), (cs.Cylinder(1.0),)),
+        cs.Grid((24, 1), (0.6, 1.0)),
+        EXACT,
+        times=cs.TimeSteps(error=1e-2),
+    )
+    assert isinstance(found, cs.Evolution)
+    np.testing.assert_allclose(found.times, times, atol=1e-15)
+    np.testing.assert_allclose(found.over_time("load_per_length"), loads, rtol=1e-12)
 
 
 class KilledError(Exception):

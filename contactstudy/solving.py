@@ -345,10 +345,12 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.integration.evolve import evolve
+        from contactstudy.evolution.time_steps import StepError
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         requested, steps = self.requested, self.steps
-        fraction = None if requested is None else (1 - GRID.cell_fraction) * requested
+        by_error = steps.step_error is StepError.STEP_DOUBLING
+        fraction = (1 - GRID.cell_fraction) * requested if requested and by_error else None
         first, padding = self.planned(requested)
 
         def solve_on(grid: Grid) -> "Evolution":

@@ -45,7 +45,7 @@ class StepError(Enum):
 
     #: By step doubling: a second integration with steps twice as long, at half the cost of the first.
     STEP_DOUBLING = "step doubling"
-    #: No estimate: the error is infinite.
+    #: No estimate: one step from each instant to the next, with an infinite error.
     NONE = "none"
 
 
@@ -74,6 +74,11 @@ class TimeSteps:
         How the error by the steps of a dry contact is estimated.
     step
         Length [s] of all steps of a film, in place of an error.
+
+    Raises
+    ------
+    InvalidInput
+        If an `error` is given beside :attr:`StepError.NONE`.
     """
 
     times: tuple[Seconds, ...] | None = None
@@ -83,6 +88,9 @@ class TimeSteps:
     scheme: Scheme = Scheme.IMPLICIT
     step_error: StepError = StepError.STEP_DOUBLING
     step: Seconds | None = None
+
+    def __post_init__(self) -> None:
+        check_estimated(self.error, self.step_error)
 
     @classmethod
     def of(cls, times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
@@ -127,3 +135,12 @@ class TimeSteps:
                 if 0 < number < count - 1:
                     instants[number] = time
         return instants
+
+
+def check_estimated(error: float | None, step_error: StepError) -> None:
+    """Raise InvalidInput for an `error` by which steps are chosen where it is not estimated."""
+    if error is not None and step_error is StepError.NONE:
+        raise InvalidInput(
+            f"TimeSteps.step_error is NONE beside an error of {error!r}, by whose estimate steps are chosen: leave one "
+            "of them out."
+        )

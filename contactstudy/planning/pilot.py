@@ -11,7 +11,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
-from contactstudy.evolution.time_steps import TimeSteps
+from contactstudy.evolution.time_steps import StepError, TimeSteps
 from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
@@ -181,6 +181,7 @@ def _seconds_and_solves(
         return seconds, instants * rolling.lagged.outer_iterations
     error_factor = 1.0
     times = steps.instants_of(scene.load, getattr(scene.friction, "history", None))
+    by_error = steps.step_error is StepError.STEP_DOUBLING
     while True:
         begin, reached, pairs = process_time(), 0.0, 0
 
@@ -193,10 +194,16 @@ def _seconds_and_solves(
         allowed = min(error_factor * error, CONSTANTS.max_error)
         try:
             trajectory = evolve(
-                scene, grid, padding, times=times, error=allowed, progress=stop_at_limit
+                scene,
+                grid,
+                padding,
+                times=times,
+                error=allowed if by_error else None,
+                step_error=steps.step_error,
+                progress=stop_at_limit,
             )
         except _TimeLimitReached:
-            if reached < CONSTANTS.min_progress and allowed < CONSTANTS.max_error:
+            if by_error and reached < CONSTANTS.min_progress and allowed < CONSTANTS.max_error:
                 error_factor *= CONSTANTS.error_step
                 continue
             factor = error_factor / max(reached, 1e-3)

@@ -32,7 +32,7 @@ from contactstudy.evolution.states.state_variables import (
     WearState,
     least_eigenvalue,
 )
-from contactstudy.evolution.time_steps import Scheme, StepError
+from contactstudy.evolution.time_steps import Scheme, StepError, check_estimated
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
@@ -153,13 +153,14 @@ def evolve(
     Raises
     ------
     InvalidInput
-        If both `times` and `error` are None, times decrease, the error is out of reach, or the folder belongs to
-        another integration.
+        If both `times` and `error` are None, times decrease, the error is out of reach or not estimated, or the folder
+        belongs to another integration.
     """
     if times is None and error is None:
         raise InvalidInput(
             "solve.times has no instants and no error: give TimeSteps.times, TimeSteps.error, or both."
         )
+    check_estimated(error, step_error)
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, padding, times)
     breakpoints = schedule(load, times)
@@ -170,13 +171,12 @@ def evolve(
         breakpoints = with_steps_within_quarter_period(breakpoints, load)
     elif times is None:
         breakpoints = with_turning_points_recorded(breakpoints, load)
-    step_doubling = step_error is StepError.STEP_DOUBLING or control is not None
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     integrator = AdaptiveIntegrator(
         stepper=stepper,
         breakpoints=breakpoints,
         control=control,
-        step_doubling=bool(stepper.all_state_variables) and step_doubling,
+        step_doubling=bool(stepper.all_state_variables) and step_error is StepError.STEP_DOUBLING,
         records_all=times is None,
         checkpoint=checkpoint,
         progress=progress,

@@ -317,6 +317,30 @@ def test_the_error_of_given_steps_is_bounded_for_any_number_of_them(intervals: i
     assert wrong <= found.step_error < 0.1
 
 
+@pytest.mark.parametrize("requested", [{"error": 1e-2}, {}], ids=["requested", "default"])
+def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant(
+    requested: dict[str, float],
+) -> None:
+    scene = rolling_cylinder(SOLID)
+    grid = cs.Grid((24, 1), (0.6, 1.0)) if requested else None
+    steps = cs.TimeSteps((0.0, 1.0, 2.0), step_error=cs.StepError.NONE)
+    found = cs.solve(scene, grid, times=steps, period=None if grid else 1.0, **requested)
+    assert isinstance(found, cs.Evolution)
+    assert found.counts["solves"][0] == 3
+    assert found.error.l1.steps == np.inf
+    assert "time-step error was not estimated" in found.accuracy
+
+
+def test_an_error_by_which_steps_are_chosen_is_estimated() -> None:
+    sentence = (
+        r"^TimeSteps\.step_error is NONE beside an error of 0\.01, .*: leave one of them out\.$"
+    )
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        cs.TimeSteps(error=1e-2, step_error=cs.StepError.NONE)
+    with pytest.raises(cs.InvalidInput, match=sentence):
+        ended(cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)), error=1e-2, step_error=cs.StepError.NONE)
+
+
 def test_a_march_may_be_told_not_to_iterate() -> None:
     found = evolve(
         ELASTIC,

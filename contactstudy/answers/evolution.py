@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
+from math import inf, isfinite
 from re import sub
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +44,7 @@ NO_BOUND_OF_STATES = (
     "No bound: area, gap, approach and stress of a contact that has crept, worn or yielded "
     "are not estimated."
 )
+NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of the numbers count that of all steps."
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )
@@ -216,8 +217,11 @@ class Evolution(Answer):
         assert self.films is not None
         contacts = [frame.to_dataset() for frame in self.frames]
         dataset = labels.films_dataset(self.times, contacts, self.quantities)
-        step_error, label = self.films.step_error, "largest error of a step"
-        dataset["step_error"] = labels.labelled((), step_error, "1", label)
+        step_error = self.films.step_error
+        dataset["step_error"] = labels.labelled(
+            (), step_error, "1", "largest error of a step, of the film in L1 over its mean",
+            comment="in the Hertzian zone" if isfinite(step_error) else NO_STEP_ERROR,
+        )  # fmt: skip
         if self.yielding_films is None:
             return dataset
         return dataset.assign(
@@ -309,7 +313,7 @@ def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evo
     """Return the instants of a film as an answer."""
     from contactstudy.answers.lubricated_contact import film_answer
 
-    parts = ErrorParts(discretisation=inf, steps=films.step_error, reason=NO_BOUND_OF_FILMS)
+    parts = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_FILMS)
     frames = []
     for number, (contact, time) in enumerate(zip(films.contacts, films.times, strict=True)):
         errors = {
@@ -317,7 +321,7 @@ def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evo
             for name, by_steps in films.errors_by_steps.items()
         }
         estimate = ErrorEstimate(
-            parts, errors["peak_pressure"], central_film=errors["central_film"],
+            errors["pressure"], errors["peak_pressure"], central_film=errors["central_film"],
             minimum_film=errors["minimum_film"], friction_coefficient=errors["friction"],
             warnings=(NO_BOUND_OF_FILMS,),
         )  # fmt: skip

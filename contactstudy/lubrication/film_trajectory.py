@@ -1,4 +1,4 @@
-"""Films at instants, and estimates of their errors by the steps in time."""
+"""Films at instants, and estimates of their time-discretisation errors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,19 +10,35 @@ from contactstudy.domain.fields import Array
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.solvers.solution import Status, worst
 
-# Error by the steps over the largest difference to an evolution with steps twice as long.
+# Time-discretisation error over the largest difference to an evolution with steps twice as long.
 ERROR_OVER_DIFFERENCE = 1.5
-# Numbers of a film whose errors by the steps are estimated; the peak pressure is the last.
-NUMBERS = ("central_film", "minimum_film", "friction", "peak_pressure")
+# Numbers of a film whose time-discretisation errors are estimated, beside those of its pressure: the largest of any
+# cell, and in L1.
+NUMBERS = ("central_film", "minimum_film", "friction")
+OF_PRESSURE = ("peak_pressure", "pressure")
+# Outcomes of a film, or of the strain below it, that no error is estimated for.
+FAILED = (Status.FILM_NOT_CONVERGED, Status.NOT_CONVERGED)
 
 
 @dataclass(frozen=True, eq=False)
 class FilmTrajectory:
-    """Lubricated contacts at ``times`` [s], and the steps, iterations and the largest error of a step that they took.
+    """Lubricated contacts at instants.
 
-    ``step_error`` is that of the film in the Hertzian zone, in L1 over its mean, of one step. ``errors_by_steps``
-    (time,) are estimates of the relative errors of quantities by all steps, from a second evolution with steps twice as
-    long; infinite if one of the two failed.
+    Attributes
+    ----------
+    times
+        Time [s] of each contact.
+    contacts
+        The contacts.
+    steps, iterations, linear_iterations
+        Number of steps in time, of iterations of the film in them, and of iterations of its linear systems.
+    step_error
+        Largest error of one step, of the film in the Hertzian zone, in L1 over its mean; infinite where it was not
+        estimated.
+    errors_by_steps
+        Estimates (time,) of the relative time-discretisation errors of :data:`NUMBERS`, of the peak pressure and of the
+        pressure in L1, of all steps together, from a second evolution with steps twice as long; infinite if one of the
+        two failed.
     """
 
     times: tuple[float, ...]
@@ -30,7 +46,7 @@ class FilmTrajectory:
     steps: int
     iterations: int
     linear_iterations: int
-    step_error: float
+    step_error: float = inf
     errors_by_steps: Mapping[str, Array] = field(default_factory=dict)
 
     @property
@@ -51,7 +67,10 @@ class FilmTrajectory:
 
 @dataclass(frozen=True)
 class Difference:
-    """Values of `NUMBERS` in a film at a time [s], and their differences to a film after longer steps."""
+    """Values of `NUMBERS` and of the pressure in a film at a `time` [s], and differences to a film after longer steps.
+
+    The values of the pressure are its peak and its sum over the cells [Pa].
+    """
 
     time: float
     values: Array
@@ -61,29 +80,34 @@ class Difference:
     def of(cls, time: float, fine: FilmSolution, coarse: FilmSolution) -> "Difference":
         """Compare two films; the differences are infinite if one has not converged.
 
-        That of the peak pressure is the largest of any cell, as a peak that moves may keep its height by chance.
+        That of the peak pressure is the largest of any cell, as a peak that moves may keep its height by chance; that of
+        the sum of the pressure is the sum of the differences.
         """
         values = _values(fine)
-        if Status.FILM_NOT_CONVERGED in (fine.status, coarse.status):
-            return cls(time, values, np.full(len(NUMBERS), inf))
+        if fine.status in FAILED or coarse.status in FAILED:
+            return cls(time, values, np.full(len(values), inf))
         differences = np.abs(values - _values(coarse))
-        differences[-1] = np.abs(fine.pressure - coarse.pressure).max()
+        changed = np.abs(fine.pressure - coarse.pressure)
+        differences[len(NUMBERS) :] = changed.max(), changed.sum()
         return cls(time, values, differences)
 
 
 def _values(film: FilmSolution) -> Array:
-    return np.array([getattr(film, name) for name in NUMBERS], dtype=float)
+    """Return `NUMBERS` of a film, its peak pressure and the sum of its pressure (number,)."""
+    numbers = [getattr(film, name) for name in NUMBERS]
+    return np.array([*numbers, film.pressure.max(), film.pressure.sum()], dtype=float)
 
 
 def errors_by_steps(films: FilmTrajectory, compared: list[Difference]) -> Mapping[str, Array]:
-    """Return estimates (time,) of relative errors from differences at ascending times.
+    """Return estimates (time,) of relative errors by name, from differences at ascending times.
 
-    They are infinite without any, and where a film has not converged.
-    The error at an instant is estimated by the largest difference until then, as one alone may vanish by chance: by the
-    absolute or by the relative one, whichever is less, since a number may grow or fall by orders of magnitude.
+    They are infinite without any difference, and where a film has not converged. The error at an instant is estimated
+    by the largest difference until then, as one alone may vanish by chance: by the absolute or by the relative one,
+    whichever is less, since a number may grow or fall by orders of magnitude.
     """
+    names = NUMBERS + OF_PRESSURE
     if not compared:
-        return {name: np.full(len(films.times), inf) for name in NUMBERS}
+        return {name: np.full(len(films.times), inf) for name in names}
     until = np.searchsorted([film.time for film in compared], films.times)
     until = np.minimum(until, len(compared) - 1)
     differences = np.array([film.differences for film in compared])
@@ -93,8 +117,8 @@ def errors_by_steps(films: FilmTrajectory, compared: list[Difference]) -> Mappin
         absolute / _not_zero([_values(film) for film in films.contacts]),
         np.maximum.accumulate(relative)[until],
     )
-    errors[[film.status is Status.FILM_NOT_CONVERGED for film in films.contacts]] = inf
-    return dict(zip(NUMBERS, ERROR_OVER_DIFFERENCE * errors.T, strict=True))
+    errors[[film.status in FAILED for film in films.contacts]] = inf
+    return dict(zip(names, ERROR_OVER_DIFFERENCE * errors.T, strict=True))
 
 
 def _not_zero(values: list[Array]) -> Array:

@@ -319,7 +319,6 @@ def follow_film_wear(
         int(steps),
         int(first),
         int(second),
-        max(instant.largest_change for instant in instants),
     )
     coarse = tuple(instant.coarse.contact for instant in instants if instant.coarse is not None)
     return replace(films, errors_by_steps=errors_beside(films, coarse))

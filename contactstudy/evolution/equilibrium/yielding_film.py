@@ -7,7 +7,7 @@ the film, some hundredths of its pressure, is left out: a tenth raises the large
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import ceil
 
 import numpy as np
@@ -52,19 +52,37 @@ class YieldingFilms(FilmTrajectory):
 
 @dataclass(eq=False)
 class FilmContact:
-    """Steady film of a scene with a field added to its gap, from the last `film` on."""
+    """Steady film of a scene with a field added to its gap, begun with the one solved before.
+
+    Attributes
+    ----------
+    scene
+        The lubricated scene, under one load.
+    dry
+        The dry contact of the elastic bodies, whose problem the solutions name.
+    padding
+        Boundary conditions.
+    controls
+        Tolerance and limit of the steps of each film.
+    film
+        The film solved last, or the one to begin with; None begins anew.
+    linear_iterations
+        Iterations of the linear systems of all films so far.
+    """
 
     scene: Scene
     dry: Problem
     padding: Padding | Paddings
     controls: FilmControls
     film: FilmSolution | None
+    linear_iterations: int = field(init=False, default=0)
 
     def __call__(self, added_gap: Array) -> Solution:
         """Return the film with `added_gap` (x, y) [m] added to its gap, as a contact."""
         grid = self.dry.grid
         dented = replace(self.scene, shapes=(*self.scene.shapes, SurfaceDepth(added_gap, grid)))
         film = self.film = solve_on(dented, grid, self.padding, self.controls, self.film)
+        self.linear_iterations += film.linear_iterations
         problem = with_added_gap(self.dry, added_gap)
         return Solution(
             problem=problem,
@@ -152,7 +170,7 @@ def _with_increments(
     state = plastic.start(grid.cells)
     contacts: list[FilmSolution] = []
     states: list[State] = []
-    film, steps, iterations, last = None, 0, 0, 0.0
+    film, steps, iterations, linear_iterations, last = None, 0, 0, 0, 0.0
     for time, value in zip(instants, loads, strict=True):
         increments = factor * max(ceil(INCREMENTS * abs(value - last) / max(loads)), 1)
         steps += increments
@@ -162,6 +180,7 @@ def _with_increments(
                 state, contact, STRAIN_TOLERANCE * options.tolerance
             )
             film, iterations = contact.film, iterations + solution.iterations
+            linear_iterations += contact.linear_iterations
         last = value
         assert film is not None
         status = solution.status if solution.status is Status.NOT_CONVERGED else film.status
@@ -174,8 +193,7 @@ def _with_increments(
         tuple(contacts),
         steps,
         iterations,
-        0,
-        0.0,
+        linear_iterations,
         plastic=plastic,
         states=tuple(states),
     )

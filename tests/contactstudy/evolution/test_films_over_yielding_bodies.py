@@ -94,6 +94,20 @@ def test_a_film_over_a_body_that_yields_is_flattened_and_its_dent_is_recorded() 
     assert "not estimated" in bound.reason
 
 
+def test_the_pressure_below_a_film_has_the_error_of_its_load_increments_and_no_step_has_one() -> (
+    None
+):
+    """Beside increments of an eighth; the dataset says why the error of one step is infinite."""
+    found = solved(scene(BODY))
+    finer = cs.solve(scene(BODY), GRID, EXACT, times=np.linspace(0, 1, 9), tolerance=1e-8)
+    reference, pressure = finer.pressure[-1], found.pressure[1]
+    error = np.abs(pressure - reference).sum() / reference.sum()
+    assert 0 < error < found.frames[1].error.l1.by_cause["steps"] < 1e-2
+    step_error = found.to_dataset()["step_error"]
+    assert step_error == inf
+    assert step_error.attrs["comment"].startswith("No bound: the error of one step")
+
+
 def test_a_body_that_moves_or_a_film_that_is_not_steady_is_refused_beside_yielding() -> None:
     with pytest.raises(
         cs.InvalidInput, match=r"solids\[0\] yields, and its surface moves .* give -2"

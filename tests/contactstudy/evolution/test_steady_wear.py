@@ -121,6 +121,10 @@ def test_a_film_that_vanishes_wears_like_the_dry_contact() -> None:
     dry = cs.solve(sliding, grid, EXACT, times=cs.TimeSteps(times, error=1e-3))
     assert found.frames[-1].worn_depth == pytest.approx(worn(dry)[-1], abs=1e-5 * UNIT)
     assert found.quantities["largest_worn_depth"].value > 2e-3 * UNIT
+    # nothing has worn yet at the first instant
+    first, last = (frame.error.l1.by_cause["steps"] for frame in found.frames)
+    assert first == 0 < last < 1e-2
+    assert found.to_dataset()["step_error"] == np.inf
 
 
 @pytest.mark.whole

@@ -1,9 +1,10 @@
-"""The linear system of a step where the film varies along its length: GMRES with two stages of preconditioning.
+"""Linear system of a step where the film varies along its length: GMRES with two multiplicative preconditioners.
 
-The Fourier stage inverts the system averaged over the length, one harmonic at a time: it holds the elasticity of long
-range. Rows of cells that touch the boundary film are those of their film. The local stage inverts the coefficients of a
-cell and its neighbours with a small fraction of the elasticity: it holds the variation of the conductance by orders of
-magnitude. Touching cells have the preconditioner of the dry contact.
+The Fourier stage inverts the system averaged over the length, one harmonic at a time: it has the elasticity of long
+range. In its average, the equation of a touching cell is that of its film thickness. The local stage solves for what
+that leaves, with the coefficients of a cell and its neighbours and a small fraction of the elasticity: it has the
+variation of the conductance by orders of magnitude. The equations of touching cells have the preconditioner of the dry
+contact there.
 """
 
 from collections.abc import Callable
@@ -36,20 +37,22 @@ class KrylovTuning:
     Attributes
     ----------
     tolerance, tolerance_touching, max_residual
-        Linear residual where GMRES stops (0.1 costs steps, 0.01 half as many iterations again), the same where cells
-        touch (with 1e-2 the active sets did not converge on 128 x 32 cells), and above which a step is refused.
+        Linear residual where GMRES stops (0.1 costs steps, 0.01 half as many iterations again); the same where cells
+        touch (with 1e-2 the active sets did not converge on 128 x 32 cells); and above which a step is rejected.
     basis, restarts
-        Length of the basis of GMRES, and restarts.
+        Length of the basis of GMRES, and the largest number of cycles of that length.
     waves
-        Harmonics along the length in the Fourier stage. Shorter waves vary with the conductance, which the local stage
-        holds: with 33, light rough films took 1.1 to 3 times the iterations, each 1.5 times as long.
+        Harmonics along the length in the Fourier stage, the mean included. Shorter waves follow the conductance, which
+        the local stage has: with 33, light rough films took 1.1 to 3 times the iterations, each 1.5 times as long.
     elastic_fraction, width_fraction
-        Elasticity of the local stage: fractions of the coefficients of the film, and of a cell's width.
+        Elasticity in the line stage: the coefficient of a change of pressure has ``elastic_fraction`` times that of
+        thickness, and on the diagonal ``width_fraction`` times the width of a cell.
     elastic_fraction_long, width_fraction_long, long_cell
-        The same by sparse factors, for cells so many times as long as wide, which lines along the length do not couple.
+        The same in the LU stage, and the ratio of length to width of a cell from which it replaces the line stage: lines
+        along the length do not couple such cells.
     growth, margin, step_ratio, longest_step
-        Rebuild the preconditioner when iterations exceed ``growth`` times those of the last build plus ``margin``, or
-        when the step in pseudo-time, up to the longest, has changed by ``step_ratio``.
+        The Fourier stage is built again when iterations exceed ``growth`` times those after the last build plus
+        ``margin``, or when the step in pseudo-time, at most ``longest_step``, has changed by the factor ``step_ratio``.
     """
 
     tolerance: float = 3e-2
@@ -74,10 +77,10 @@ TUNING = KrylovTuning()
 
 @dataclass(frozen=True, eq=False)
 class KrylovSolver:
-    """GMRES for a film that varies along its length.
+    """GMRES for a film that varies along its length, with what the next system may reuse.
 
     The Fourier stage was ``built_for`` a step in pseudo-time, and GMRES took ``iterations_at_build`` with it at first.
-    ``last`` are the last system and its unknowns, ``inverse`` is the preconditioner of the dry contact.
+    ``last`` is the last system with its solution, ``inverse`` the preconditioner of the dry contact.
     """
 
     deflection: Convolution
@@ -92,8 +95,8 @@ class KrylovSolver:
     ) -> FilmCorrection:
         """Return the step for given ``active`` sets.
 
-        GMRES starts from the step for the sets before, if the linearised balance is the same. The change of film of
-        a touching cell is known: up to the boundary film.
+        GMRES starts from the solution for the last sets, if the linearised balance is the same. The change of thickness
+        of a touching cell is known: to the boundary film.
         """
         equation, cavitated = linear.equation, active.cavitated
         touching = np.zeros_like(cavitated) if active.touching is None else active.touching
@@ -116,7 +119,7 @@ class KrylovSolver:
             inverse = inverse or self.deflection.approximate_inverse()
             system = replace(system, extension=inverse.extension(touching.astype(float)))
         deflection = equation.deflection(total)
-        to_boundary = equation.boundary_film - film.film
+        to_boundary = equation.boundary_film - film.thickness
         remaining_load = load_residual - system.mean * total.sum()
         change = linear.change_with(pressure, void, np.where(touching, to_boundary, deflection))
         balance = -(linear.residual + change)
@@ -172,23 +175,23 @@ class KrylovSolver:
 
 @dataclass(frozen=True, eq=False)
 class StepSystem:
-    """Linear system of a step, with its preconditioner.
+    """Linear system of a step, with its preconditioner; all unknowns are changes.
 
     The unknowns are one for each cell, the pressure of the lubricant or, where it is cavitated, its void fraction; the
-    pressure of lubricant and asperities on each touching cell; and the separation. The rows are the balance of each
-    cell, the film of each touching cell, and the load, in units of the flow.
+    total pressure of lubricant and asperities of each touching cell; and the separation. The rows are the flow balance
+    of each cell, the thickness of each touching cell, and the load times the flow.
     """
 
     linear: Linearised
     cavitated: Mask
     touching: Mask
     fourier: "FourierStage"
-    local: "LineStage | FactorStage"
+    local: "LineStage | LUStage"
     extension: ExactExtension | CoveringExtension | None = None
 
     @cached_property
     def full_film(self) -> Mask:
-        """Cells whose lubricant is under pressure."""
+        """Cells (x, y) whose unknown is the pressure of the lubricant."""
         return ~(self.cavitated | self.linear.equation.fixed)
 
     @cached_property
@@ -206,19 +209,19 @@ class StepSystem:
         return np.concatenate((cells.ravel(), touching[self.touching], [last]))
 
     def unstacked(self, values: Array) -> tuple[Array, Array, float]:
-        """Return what :meth:`stacked` stacks; zero where no cell touches."""
+        """Return the three parts of a vector of :meth:`stacked`; the second is zero where a cell does not touch."""
         cells = values[: self.full_film.size].reshape(self.full_film.shape)
         touching = np.zeros_like(cells)
         touching[self.touching] = values[self.full_film.size : -1]
         return cells, touching, float(values[-1])
 
     def split(self, values: Array) -> tuple[Array, Array, Array, float]:
-        """Return pressure and void fraction (x, y), pressure on touching cells, and separation of the unknowns."""
+        """Return pressure, void fraction, total pressure of touching cells (x, y) and separation of the unknowns."""
         cells, touching, separation = self.unstacked(values)
         return cells * self.full_film, cells * self.cavitated, touching, separation
 
     def restricted_from(self, system: "StepSystem", values: Array) -> Array:
-        """Return the unknowns of another system where they are those of this one, else zero."""
+        """Return the unknowns of another system that are also unknowns of this one, and zero for the others."""
         cells, touching, separation = system.unstacked(values)
         return self.stacked(cells * (self.cavitated == system.cavitated), touching, separation)
 
@@ -231,7 +234,7 @@ class StepSystem:
         return self.stacked(balance, film, self.flow * self.mean * total.sum())
 
     def preconditioned(self, values: Array) -> Array:
-        """Apply the Fourier stage, then the local stage to what it leaves."""
+        """Return the Fourier stage's solution plus the local stage's of the residual it leaves."""
         cells, touching, load = self.unstacked(values)
         solved = self.full_film | self.touching
         rows = np.where(self.touching, touching, cells * self.full_film)
@@ -245,7 +248,7 @@ class StepSystem:
         return unknowns + self.stacked(correction, touching, 0.0)
 
     def solve(self, right: Array, start: Array, norm: float) -> tuple[Array, float, int]:
-        """Return unknowns, their residual over ``norm``, and the number of iterations from ``start``."""
+        """Return unknowns, their residual over ``norm``, that of ``right``, and the iterations from ``start``."""
         count = 0
 
         def counted(_: float) -> None:
@@ -272,7 +275,12 @@ class StepSystem:
 
 @dataclass(frozen=True, eq=False)
 class FourierStage:
-    """Inverses (harmonic, x, x) of the system averaged over the length; that of the mean has the load as a last row."""
+    """Inverses (x, x) of the system averaged over the length, one for each harmonic.
+
+    That of the ``mean`` has the separation and the load as a last column and row; ``waves`` (harmonic, x, x) are the
+    others, in single precision. ``scale`` (harmonic, x) are the largest coefficients of the rows, which are divided by
+    them.
+    """
 
     mean: Array
     waves: Array
@@ -282,9 +290,9 @@ class FourierStage:
     def of(
         cls, linear: Linearised, full_film: Mask, touching: Mask, influence: Array
     ) -> "FourierStage":
-        """Average over the length, and invert; ``influence`` (wave, x, x) in single precision.
+        """Average the coefficients over the length, and invert; ``influence`` (harmonic, x, x) in single precision.
 
-        Rows of touching cells are those of their film; the film of others changes by elasticity.
+        The row of a touching cell is that of its thickness.
         """
         equation = linear.equation
         nx, ny = full_film.shape
@@ -292,11 +300,11 @@ class FourierStage:
         matrices = np.zeros((number, nx, nx), dtype=np.float32)
         index = np.arange(nx)
         by_separation = np.zeros(nx)
-        # identity rows for cells that are not free
+        # rows of the identity for cells without an unknown pressure
         solved, film_can_change, full_film = full_film | touching, ~touching, full_film & ~touching
         matrices[:, index, index] = 1 - solved.mean(axis=1)
         turn = np.cos(2 * np.pi * np.arange(number) / ny)
-        for bands, elastic in ((linear.pressure, False), (linear.film, True)):
+        for bands, elastic in ((linear.pressure, False), (linear.thickness, True)):
             for (across, along), coefficient in bands.items():
                 counted = (
                     full_film & neighbour(film_can_change, (across, along))
@@ -343,7 +351,7 @@ class FourierStage:
 
 
 def influence_by_harmonic(deflection: Convolution) -> Array:
-    """Return the influence (harmonic, x, x) of cells across on each other, for the first harmonics along the length."""
+    """Return the deflection (harmonic, x, x') at x under a unit pressure at x', by harmonics along the length."""
     nx, ny = deflection.cells
     number = min(TUNING.waves, ny // 2 + 1)
     columns = fft.ifft(deflection.spectrum[:, :number], axis=0).real.astype(np.float32)
@@ -353,7 +361,7 @@ def influence_by_harmonic(deflection: Convolution) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LineStage:
-    """Coefficients (x, y) of lines along the length: of the cell, its neighbours along, and the two upstream."""
+    """Line Gauss-Seidel: coefficients (x, y) of the cell, its neighbours along, and the two cells upstream."""
 
     diagonal: Array
     previous: Array
@@ -363,7 +371,7 @@ class LineStage:
 
     @classmethod
     def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LineStage":
-        """Take from each cell the coefficients of its unknown, the void fraction where it is cavitated."""
+        """Return the stage for unknown pressures, and void fractions of cavitated cells."""
         offsets = (0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0)
         return cls(
             *(
@@ -387,14 +395,14 @@ class LineStage:
 
 
 @dataclass(frozen=True, eq=False)
-class FactorStage:
-    """Sparse factors of the local coefficients, for cells that are long along the length."""
+class LUStage:
+    """Sparse LU factors of the coefficients of cells and their neighbours."""
 
     factors: SuperLU
 
     @classmethod
-    def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "FactorStage":
-        """Factorise the coefficients of all neighbours."""
+    def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LUStage":
+        """Return the factors for unknown pressures, and void fractions of cavitated cells."""
         index = np.arange(cavitated.size).reshape(cavitated.shape)
         rows, columns, values = [], [], []
         for offset in ((0, 0), (0, -1), (0, 1), (1, 0), (-1, 0), (-2, 0)):
@@ -415,18 +423,18 @@ class FactorStage:
         return cls(splu(csc_matrix((np.concatenate(values), indices), shape=(size, size))))
 
     def solve(self, right: Array) -> Array:
-        """Return the solution by the factors."""
+        """Return the solution (x, y)."""
         return np.asarray(self.factors.solve(right.ravel()).reshape(right.shape))
 
 
-def local_stage(linear: Linearised, cavitated: Mask, touching: Mask) -> LineStage | FactorStage:
-    """Return lines along the length, or sparse factors where cells touch or are too long for lines to couple them.
+def local_stage(linear: Linearised, cavitated: Mask, touching: Mask) -> LineStage | LUStage:
+    """Return line Gauss-Seidel, or LU factors where cells touch or are too long for lines to couple them.
 
-    The lubricant under asperities has only its own flow, also from downstream, which a sweep along lines leaves out.
+    Lubricant in touching cells flows by its pressure alone, also from downstream, which a sweep leaves out.
     """
     dx, dy = linear.equation.cell
     factors = touching.any() or dy > TUNING.long_cell * dx
-    return (FactorStage if factors else LineStage).of(linear, cavitated, touching)
+    return (LUStage if factors else LineStage).of(linear, cavitated, touching)
 
 
 def _coefficient(
@@ -437,12 +445,15 @@ def _coefficient(
     elastic_fraction: float,
     width_fraction: float,
 ) -> Array:
-    """Return the coefficient of the unknown of the neighbour at ``offset``, with a remainder of elasticity."""
+    """Return the coefficient (x, y) of the neighbour at ``offset``, of its void fraction where it is cavitated.
+
+    That of a pressure has a fraction of the elasticity. Cells without an unknown have a row of the identity.
+    """
     fixed = linear.equation.fixed
     zero = np.zeros(fixed.shape)
     film_can_change = neighbour(~touching, offset)
     pressure = linear.pressure.get(offset, zero)
-    pressure = pressure + elastic_fraction * film_can_change * linear.film.get(offset, zero)
+    pressure = pressure + elastic_fraction * film_can_change * linear.thickness.get(offset, zero)
     if offset == (0, 0):
         pressure = pressure + width_fraction * linear.equation.cell[0] * film_can_change
     unknown = np.where(neighbour(cavitated, offset), linear.void.get(offset, zero), pressure)
@@ -451,7 +462,7 @@ def _coefficient(
 
 @cache
 def sweeper() -> Callable[..., Array]:
-    """Return the compiled sweep, or that of arrays where numba is not installed."""
+    """Return the compiled sweep, or :func:`sweep_by_arrays` where numba is not installed."""
     try:
         compiled: Callable[..., Array] = import_module(
             "contactstudy.lubrication.compiled_sweep"
@@ -469,7 +480,7 @@ def sweep_by_arrays(
     second_upstream: Array,
     right: Array,
 ) -> Array:
-    """Solve line after line along y, downstream, with scipy."""
+    """Return what :func:`contactstudy.lubrication.compiled_sweep.sweep` does, by scipy's banded solver."""
     rows, columns = right.shape
     solution = np.zeros_like(right)
     for i in range(rows):

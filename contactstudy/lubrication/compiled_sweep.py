@@ -1,4 +1,4 @@
-"""A sweep over lines of cells downstream, compiled by numba (extra ``fast``)."""
+"""Line Gauss-Seidel sweep downstream, compiled by numba (extra ``fast``)."""
 
 import numpy as np
 
@@ -15,9 +15,10 @@ def sweep(
     second_upstream: Array,
     right: Array,
 ) -> Array:
-    """Solve one line along y after the other, downstream, each with the lines upstream of it solved.
+    """Return the solution (x, y) of one downstream sweep of line Gauss-Seidel, with periodic lines along y.
 
-    Thomas' algorithm for cyclic lines, with the correction of Sherman & Morrison (1950).
+    Coefficients (x, y) are those of the cell, its neighbours along y, and the two cells upstream. Each line is solved by
+    Thomas' algorithm with the correction of Sherman & Morrison (1950).
     """
     rows, columns = right.shape
     solution = np.zeros_like(right)

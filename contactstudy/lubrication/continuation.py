@@ -1,4 +1,4 @@
-"""Continuation in speed: where no start leads to a film, one at a higher speed is followed down to it."""
+"""Continuation in speed: where cold starts fail, a film is followed from a higher speed down."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from contactstudy.lubrication.pseudo_time import FilmIteration
 
 @dataclass(frozen=True)
 class SpeedSteps:
-    """Factor of each increase of the speed, the number of increases at most, and the least factor of a decrease."""
+    """Factor of each step in speed, the most increases, and the least factor of a decrease."""
 
     factor: float
     max_increases: int
@@ -24,12 +24,12 @@ def from_higher_speeds(
     cold: Callable[[PosedFilm], FilmIteration],
     warm: Callable[[PosedFilm, FilmIteration], FilmIteration],
 ) -> FilmIteration | None:
-    """Return the film that comes down from the first higher speed where a ``cold`` start converges.
+    """Return the film that is followed from the first higher speed where a ``cold`` start converges.
 
-    Each lower speed is started ``warm``; a step down that fails is tried with the root of its factor. None where no
-    higher speed converges, or the factor is below the least.
+    Each lower speed has a ``warm`` start from the last; a step down that fails is tried again with the square root of
+    its factor. None where no higher speed converges, or the factor falls below the least.
     """
-    resistance = faster = posed.equation.resistance
+    wanted = faster = posed.equation.speed_parameter
     for _ in range(steps.max_increases):
         faster *= steps.factor
         last = cold(posed.at(faster))
@@ -38,9 +38,10 @@ def from_higher_speeds(
     else:
         return None
     factor = steps.factor
-    while faster > resistance:
-        # avoid a tiny last step
-        slower = faster / factor if faster / factor > resistance * steps.min_factor else resistance
+    while faster > wanted:
+        slower = faster / factor
+        if slower <= wanted * steps.min_factor:  # avoid a tiny last step
+            slower = wanted
         trial = warm(posed.at(slower), last)
         if trial.converged(tolerance):
             last, faster = trial, slower

@@ -1,8 +1,8 @@
-"""Lubricated contact in time: histories of load and speed, and heights that move through it.
+"""Lubricated contact in time: histories of load and speed, and surfaces that move through it.
 
-The content of the cells is differentiated backwards over two steps (BDF2 with steps of varying length), and each step is
-solved by the iteration of a steady film. It starts from a predictor, the quadratic through the last three instants. The
-difference of the predictor to the solution estimates the error of the step (Gear 1971).
+The squeeze term is a backward difference over two steps (BDF2 with steps of varying length), and each step is solved by
+the iteration of a steady film. It starts from a predictor, the quadratic through the last three instants. The difference
+between predictor and solution estimates the error of the step (Gear 1971).
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from contactstudy.domain.checks import InvalidInput, finite, positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
-from contactstudy.lubrication.film_equation import Film, Storage
+from contactstudy.lubrication.film_equation import Film, SqueezeTerm
 from contactstudy.lubrication.film_trajectory import Difference, FilmTrajectory, errors_by_steps
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
@@ -37,22 +37,22 @@ from contactstudy.solvers.solution import Status
 
 @dataclass(frozen=True)
 class StepTuning:
-    """Constants of the steps in time, chosen on waves that pass in 12 to 96 steps, unless they have a source.
+    """Tuning constants of the steps in time, chosen on waves that pass in 12 to 96 steps, but for one with a source.
 
     Attributes
     ----------
     first
-        First step, over the passage of a cell.
+        First step, over the time in which the mean speed passes a cell.
     shrink, grow, safety
-        Limits of the factor of a step, and the factor below the error that a step aims at.
+        Limits of the factor of a step, and the factor on the step that would have just the error.
     min_step
-        Step over the first one where a failed step is kept, and the evolution ends.
+        Least step, over the time in which the mean speed passes a cell: one that fails is kept, and ends the evolution.
     step_error
         Error of a step of BDF2 over the difference to a quadratic through three instants (Gear 1971, equal steps).
     pseudo_time_step
-        First pseudo-time step [a / u_m], so long that it is a Newton step.
+        First step in pseudo-time [a / u_m], so long that it is Newton's.
     min_film_fraction
-        Least film to start from over that of the last instant.
+        Least thickness of a predicted film over that at the last instant.
     """
 
     first: float = 0.5
@@ -70,7 +70,7 @@ TUNING = StepTuning()
 
 @dataclass(frozen=True, eq=False)
 class _Instant:
-    """A film at a time, in units of a / u_m, and its content."""
+    """Film at a time [a / u_m], its content (x, y), and the iteration that led to it."""
 
     time: float
     film: Film
@@ -91,9 +91,8 @@ def evolve_lubricated(
 ) -> FilmTrajectory:
     """Evolve the film of ``scene`` in time, from the steady film at the first time.
 
-    A second evolution, each of whose steps is two of the first, estimates the errors by the steps: one and a half times
-    the largest difference until then. Steps of second order have a third of it, but for waves that pass in a dozen
-    steps.
+    A second evolution with steps twice as long estimates the errors by the steps: 1.5 times the largest difference
+    until then. By second order it would be a third of the difference, but waves that pass in a dozen steps have more.
 
     Parameters
     ----------
@@ -106,10 +105,10 @@ def evolve_lubricated(
         Instants [s] at which the contact is recorded, ascending; the film is steady at the first. None records every
         step from the first to the last time of the histories.
     error
-        Largest error of a step, of the film in L1 over its mean in the Hertzian zone: 1e-3 if neither this nor a step
-        is given.
+        Largest error of a step: L1 error of the film thickness over its mean, in the Hertzian zone. 1e-3 if neither this
+        nor ``step`` is given.
     step
-        Length of all steps [s], in place of an error.
+        Length of all steps [s], in place of ``error``.
     tolerance
         Residual of each step.
     progress
@@ -118,13 +117,13 @@ def evolve_lubricated(
     Returns
     -------
     FilmTrajectory
-        A contact at every time, with the last status where a step failed.
+        The contacts at the times, up to that of a step that fails.
 
     Raises
     ------
     InvalidInput
-        For a scene without lubrication, times that are none, a speed of zero at the first time, and a load of zero at
-        any: without a load no film has a thickness.
+        For a scene without lubrication, times that are not ascending, a speed of zero at the first time, and a load of
+        zero at any: no film carries it.
     """
     if lubricated_scales(scene).lubrication.thermal is not None:
         raise InvalidInput(
@@ -164,7 +163,7 @@ def _integrate(
     tolerance: float,
     progress: Callable[[float, float], None] | None,
 ) -> FilmTrajectory:
-    """Step to the last of ``instants``; record every step if ``times`` is None."""
+    """Return the films up to the last of ``instants``; of every step if ``times`` is None."""
     double = _DoubleSteps(stepper, tolerance)
     recorded, contacts = [instants[0]], [stepper.contact]
     steps, largest_error, iterations, linear_iterations = 0, 0.0, 0, 0
@@ -184,7 +183,7 @@ def _integrate(
             if (
                 failed or (step is None and step_error > error)
             ) and trial > TUNING.min_step * cell_passage:
-                # by the safety at least: a step that misses its error by a little would be tried for ever
+                # the factor is below the safety, so that a step that misses its error by little is not tried for ever
                 length = trial * max(TUNING.shrink, 0.0 if failed else factor)
                 continue
             stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
@@ -215,7 +214,7 @@ def _integrate(
 
 
 class _DoubleSteps:
-    """Evolution that takes two steps of another at once, and the differences of `NUMBERS` after these, at times [s]."""
+    """Evolution with steps that are two of another together, and its differences to that, at times [s]."""
 
     def __init__(self, start: "_FilmStepper", tolerance: float) -> None:
         self.stepper, self.tolerance = start, tolerance
@@ -223,9 +222,9 @@ class _DoubleSteps:
         self._middle: float | None = None
 
     def follow(self, other: "_FilmStepper") -> None:
-        """Take note of a step of the `other` evolution; after every second one, step to its time and compare.
+        """Follow a step of the `other` evolution: after every second one, take one step to its time and compare.
 
-        Where a double step does not converge, it takes both.
+        Where that does not converge, take both steps.
         """
         time = other.time
         if self._middle is None:
@@ -260,7 +259,11 @@ def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
 
 @dataclass(frozen=True, eq=False)
 class _FilmStepper:
-    """The last three instants of an evolution, and what changes in it."""
+    """Time stepper: the last three instants, latest first, and the film equation at the latest.
+
+    ``posed`` is the film equation at the largest load and speed, whose units hold at all times; ``distance`` [m] is how
+    far the mean speed has gone.
+    """
 
     scene: Scene
     grid: Grid
@@ -282,7 +285,7 @@ class _FilmStepper:
         start: float,
         tolerance: float,
     ) -> "_FilmStepper":
-        """Return a time stepper that begins with the steady film at the first time."""
+        """Return a time stepper at the steady film of the first time."""
         changing = isinstance(scene.load, ChangingLoad)
         largest = replace(scene, load=LineLoad(scene.load.largest)) if changing else scene
         posed = pose(largest, grid, padding)
@@ -327,15 +330,19 @@ class _FilmStepper:
         )
         last = iterate(
             equation, expected, self.solver, controls,
-            storage=self._storage(step), cavitated=self.last.cavitated,
+            squeeze=self._squeeze_term(step), cavitated=self.last.cavitated,
         )  # fmt: skip
         instant = _Instant(end / self.time_unit, last.film, equation.content(last.film), last)
         inside = np.abs(now.x) < 1
-        change = np.abs(last.film.film - self._extrapolated(end / self.time_unit, "film"))[
-            inside
-        ].mean()
+        change = np.abs(
+            last.film.thickness - self._extrapolated(end / self.time_unit, "thickness")
+        )[inside].mean()
         enough = len(self.past) > 2
-        size = TUNING.step_error * float(change / last.film.film[inside].mean()) if enough else 0.0
+        size = (
+            TUNING.step_error * float(change / last.film.thickness[inside].mean())
+            if enough
+            else 0.0
+        )
         past = (instant, *self.past[:2])
         return replace(self, past=past, now=now, distance=distance), size
 
@@ -347,7 +354,7 @@ class _FilmStepper:
         )
 
     def _posed_at(self, time: float, distance: float) -> PosedFilm:
-        """Return the film equation at a time [s], after the mean speed has gone a distance [m]."""
+        """Return the film equation at a time [s], when the mean speed has gone a distance [m]."""
         scales, load = self.posed.scales, self.scene.load
         slide = scales.lubrication.slide_roll_ratio / 2
         gap = np.zeros(self.grid.cells)
@@ -366,19 +373,19 @@ class _FilmStepper:
         )
         return replace(posed, equation=equation)
 
-    def _storage(self, step: float) -> Storage:
-        """Return the derivative of the content: BDF2, or backward Euler's in the first step."""
+    def _squeeze_term(self, step: float) -> SqueezeTerm:
+        """Return the squeeze term of a step [a / u_m] by BDF2, or by backward Euler for the first step."""
         if len(self.past) == 1:
-            return Storage(1 / step, -self.past[0].content / step)
+            return SqueezeTerm(1 / step, -self.past[0].content / step)
         ratio = step / (self.past[0].time - self.past[1].time)
         history = (
             -(1 + ratio) * self.past[0].content + ratio**2 / (1 + ratio) * self.past[1].content
         )
-        return Storage((1 + 2 * ratio) / (1 + ratio) / step, history / step)
+        return SqueezeTerm((1 + 2 * ratio) / (1 + ratio) / step, history / step)
 
     def _extrapolated(self, time: float, field: str) -> Array:
-        """Return a field of the film at a later time by the polynomial through the last instants."""
-        total = np.zeros_like(self.past[0].film.film)
+        """Return a field of the film at a later time [a / u_m], by the polynomial through the last instants."""
+        total = np.zeros_like(self.past[0].film.thickness)
         for i, instant in enumerate(self.past):
             weight = 1.0
             for j, node in enumerate(self.past):
@@ -388,15 +395,15 @@ class _FilmStepper:
         return total
 
     def _expected(self, now: PosedFilm, time: float) -> Film:
-        """Return the film to start a step from; that of the last instant where the extrapolation is no film."""
+        """Return the predicted film at a time [a / u_m]; that of the last instant where a prediction is too thin."""
         last = self.past[0].film
         pressure = np.maximum(self._extrapolated(time, "pressure"), 0)
         pressure[self.last.cavitated | now.equation.fixed] = 0
         void = np.where(pressure > 0, 0, last.void)
         separation = float(self._extrapolated(time, "separation").flat[0])
         film = now.equation.film_of(pressure, void, separation)
-        if (film.film > TUNING.min_film_fraction * last.film).all():
+        if (film.thickness > TUNING.min_film_fraction * last.thickness).all():
             return film
         film = now.equation.film_of(last.pressure, last.void, last.separation)
-        rise = max(0.0, float((TUNING.min_film_fraction * last.film - film.film).max()))
+        rise = max(0.0, float((TUNING.min_film_fraction * last.thickness - film.thickness).max()))
         return now.equation.film_of(last.pressure, last.void, last.separation + rise)

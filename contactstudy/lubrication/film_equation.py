@@ -1,21 +1,23 @@
 """Reynolds' equation on the cells of a grid: flow through faces, balance of each cell, and its linearisation.
 
-Everything is in Hertz units: lengths across and along over a, film over a^2 / R, pressure over p_H. A film ``H`` holds
-a lubricant of the content ``m = (1 - theta) rho H``, with the void fraction ``theta`` zero under pressure. Through the
-face between two neighbours across flows ``q = -rho C phi (P1 - P0) / (lambda dX) + W``:
+Everything is in Hertz units: lengths across and along over a, film thickness over a^2 / R, pressure over p_H. A film of
+thickness ``H`` holds the content ``m = (1 - theta) rho H`` of lubricant per area; the void fraction ``theta`` is zero
+under pressure. The flow through the face between two cells across, 0 upstream of 1, is
+``q = -rho C phi (P1 - P0) / (lambda dX) + W``:
 
-- ``phi``, the logarithmic mean of the fluidity ``eta0 / eta``: the exact mean for Barus' law;
-- ``C = 2 H0^2 H1^2 / (H0 + H1)``, the exact conductance of a wedge, zero where either film is;
-- ``W``, the Couette (entrainment) flow, of second order and never negative: with ``r`` the content of the cell
-  upstream over the cell's own, ``W = m r^(-1/2)`` where the film falls (r >= 1), else ``m (3 - r) / 2``.
+- ``phi`` is the logarithmic mean of the fluidity ``eta0 / eta``: the exact mean for Barus' law;
+- ``C = 2 H0^2 H1^2 / (H0 + H1)`` is the exact conductance of a wedge; it vanishes with either film;
+- ``W`` is the Couette (wedge) flow, of second order and never negative: with the content ``m`` of cell 0 and the ratio
+  ``r`` of the content of the next cell upstream to it, ``W = m r^(-1/2)`` where the content falls (r >= 1), else
+  ``m (3 - r) / 2``.
 
-The balance is that of Elrod & Adams (1974): as much lubricant leaves each cell as enters it, cavitated or not. With
-plain cavitation the film is full where the pressure is zero, and lubricant may appear in such a cell: as much of it,
-per area, stands in place of the void fraction. One row of cells (ny = 1) is plane strain.
+Through faces along the length there is only the Poiseuille flow. Cavitation is that of Elrod & Adams (1974): as much
+lubricant leaves each cell as enters it, cavitated or not. With Reynolds cavitation the film is full where the pressure
+is zero, and lubricant may appear in such a cell: the unknown in place of the void fraction is that source per area. One
+column of cells (ny = 1) is plane strain.
 
-Where the film is as thin as the boundary film ``H_b``, asperities carry a pressure. The entrained content is at least
-that of the boundary film: the second-order extrapolation from upstream could fall below it, and the contact would
-cavitate.
+On a boundary film ``H_b`` asperities carry a pressure where ``H = H_b``. The content that is entrained is at least that
+of the boundary film: the second-order extrapolation from upstream could fall below it, and the contact would cavitate.
 """
 
 from collections.abc import Callable, Mapping
@@ -31,12 +33,12 @@ from contactstudy.analytic import HertzLine, moes_film
 from contactstudy.domain.fields import Array
 from contactstudy.scene.lubrication.lubrication import Cavitation, ElrodAdams, Lubrication
 
-# Below this half difference of logarithms the mean of two fluidities is a series.
+# The logarithmic mean is a series where half the difference of the logarithms is below this.
 SERIES = 1e-3
 
 Mask = NDArray[np.bool_]
 Scalar = TypeVar("Scalar", bound=np.generic)
-# A cell's neighbours, as offsets across and along, and what multiplies a change in them.
+# Coefficients (x, y) of the changes in a cell's neighbours, by their offsets across and along.
 Bands = Mapping[tuple[int, int], Array]
 
 
@@ -53,46 +55,47 @@ class FilmScales:
         return self.hertz.half_width**2 / self.hertz.radius
 
     @property
-    def resistance(self) -> float:
-        """``lambda = 12 eta0 u_m R^2 / (a^3 p_H)``."""
+    def speed_parameter(self) -> float:
+        """Dimensionless speed parameter, ``lambda = 12 eta0 u_m R^2 / (a^3 p_H)`` (Venner & Lubrecht 2000)."""
         hertz, motion = self.hertz, self.lubrication
         viscous = 12 * motion.lubricant.viscosity * motion.largest_speed * hertz.radius**2
         return viscous / (hertz.half_width**3 * hertz.peak_pressure)
 
     @property
     def load_parameter(self) -> float:
-        """``M = W / (E' R) (eta0 u_s / (E' R))^(-1/2)`` with E' = 2 E* and u_s = 2 u_m (Moes 1992)."""
-        return sqrt(3 * pi**2 / (8 * self.resistance))
+        """Load parameter, ``M = W / (E' R) (eta0 u_s / (E' R))^(-1/2)`` with E' = 2 E*, u_s = 2 u_m (Moes 1992)."""
+        return sqrt(3 * pi**2 / (8 * self.speed_parameter))
 
     @property
     def viscosity_parameter(self) -> float:
-        """``L = alpha E' (eta0 u_s / (E' R))^(1/4)`` (Moes 1992)."""
+        """Material parameter, ``L = alpha E' (eta0 u_s / (E' R))^(1/4)`` (Moes 1992)."""
         alpha = self.lubrication.lubricant.pressure_viscosity
         return alpha * self.hertz.peak_pressure * sqrt(2 * pi / self.load_parameter)
 
     @property
     def expected_film(self) -> float:
-        """Central film over ``a^2 / R`` by the formula of Moes."""
+        """Central film thickness over ``a^2 / R`` by the formula of Moes (1992)."""
         film = moes_film(self.load_parameter, self.viscosity_parameter)
         return film * pi / (8 * self.load_parameter)
 
     @property
     def relative_half_width(self) -> float:
-        """Half-width of the pressure in units of that of Hertz; a thick film carries load over ``sqrt(2 H)``."""
+        """Half-width that carries load, over that of Hertz; ``sqrt(2 H)`` in a thick film."""
         return max(1.0, sqrt(2 * self.expected_film))
 
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """A state of the film: fields (x, y) of pressure, void fraction and film, and the separation H0.
+    """State of a film: pressure of the lubricant, void fraction and thickness (x, y), and the separation H0.
 
-    ``asperity_pressure`` (x, y) is that of asperities; None without a boundary film.
+    The thickness is the separation, the gap and the deflection together. ``asperity_pressure`` (x, y) is carried by
+    asperities; None without a boundary film.
     """
 
     pressure: Array
     void: Array
     separation: float
-    film: Array
+    thickness: Array
     asperity_pressure: Array | None = None
 
     @property
@@ -106,22 +109,22 @@ class Film:
 
 
 @dataclass(frozen=True)
-class Storage:
-    """A time derivative of the content: ``rate * m + history`` (x, y), in units of u_m / a."""
+class SqueezeTerm:
+    """Time derivative of the content m by a backward difference, ``rate * m + history`` (x, y), for times in a / u_m."""
 
     rate: float
     history: Array
 
 
 class _FaceSide(NamedTuple):
-    """Values of cells that a face needs."""
+    """Fields (x, y) of the cells on one side of faces."""
 
     pressure: Array
     log_fluidity: Array
     log_fluidity_slope: Array
     density: Array
     density_slope: Array
-    film: Array
+    thickness: Array
 
     def rows(self, rows: slice) -> "_FaceSide":
         return _FaceSide(*(values[rows] for values in self))
@@ -131,52 +134,53 @@ class _FaceSide(NamedTuple):
 
 
 class _FaceFlow(NamedTuple):
-    """Flow through faces, and its derivatives by pressure and film of the cells upstream and downstream."""
+    """Flow through faces, and its derivatives by pressure and thickness of the cells upstream and downstream."""
 
     flux: Array
     pressure_upstream: Array
     pressure_downstream: Array
-    film_upstream: Array
-    film_downstream: Array
+    thickness_upstream: Array
+    thickness_downstream: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Linearised:
-    """The balance of the cells to first order in changes of pressure, film and void fraction.
+    """The flow balance of the cells to first order in changes of pressure, thickness and void fraction.
 
-    ``pressure`` at a constant film, ``film`` and ``void`` are bands of coefficients (x, y): one of offset (i, j)
-    multiplies the change in the cell that far away. Rows of fixed cells are zero. ``inverse_time_step`` is that
-    of an implicit step, zero for none.
+    ``residual`` (x, y) is the balance, ``flux`` the flow through the faces across. ``pressure`` at constant thickness,
+    ``thickness`` and ``void`` are bands: the coefficient of offset (i, j) multiplies the change in the cell that far
+    away. Rows of fixed cells are zero. ``content_slopes`` are the derivatives of the content by the three.
+    ``inverse_time_step`` is that of an implicit step, zero for none.
     """
 
     residual: Array
     flux: Array
     pressure: Bands
-    film: Bands
+    thickness: Bands
     void: Bands
     content_slopes: tuple[Array, Array, Array]
     equation: "FilmEquation"
     inverse_time_step: float = 0.0
 
     def with_time_step(self, inverse: float, moved: Array | float = 0.0) -> "Linearised":
-        """Add ``inverse`` times the change of content: an implicit step in time of length 1 / inverse.
+        """Return the balance with the squeeze term of an implicit Euler step of length 1 / inverse.
 
-        The change is from a film that is lower by ``moved`` (x, y).
+        The film that it is squeezed from is lower than that of the linearisation by ``moved`` (x, y).
         """
         scaled = inverse * self.equation.cell[0] * ~self.equation.fixed
         bands = (
             {**band, (0, 0): band[0, 0] + scaled * slope}
             for band, slope in zip(
-                (self.pressure, self.film, self.void), self.content_slopes, strict=True
+                (self.pressure, self.thickness, self.void), self.content_slopes, strict=True
             )
         )
-        pressure, film, void = bands
+        pressure, thickness, void = bands
         residual = self.residual + scaled * self.content_slopes[1] * moved
         return replace(
             self,
             residual=residual,
             pressure=pressure,
-            film=film,
+            thickness=thickness,
             void=void,
             inverse_time_step=inverse,
         )
@@ -185,10 +189,14 @@ class Linearised:
         """Return the change of the balance under changes of pressure, void fraction and separation."""
         return self.change_with(pressure, void, self.equation.deflection(pressure) + separation)
 
-    def change_with(self, pressure: Array, void: Array, film: Array) -> Array:
-        """Return the change of the balance under changes of pressure, void fraction and film (x, y)."""
+    def change_with(self, pressure: Array, void: Array, thickness: Array) -> Array:
+        """Return the change of the balance under changes of pressure, void fraction and thickness (x, y)."""
         changed = np.zeros_like(pressure)
-        for bands, values in ((self.pressure, pressure), (self.film, film), (self.void, void)):
+        for bands, values in (
+            (self.pressure, pressure),
+            (self.thickness, thickness),
+            (self.void, void),
+        ):
             for (rows, columns), coefficient in bands.items():
                 shifted = np.roll(values, -columns, axis=1) if columns else values
                 first, end = max(0, -rows), len(values) - max(0, rows)
@@ -198,20 +206,20 @@ class Linearised:
 
 @dataclass(frozen=True, eq=False)
 class FilmEquation:
-    """The lubricated contact in Hertz units, on a grid.
+    """Discrete Reynolds' equation of a lubricated contact in Hertz units.
 
     ``gap`` (x, y) is undeformed, ``deflection`` maps a pressure (x, y) to a displacement, ``cell`` is the size of a
-    cell, ``resistance`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum of P dX.
-    ``speed`` is the mean speed over that in lambda, ``cavitation`` a value of the scene. ``log_viscosity`` and
-    ``density`` return a ratio to the value at zero pressure and its derivative. The first two cells across and the
-    last have no pressure; the inlet is flooded, or holds no more than a layer ``supplied_film``. The thickness of the
-    boundary film ``boundary_film`` is zero without one.
+    cell (across, along), ``speed_parameter`` lambda = 12 eta0 u_m R^2 / (a^3 p_H), ``load`` the mean over y of the sum
+    of P dX. ``speed`` is the mean speed over that in lambda. ``log_viscosity`` returns ln(eta / eta0) and its derivative
+    by pressure, ``density`` the same for the ratio to the density at zero pressure. The first two cells across and the
+    last have no pressure; the inlet is flooded, or holds no more than a layer ``supplied_film``. ``boundary_film`` is
+    the thickness of the boundary film, zero without one.
     """
 
     gap: Array
     deflection: Callable[[Array], Array]
     cell: tuple[float, float]
-    resistance: float
+    speed_parameter: float
     load: float
     log_viscosity: Callable[[Array], tuple[Array, Array]]
     density: Callable[[Array], tuple[Array, Array]]
@@ -222,7 +230,7 @@ class FilmEquation:
 
     @property
     def conserves(self) -> bool:
-        """True if the balance of cavitated cells is closed."""
+        """True if cavitation conserves mass."""
         return isinstance(self.cavitation, ElrodAdams)
 
     @cached_property
@@ -239,50 +247,52 @@ class FilmEquation:
         separation: float,
         asperity_pressure: Array | None = None,
     ) -> Film:
-        """Return the state with the film under ``pressure``, and ``asperity_pressure``."""
+        """Return the film with the thickness that follows from both pressures and the separation."""
         total = pressure if asperity_pressure is None else pressure + asperity_pressure
-        film = separation + self.gap + self.deflection(total)
-        return Film(pressure, void, separation, film, asperity_pressure)
+        thickness = separation + self.gap + self.deflection(total)
+        return Film(pressure, void, separation, thickness, asperity_pressure)
 
     def content(self, film: Film) -> Array:
-        """Return the content of each cell, ``(1 - theta) rho H``."""
-        return np.asarray(self.film_fraction(film) * self.density(film.pressure)[0] * film.film)
+        """Return the content (x, y) of the cells, ``(1 - theta) rho H``."""
+        return np.asarray(
+            self.film_fraction(film) * self.density(film.pressure)[0] * film.thickness
+        )
 
     def film_fraction(self, film: Film) -> Array:
-        """Return the fraction of the film that holds lubricant."""
+        """Return the fraction (x, y) of the gap that lubricant fills."""
         film_fraction = 1 - film.void if self.conserves else np.ones_like(film.void)
-        film_fraction[:2] = np.minimum(film_fraction[:2], self.supplied_film / film.film[:2])
+        film_fraction[:2] = np.minimum(film_fraction[:2], self.supplied_film / film.thickness[:2])
         return film_fraction
 
     def load_residual(self, film: Film) -> float:
-        """Return the load less what the pressure carries."""
+        """Return the load less what lubricant and asperities carry."""
         carried = film.total_pressure.sum() * self.cell[0] / film.pressure.shape[1]
         return float(self.load - carried)
 
-    def linearise(self, film: Film, storage: Storage | None = None) -> Linearised:
-        """Return the balance at ``film`` with its derivatives; ``storage`` adds a time derivative."""
+    def linearise(self, film: Film, squeeze: SqueezeTerm | None = None) -> Linearised:
+        """Return the flow balance at ``film`` with its derivatives; ``squeeze`` adds a squeeze term."""
         density, density_slope = self.density(film.pressure)
         log_viscosity, log_slope = self.log_viscosity(film.pressure)
         cells = _FaceSide(
-            film.pressure, -log_viscosity, -log_slope, density, density_slope, film.film
+            film.pressure, -log_viscosity, -log_slope, density, density_slope, film.thickness
         )
         film_fraction = self.film_fraction(film)
-        content = film_fraction * density * film.film
-        by_void = -density * film.film if self.conserves else np.zeros_like(content)
-        by_film = film_fraction * density
-        by_film[:2] *= film.film[:2] <= self.supplied_film
-        slopes = (film_fraction * density_slope * film.film, by_film, by_void)
+        content = film_fraction * density * film.thickness
+        by_void = -density * film.thickness if self.conserves else np.zeros_like(content)
+        by_thickness = film_fraction * density
+        by_thickness[:2] *= film.thickness[:2] <= self.supplied_film
+        slopes = (film_fraction * density_slope * film.thickness, by_thickness, by_void)
         dx, dy = self.cell
         across = _poiseuille_flow(
-            cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.resistance * dx)
+            cells.rows(slice(None, -1)), cells.rows(slice(1, None)), 1 / (self.speed_parameter * dx)
         )
-        wedge, wedge_own, wedge_upstream = (
+        wedge, wedge_by_nearest, wedge_by_further = (
             self.speed * values for values in _couette_flow(content)
         )
         least = self.speed * (film_fraction * density * self.boundary_film)[:-1]
         on_boundary = wedge < least
         wedge[on_boundary] = least[on_boundary]
-        wedge_own[on_boundary] = wedge_upstream[on_boundary] = 0
+        wedge_by_nearest[on_boundary] = wedge_by_further[on_boundary] = 0
         flux = across.flux + wedge
 
         residual = np.zeros_like(content)
@@ -293,45 +303,47 @@ class FilmEquation:
             (1, 0): downstream(across.pressure_downstream),
             (-1, 0): -upstream(across.pressure_upstream),
         }
-        height = {
-            (0, 0): downstream(across.film_upstream) - upstream(across.film_downstream),
-            (1, 0): downstream(across.film_downstream),
-            (-1, 0): -upstream(across.film_upstream),
+        thickness = {
+            (0, 0): downstream(across.thickness_upstream) - upstream(across.thickness_downstream),
+            (1, 0): downstream(across.thickness_downstream),
+            (-1, 0): -upstream(across.thickness_upstream),
         }
         if content.shape[1] > 1:
-            residual += _balance_along(cells, dx / (self.resistance * dy**2), pressure, height)
-        drawn = {
-            (0, 0): downstream(wedge_own),
-            (-1, 0): downstream(wedge_upstream) - upstream(wedge_own),
-            (-2, 0): -upstream(wedge_upstream),
+            residual += _balance_along(
+                cells, dx / (self.speed_parameter * dy**2), pressure, thickness
+            )
+        entrained = {
+            (0, 0): downstream(wedge_by_nearest),
+            (-1, 0): downstream(wedge_by_further) - upstream(wedge_by_nearest),
+            (-2, 0): -upstream(wedge_by_further),
         }
-        if storage is not None:
-            residual += dx * (storage.rate * content + storage.history)
-            drawn[0, 0] = drawn[0, 0] + dx * storage.rate
+        if squeeze is not None:
+            residual += dx * (squeeze.rate * content + squeeze.history)
+            entrained[0, 0] = entrained[0, 0] + dx * squeeze.rate
         void: dict[tuple[int, int], Array] = {}
-        for offset, coefficient in drawn.items():
-            for bands, slope in zip((pressure, height, void), slopes, strict=True):
+        for offset, coefficient in entrained.items():
+            for bands, slope in zip((pressure, thickness, void), slopes, strict=True):
                 term = coefficient * neighbour(slope, offset)
                 bands[offset] = bands[offset] + term if offset in bands else term
         if on_boundary.any():
-            held_faces: Array = self.speed * on_boundary.astype(float)
-            held_bands = {(0, 0): downstream(held_faces), (-1, 0): -upstream(held_faces)}
-            held_slopes = (
+            boundary_faces: Array = self.speed * on_boundary.astype(float)
+            entrained = {(0, 0): downstream(boundary_faces), (-1, 0): -upstream(boundary_faces)}
+            boundary_slopes = (
                 film_fraction * density_slope * self.boundary_film,
                 -density * self.boundary_film,
             )
-            for offset, coefficient in held_bands.items():
-                for bands, held_slope in zip((pressure, void), held_slopes, strict=True):
-                    bands[offset] = bands[offset] + coefficient * neighbour(held_slope, offset)
+            for offset, coefficient in entrained.items():
+                for bands, boundary_slope in zip((pressure, void), boundary_slopes, strict=True):
+                    bands[offset] = bands[offset] + coefficient * neighbour(boundary_slope, offset)
         if not self.conserves:
             residual -= dx * film.void
             void[0, 0] = void[0, 0] - dx
         free = ~self.fixed
-        pressure, height, void = (
+        pressure, thickness, void = (
             {offset: band * free for offset, band in bands.items()}
-            for bands in (pressure, height, void)
+            for bands in (pressure, thickness, void)
         )
-        return Linearised(residual * free, flux, pressure, height, void, slopes, self)
+        return Linearised(residual * free, flux, pressure, thickness, void, slopes, self)
 
 
 def neighbour(values: NDArray[Scalar], offset: tuple[int, int]) -> NDArray[Scalar]:
@@ -359,7 +371,7 @@ def _upstream_face(faces: Array) -> Array:
 
 
 def _poiseuille_flow(before: _FaceSide, behind: _FaceSide, factor: float) -> _FaceFlow:
-    """Return the Poiseuille flow through the faces between two sets of cells."""
+    """Return the Poiseuille flow through faces, from the cells ``before`` them to those ``behind``."""
     half = (behind.log_fluidity - before.log_fluidity) / 2
     small = np.abs(half) < SERIES
     safe = np.where(small, 1.0, half)
@@ -368,8 +380,8 @@ def _poiseuille_flow(before: _FaceSide, behind: _FaceSide, factor: float) -> _Fa
     ratio = np.where(small, (1 + half**2 / 6) * np.exp(-np.abs(half)), -np.expm1(-size) / size)
     tilt = np.where(small, half / 3, 1 / np.tanh(safe) - 1 / safe)
     fluidity = np.exp(np.maximum(before.log_fluidity, behind.log_fluidity)) * ratio
-    both = before.film + behind.film
-    conductance = factor * 2 * (before.film * behind.film) ** 2 / both * fluidity
+    both = before.thickness + behind.thickness
+    conductance = factor * 2 * (before.thickness * behind.thickness) ** 2 / both * fluidity
     density = (before.density + behind.density) / 2
     total = density * conductance
     fall = before.pressure - behind.pressure
@@ -382,8 +394,8 @@ def _poiseuille_flow(before: _FaceSide, behind: _FaceSide, factor: float) -> _Fa
         total * fall,
         by_pressure(before, (1 - tilt) / 2) + total,
         by_pressure(behind, (1 + tilt) / 2) - total,
-        total * (2 / before.film - 1 / both) * fall,
-        total * (2 / behind.film - 1 / both) * fall,
+        total * (2 / before.thickness - 1 / both) * fall,
+        total * (2 / behind.thickness - 1 / both) * fall,
     )
 
 
@@ -391,14 +403,14 @@ def _balance_along(
     cells: _FaceSide,
     factor: float,
     pressure: dict[tuple[int, int], Array],
-    film: dict[tuple[int, int], Array],
+    thickness: dict[tuple[int, int], Array],
 ) -> Array:
     """Return the balance of the flow along the length, and add its derivatives to the bands."""
     along = _poiseuille_flow(cells, cells.next_along(), factor)
     last = _FaceFlow(*(np.roll(values, 1, axis=1) for values in along))
     for bands, by_behind, by_before, last_by_behind, last_by_before in (
         (pressure, along.pressure_downstream, along.pressure_upstream, *last[1:3]),
-        (film, along.film_downstream, along.film_upstream, *last[3:5]),
+        (thickness, along.thickness_downstream, along.thickness_upstream, *last[3:5]),
     ):
         bands[0, 0] = bands[0, 0] + by_before - last_by_before
         bands[0, 1], bands[0, -1] = by_behind, -last_by_behind
@@ -406,20 +418,17 @@ def _balance_along(
 
 
 def _couette_flow(content: Array) -> tuple[Array, Array, Array]:
-    """Return the Couette flow through each face, and its derivatives by the cell upstream and the one before it.
+    """Return the Couette flow through each face, and its derivatives by the contents of the two cells upstream.
 
-    The first face has one cell upstream and is of first order.
+    The first face has one cell upstream of it: its flow is of first order.
     """
-    flux, at_cell, upstream = (
-        content[:-1].copy(),
-        np.ones_like(content[1:]),
-        np.zeros_like(content[1:]),
-    )
+    flux = content[:-1].copy()
+    by_nearest, by_further = np.ones_like(flux), np.zeros_like(flux)
     nearest, further = content[1:-1], content[:-2]
     falls = further >= nearest
     # a cell may hold nothing, to rounding
     root = np.sqrt(np.divide(nearest, further, out=np.zeros_like(nearest), where=further > 0))
     flux[1:] = np.where(falls, nearest * root, 1.5 * nearest - 0.5 * further)
-    at_cell[1:] = np.where(falls, 1.5 * root, 1.5)
-    upstream[1:] = np.where(falls, -0.5 * root**3, -0.5)
-    return flux, at_cell, upstream
+    by_nearest[1:] = np.where(falls, 1.5 * root, 1.5)
+    by_further[1:] = np.where(falls, -0.5 * root**3, -0.5)
+    return flux, by_nearest, by_further

@@ -1,15 +1,16 @@
 """Temperatures of a sheared film and of its surfaces, and the friction at these temperatures.
 
-1. Each surface passes under the heat that flows into it. Its flash temperature is the sum of moving line sources
+1. Each surface moves under the heat that flows into it. Its flash temperature is a sum of moving line sources
    (Jaeger 1942), ``dT(x) = 1 / (pi k) int q(x') exp(z) K0(|z|) dx'`` with ``z = u (x - x') rho c / (2 k)``.
-2. The film conducts between the surfaces and makes heat ``q = tau du`` evenly over its thickness, so that it gives
-   ``q / 2 + k_f (T2 - T1) / h`` to the first surface and the remainder to the second: the heat is shared such that film
-   and surfaces agree in each place (Blok 1937, locally). The mean over the film is ``(T1 + T2) / 2 + q h / (12 k_f)``.
-3. The viscosity falls with that mean by the law of Roelands (1966), in a heated place by ``exp(-beta T)`` and ever
-   less. With his law of pressure the fall grows by ``(1 + p / p0)^z``, threefold at 1 GPa. Stress and temperature
-   agree by Newton's method, line by line along the motion: heat along the length is left out.
-4. The inlet is heated by its own shear. The film is thinner by the factor of Gupta et al. (1992), of the load
-   ``p_H / E'``, the slide-roll ratio S and ``L = beta eta0 u_m^2 / k_f``; it is used up to L = 10.
+2. Heat ``q = tau du`` is generated uniformly over the thickness, and the film conducts it across: it gives
+   ``q / 2 + k_f (T2 - T1) / h`` to the first surface and the remainder to the second. This is the heat partition of Blok
+   (1937) at each point. The mean over the thickness is ``(T1 + T2) / 2 + q h / (12 k_f)``.
+3. The viscosity falls with that mean by the law of Roelands (1966), at first by the factor ``exp(-beta T)``, then less.
+   With his law of pressure the logarithm of that factor grows by ``(1 + p / p0)^z``, threefold at 1 GPa. Newton's method
+   makes stress and temperature consistent, line by line along the motion: conduction along the length is neglected.
+4. The inlet is heated by its own shear. The sheared film is thinner by the factor of Gupta et al. (1992), of the load
+   ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter ``L = beta eta0 u_m^2 / k_f``. Beyond L = 10
+   friction and temperatures have no bound.
 """
 
 from typing import NamedTuple
@@ -27,7 +28,7 @@ from contactstudy.lubrication.lubricated_contact import (
 )
 from contactstudy.scene.lubrication.film_heat import FilmHeat, ThermalBody
 
-# Newton's steps at most; relative change at which they stop; the difference [K] that gives the slope of the heat.
+# Newton's steps at most; relative residual where they stop; difference [K] for the derivative of the heat.
 MAX_STEPS, TOLERANCE, TEMPERATURE_STEP = 100, 1e-9, 1e-3
 
 
@@ -40,7 +41,10 @@ def thermal_shear(
     film_fraction: Array,
     contact: Array | None,
 ) -> tuple[Array, FilmTemperatures]:
-    """Return the shear stress (x, y) [Pa] at the temperatures of the film, and these; fields as of the shear stress."""
+    """Return the shear stress (x, y) [Pa] of a heated film, and its temperatures.
+
+    Fields are those of :func:`~contactstudy.lubrication.lubricated_contact.shear_stress`.
+    """
     motion = scales.lubrication
     heat = motion.thermal
     assert heat is not None
@@ -72,7 +76,7 @@ def thermal_shear(
 
 
 class _Line(NamedTuple):
-    """Fields (x,) of a line along the motion, as the shear stress needs them."""
+    """Fields (x,) of a line along the motion, from which its shear stress follows."""
 
     scales: FilmScales
     mean_speed: float
@@ -82,7 +86,7 @@ class _Line(NamedTuple):
     contact: Array | None
 
     def stress(self, rise: Array) -> Array:
-        """Return the shear stress at a temperature rise [K]."""
+        """Return the shear stress (x,) [Pa] at a temperature rise (x,) [K]."""
         motion = self.scales.lubrication
         assert motion.thermal is not None
         pressure = self.pressure if self.contact is None else self.pressure - self.contact
@@ -92,14 +96,14 @@ class _Line(NamedTuple):
 
 
 def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
-    """Return the thermal loading ``L = beta eta0 u_m^2 / k_f`` of the inlet."""
+    """Return the thermal loading parameter ``L = beta eta0 u_m^2 / k_f`` of the inlet."""
     motion = scales.lubrication
     power = motion.lubricant.viscosity * motion.largest_speed**2
     return float(heat.temperature_viscosity * power / heat.conductivity)
 
 
 def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
-    """Return the film with a heated inlet over that without, by Gupta et al. (1992).
+    """Return the film thickness with a heated inlet over that without, by Gupta et al. (1992).
 
     An approximation; Zhou & Hoeprich (1991), eq. 21, and Arana et al. (2019), eq. 24, give the same coefficients.
     """
@@ -111,7 +115,7 @@ def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
 
 
 def moving_source(grid: Grid, body: ThermalBody, speed: float) -> Array:
-    """Return the rise of temperature (x, x') [K] at each cell for a unit heat [W/m^2] into each cell.
+    """Return the temperature rise (x, x') [K] at x by a unit heat flux [W/m^2] into the cell at x'.
 
     The surface moves at ``speed`` [m/s] towards larger x.
     """
@@ -132,22 +136,25 @@ def _source_integral(distance: Array) -> Array:
 
 
 def _temperature_influence(influence: list[Array], conductance: Array) -> tuple[Array, Array]:
-    """Return the rises of both surfaces (2, x, x') and of the mean of the film (x, x') for a unit heat in each cell."""
+    """Return the temperature rises of both surfaces (2, x, x') and of the film (x, x') by unit heat in the film at x'.
+
+    ``influence`` are those of both surfaces by heat into them, ``conductance`` (x,) is ``k_f / h``.
+    """
     first, second = influence
     n = len(conductance)
-    # the difference T1 - T2 that heat makes, less what the film conducts back
+    # T1 - T2, with the heat that the film conducts from the warmer surface to the other
     conducted = np.eye(n) + (first + second) * conductance
     difference = np.linalg.solve(conducted, (first - second) / 2)
-    given_back = conductance[:, None] * difference
+    exchanged = conductance[:, None] * difference
     half = np.eye(n) / 2
-    surfaces = np.stack((first @ (half - given_back), second @ (half + given_back)))
+    surfaces = np.stack((first @ (half - exchanged), second @ (half + exchanged)))
     return surfaces, surfaces.mean(axis=0) + np.diag(1 / (12 * conductance))
 
 
 def _solve_temperature(of_film: Array, sliding: float, line: _Line) -> tuple[Array, float]:
-    """Return the rise of temperature (x,) of the heat that sliding [m/s] makes at it, and its relative residual.
+    """Return the temperature rise (x,) [K] of a film that slides [m/s], consistent with its heat, and the residual.
 
-    Newton's method from no rise comes from below, as the heat falls ever more slowly.
+    The residual is relative. Newton's method from no rise converges from below, as the heat is a convex function of it.
     """
     rise = np.zeros(len(of_film))
 

@@ -1,4 +1,4 @@
-"""The result of a lubricated contact: fields, film, friction, and a status that says how far they can be trusted."""
+"""Result of a lubricated contact: fields, film thickness, friction, and a status that says how far to trust them."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ from contactstudy.scene.lubrication.lubricant import LimitingShear
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
-# Largest shear stress of a lubricant: at zero pressure [Pa], and over the pressure; and the fraction of the friction
-# that may be above it.
+# Largest known shear stress of a lubricant: at zero pressure [Pa], and over the pressure; and the largest fraction of
+# the friction above it that is accepted.
 SHEAR_LIMIT, SHEAR_LIMIT_OVER_PRESSURE, FRICTION_BEYOND_LIMIT = 1e7, 0.15, 0.01
-# Largest thermal loading at which inlet heating is known, and the largest residual of converged temperatures.
+# Largest thermal loading at which the inlet heating is known, and the largest residual of converged temperatures.
 MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 
 
@@ -23,9 +23,9 @@ MAX_THERMAL_LOADING, TEMPERATURE_RESIDUAL = 10.0, 1e-6
 class FilmTemperatures:
     """Temperature rises [K] over the temperature of the lubricant's supply.
 
-    ``surface`` (body, x, y) is that of the surfaces, ``film`` (x, y) the mean over the thickness, ``reduction`` the film
-    with a heated inlet over that without, ``loading`` the thermal loading of the inlet, ``residual`` the relative
-    disagreement of heat and temperature.
+    ``surface`` (body, x, y) is that of the surfaces, ``film`` (x, y) the mean over the thickness. ``reduction`` is the
+    film thickness with a heated inlet over that without, ``loading`` the thermal loading parameter of the inlet,
+    ``residual`` the relative difference between the temperatures and those by the heat at them.
     """
 
     surface: Array
@@ -49,7 +49,7 @@ class FilmTemperatures:
 
 @dataclass(frozen=True, eq=False)
 class FilmSolution:
-    """Fields (x, y) of a lubricated contact, and how they were found.
+    """Fields (x, y) of a lubricated contact, numbers of it, and what the iteration took.
 
     Attributes
     ----------
@@ -62,22 +62,22 @@ class FilmSolution:
     film_fraction
         Fraction of the film that holds lubricant: one under pressure, less where the film is torn into streamers.
     shear
-        Shear stress [Pa] in the middle of the film, positive where it drags the first body back.
+        Shear stress [Pa] at mid-film by sliding, positive where it retards the first body; of asperities too.
     mean_speed
         Mean speed of the surfaces [m/s] at this instant.
     separation
-        Film [m] where neither the gap nor the deflection adds to it.
+        Rigid-body separation h_0 [m]: the film thickness less gap and deflection.
     status
         How far the contact can be trusted.
     iterations, linear_iterations
-        Steps, and iterations of all their linear systems.
+        Steps on this grid, and iterations of all their linear systems.
     residual
-        The larger of the flow that is not balanced, over the flow along x, and the error of the load, over ``p_H a``;
-        on a boundary film also how far film and asperities disagree.
+        The larger of the unbalanced flow over the flow along x, and the error of the load over ``p_H a``; on a boundary
+        film also the violation of its contact conditions.
     flow
-        Lubricant that passes per length [m^2/s], at the density of zero pressure.
+        Volume flow per length [m^2/s], at the density of zero pressure.
     flux_spread
-        Range of the flow over x, with plain cavitation up to the end of the pressure, over its mean.
+        Range of the flow over x, with Reynolds cavitation up to the end of the pressure, over its mean.
     estimate
         Estimate of the errors; None unless an error was asked for.
     contact_pressure
@@ -86,7 +86,7 @@ class FilmSolution:
         Temperatures of a film with ``Lubrication.thermal``. Pressure and film are isothermal, shear is at these
         temperatures.
     worn_depth
-        Depth [m] worn until now, a part of the gap; None without wear.
+        Depth [m] of wear until now, which is part of the gap; None without wear.
     """
 
     scene: Scene
@@ -112,16 +112,16 @@ class FilmSolution:
 
     @property
     def central_film(self) -> float:
-        """Film on the axis, mean over the length [m]."""
+        """Film thickness on the axis x = 0, mean over the length [m]."""
         return float(_on_axis(self.film.mean(axis=1)))
 
     @property
     def minimum_film(self) -> float:
-        """Smallest film [m], from a parabola of its logarithm across the lowest cell and its neighbours."""
+        """Minimum film thickness [m], by a parabola of its logarithm across the lowest cell and its neighbours."""
         row, column = np.unravel_index(np.argmin(self.film), self.film.shape)
         if not 0 < row < len(self.film) - 1:
             return float(self.film[row, column])
-        # of logarithms, which keep the film above zero
+        # by logarithms the minimum is above zero
         before, lowest, after = np.log(self.film[row - 1 : row + 2, column])
         curvature = before + after - 2 * lowest
         drop = (after - before) ** 2 / (8 * curvature) if curvature > 0 else 0.0
@@ -134,7 +134,7 @@ class FilmSolution:
 
     @property
     def load_per_length(self) -> float:
-        """Load that the pressure carries, mean over the length [N/m]."""
+        """Load [N/m] by the pressure, mean over the length."""
         return float(self.pressure.sum() * self.grid.cell_size[0] / self.grid.cells[1])
 
     @property
@@ -144,13 +144,13 @@ class FilmSolution:
 
     @property
     def meniscus(self) -> float:
-        """Position x [m] of the inlet meniscus, mean over the length; near the edge of the grid for a flooded inlet."""
+        """Position x [m] of the inlet meniscus, mean over the length; near the edge of the grid if flooded."""
         full = self.film_fraction[2:] >= 1
         return float(self.grid.x[2 + np.argmax(full, axis=0)].mean() - self.grid.cell_size[0] / 2)
 
     @property
     def lubricant_pressure(self) -> Array:
-        """Pressure (x, y) of the lubricant [Pa], which is all of it without a boundary film."""
+        """Pressure [Pa] of the lubricant (x, y); all of the pressure without a boundary film."""
         touching = self.contact_pressure
         return self.pressure if touching is None else self.pressure - touching
 
@@ -176,14 +176,14 @@ class FilmSolution:
 
     @property
     def film_temperature(self) -> float:
-        """Load-weighted mean temperature rise of the film [K]; 0 without heat."""
+        """Mean temperature rise of the film, weighted by the pressure [K]; 0 without heat."""
         if self.temperatures is None:
             return 0.0
         return float((self.temperatures.film * self.pressure).sum() / self.pressure.sum())
 
     @property
     def friction(self) -> float:
-        """Friction force over load, negative where the second body is the faster one."""
+        """Coefficient of friction (traction), negative where the second body is the faster one."""
         return float(self.shear.sum() / self.pressure.sum())
 
     @property
@@ -208,9 +208,9 @@ class FilmSolution:
         )
 
     def requested_errors(self, estimate: ErrorEstimate) -> dict[str, ErrorParts]:
-        """Return the errors, by name, of all numbers that the scene asks for: the film, and what its motion adds.
+        """Return the errors of all numbers that the scene asks for, by name: of the film, and of what its motion adds.
 
-        That of a load fraction is a fraction of the load.
+        They are relative; that of the load fraction is relative to the load.
         """
         motion = self.scales.lubrication
         names = ["central_film", "minimum_film"]
@@ -228,10 +228,10 @@ class FilmSolution:
 
     @property
     def power_loss(self) -> float:
-        """Power lost in the film per length [W/m], by sliding and by rolling.
+        """Power loss of the film per length [W/m], by sliding and by rolling.
 
-        Rolling resistance is that of the pressure on the inclined film; it converges with few cells, where the flow's
-        dissipation under a spike does not.
+        The rolling part is the work of the lubricant's pressure on the slope of the film; it converges with few cells,
+        where a sum of the dissipation under a spike does not.
         """
         slope = np.gradient(self.film, self.grid.cell_size[0], axis=0)
         resistance = -(self.lubricant_pressure * slope).mean(axis=1).sum()
@@ -239,7 +239,7 @@ class FilmSolution:
 
     @property
     def sliding_loss(self) -> float:
-        """Part of :attr:`power_loss` [W/m] that the friction of sliding surfaces makes; zero in pure rolling."""
+        """Part of :attr:`power_loss` by sliding friction [W/m]; zero in pure rolling."""
         sheared = float(self.shear.sum()) * self.grid.cell_size[0] / self.grid.cells[1]
         return sheared * self.sliding_speed
 
@@ -254,7 +254,7 @@ class FilmSolution:
 
 
 def _on_axis(values: Array) -> float:
-    """Return the value at x = 0 of values at cell centres across, exact for a cubic."""
+    """Return the value at x = 0 from values at cell centres across, exact for a cubic."""
     middle = len(values) // 2
     if len(values) % 2:
         return float(values[middle])
@@ -263,7 +263,7 @@ def _on_axis(values: Array) -> float:
 
 
 def rise_beside_lowest(film: Array) -> float:
-    """Return how much the film (x, y) rises from its lowest cell to the higher of its neighbours across, over itself."""
+    """Return the relative rise of the film (x, y) from its lowest cell to the higher of its neighbours across."""
     row, column = np.unravel_index(np.argmin(film), film.shape)
     beside = film[max(row - 1, 0) : row + 2, column]
     return float(beside.max() / film[row, column] - 1)
@@ -278,17 +278,17 @@ def shear_stress(
     contact: Array | None = None,
     viscosity_ratio: Array | float = 1.0,
 ) -> Array:
-    """Return the shear stress [Pa] of sliding in the middle of the film, by the shear law of the lubricant.
+    """Return the shear stress (x, y) [Pa] at mid-film by sliding, by the shear law of the lubricant.
 
-    Only the part of the film that holds lubricant is sheared. Asperities add their friction on the pressure that they
-    carry in ``contact``; the lubricant beside them has the remainder of it. ``viscosity_ratio`` is the viscosity over
-    that at the temperature of the supply.
+    ``pressure`` is that of lubricant and asperities together, of which asperities carry ``contact``; they add their
+    boundary friction. Only the fraction of the film that holds lubricant is sheared. ``viscosity_ratio`` is the
+    viscosity over that at the temperature of the supply.
     """
     motion = scales.lubrication
     oil = motion.lubricant
     pressure = pressure if contact is None else pressure - contact
     log_viscosity, _ = oil.viscosity_law.log_ratio(pressure, oil.pressure_viscosity)
-    with np.errstate(over="ignore"):  # Barus' law may overflow
+    with np.errstate(over="ignore"):  # by Barus' law
         sliding = mean_speed * motion.slide_roll_ratio
         newtonian = viscosity_ratio * oil.viscosity * np.exp(log_viscosity) * sliding / film
     lubricant = film_fraction * oil.shear.stress(newtonian, pressure)

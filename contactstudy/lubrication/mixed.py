@@ -1,11 +1,11 @@
-"""Mixed lubrication: starts of a film that rests on asperities.
+"""Mixed lubrication: the starts of a film on which asperities may touch.
 
-The film ``H = H0 + gap + K (P_f + P_c)`` is no thinner than the boundary film ``H_b``, and where it is as thin
-asperities carry a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressure ``P_f`` and the film. The
-iteration is that of any film.
+The film ``H = H0 + gap + K (P_f + P_c)`` is no thinner than the boundary film ``H_b``, and where ``H = H_b`` asperities
+carry a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressure ``P_f`` and the thickness. The
+iteration of :mod:`contactstudy.lubrication.pseudo_time` solves both together.
 
-Transverse ridges may have two answers at one speed: one on a thick film, and one held flat by contact. A start from the
-film of a higher speed leads to the first where there is one; the dry contact leads to the second.
+Transverse ridges may have two solutions at one speed: ridges in a thick film, or flattened by contact. The film at a
+higher speed leads to the first where it exists, the dry contact to the second.
 """
 
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ class MixedTuning:
     Attributes
     ----------
     from_film, from_dry
-        First steps in pseudo-time. From the dry contact nearly Newton's: 5 to 9 steps at load
+        First steps in pseudo-time. From the dry contact it is nearly Newton's: 5 to 9 steps at load
         fractions above 0.88.
     change
         Largest change of ln(eta) in a step from a film.
@@ -37,7 +37,7 @@ class MixedTuning:
     dry_residual
         Residual of the dry contact to start from.
     speeds
-        Where neither start converges.
+        Speeds of the continuation where neither start converges.
     """
 
     from_film: float = 0.1
@@ -55,27 +55,30 @@ TUNING = MixedTuning()
 def solve_mixed(
     posed: PosedFilm, controls: FilmControls, warm: tuple[Film, Mask] | None = None
 ) -> FilmIteration:
-    """Iterate from ``warm``, else from the film, from the dry contact, or from higher speeds.
+    """Return the film from the first start that converges, else that of the least residual.
 
-    ``warm`` is a film and its cavitated cells. The dry contact comes before the film where that of Moes is thinner than
+    The starts are ``warm`` (a film and its cavitated cells), Hertz's pressure on the film of Moes, the dry contact, and
+    in plane strain higher speeds. The dry contact comes before Hertz's pressure where the film of Moes is thinner than
     the boundary film.
     """
-    smooth = posed.upstream.cells[1] == 1
+    in_plane_strain = posed.upstream.cells[1] == 1
     controls = replace(controls, max_active_set_iterations=TUNING.max_active_set_iterations)
     film_controls = replace(
         controls,
         time_step=TUNING.from_film,
         viscosity_change=TUNING.change,
-        converged_only=smooth,
+        converged_only=in_plane_strain,
     )
     dry_controls = replace(controls, time_step=TUNING.from_dry)
-    if smooth:
+    if in_plane_strain:
         dry_controls = replace(dry_controls, max_iterations=TUNING.dry_steps)
     iterations: list[FilmIteration] = []
     if warm is not None:
         film, cavitated = warm
         assert film.asperity_pressure is not None
-        near_dry = not smooth and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
+        near_dry = (
+            not in_plane_strain and 2 * film.asperity_pressure.sum() > film.total_pressure.sum()
+        )
         if near_dry:
             dry = replace(controls, time_step=TUNING.from_dry)
             iterations.append(_iterated(posed, film, dry, cavitated))
@@ -88,13 +91,13 @@ def solve_mixed(
         if iterations and iterations[-1].converged(controls.tolerance):
             return iterations[-1]
         iterations.append(_iterated(posed, start(posed), start_controls))
-    if iterations[-1].converged(controls.tolerance) or not smooth:
+    if iterations[-1].converged(controls.tolerance) or not in_plane_strain:
         return min(iterations, key=lambda iteration: iteration.residual)
     from_higher_speed = from_higher_speeds(
         posed,
         TUNING.speeds,
         controls.tolerance,
-        lambda faster: _iterated(faster, _film_start(posed), film_controls),
+        lambda faster: _iterated(faster, _film_start(faster), film_controls),
         lambda slower, last: _iterated(slower, last.film, film_controls),
     )
     return min(
@@ -104,15 +107,15 @@ def solve_mixed(
 
 
 def _film_start(posed: PosedFilm) -> Film:
-    """Return the start of a film without asperities, raised to the boundary film."""
+    """Return Hertz's pressure on the film of Moes, raised to the boundary film, without contact."""
     start, equation = hertz_start(posed), posed.equation
-    rise = max(0.0, equation.boundary_film - float(start.film.min()))
+    rise = max(0.0, equation.boundary_film - float(start.thickness.min()))
     zeros = np.zeros_like(start.pressure)
     return equation.film_of(start.pressure, start.void, start.separation + rise, zeros)
 
 
 def _dry_start(posed: PosedFilm) -> Film:
-    """Return the dry contact on the boundary film, with streamers of lubricant that fill the gaps."""
+    """Return the dry contact on the boundary film, in a gap full of lubricant without pressure."""
     equation = posed.equation
     dry = solve_contact(posed.problem, SolveOptions(tolerance=TUNING.dry_residual)).pressure[
         : len(posed.x)

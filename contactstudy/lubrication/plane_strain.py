@@ -1,4 +1,4 @@
-"""The linear system of a step in plane strain, solved directly: all cells act on each other through the film."""
+"""Linear system of a step in plane strain, solved directly: by elasticity all cells act on each other."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,9 +12,9 @@ from contactstudy.lubrication.pseudo_time import ActiveSets, FilmCorrection
 
 @dataclass(frozen=True, eq=False)
 class DirectSolver:
-    """Gaussian elimination for one row of cells; ``influence`` (i, j) is the deflection of cell i under cell j.
+    """Gaussian elimination; ``influence`` (i, j) is the deflection of cell i under a unit pressure on cell j.
 
-    ``last`` are the coefficients of the last linearisation, for further sets of cavitated cells.
+    ``last`` are the coefficients of the last linearisation, for further active sets.
     """
 
     influence: Array
@@ -22,7 +22,7 @@ class DirectSolver:
 
     @classmethod
     def for_equation(cls, equation: FilmEquation) -> "DirectSolver":
-        """Return the solver for ``equation``, whose deflection depends on the offset between cells only."""
+        """Return the solver for ``equation`` in plane strain, whose deflection is a convolution."""
         first = np.zeros(equation.gap.shape)
         first[0] = 1
         downstream, upstream = (equation.deflection(end)[:, 0] for end in (first, first[::-1]))
@@ -38,14 +38,14 @@ class DirectSolver:
     ) -> FilmCorrection:
         """Return the step for given ``active`` sets.
 
-        The unknowns are the pressure or the void fraction of each cell, the pressure of asperities of each touching
-        cell, and the separation; the rows are the balance of each cell, the film of each touching cell, and the load.
+        The unknowns are the pressure or the void fraction of each cell, the asperity pressure of each touching cell, and
+        the separation; the rows are the flow balance of each cell, the thickness of each touching cell, and the load.
         """
         if self.last is None or self.last.linear is not linear:
             fresh = replace(self, last=DenseCoefficients(linear, self.influence))
             return fresh.step(linear, film, active, load_residual)
         equation, width = linear.equation, linear.equation.cell[0]
-        n, fixed, cavitated = len(film.film), equation.fixed[:, 0], active.cavitated[:, 0]
+        n, fixed, cavitated = len(film.thickness), equation.fixed[:, 0], active.cavitated[:, 0]
         full_film = ~(cavitated | fixed)
         # prescribed changes: pressures and voids that vanish
         pressure = np.where(cavitated, -film.pressure[:, 0], 0.0)
@@ -60,7 +60,7 @@ class DirectSolver:
                 np.where(touching, 0.0, -film.asperity_pressure[:, 0]),
                 np.flatnonzero(touching),
             )
-            balance -= self.last.by_film @ asperity_pressure
+            balance -= self.last.by_deflection @ asperity_pressure
             load_residual -= width * asperity_pressure.sum()
         balance[fixed] = 0
 
@@ -74,14 +74,14 @@ class DirectSolver:
         rhs[:n], rhs[-1] = balance, load_residual
         if len(touching_cells):
             assert asperity_pressure is not None
-            system[:n, n:-1] = self.last.by_film[:, touching_cells]
+            system[:n, n:-1] = self.last.by_deflection[:, touching_cells]
             system[n:-1, :n] = self.influence[touching_cells] * full_film
             system[n:-1, n:-1] = self.influence[np.ix_(touching_cells, touching_cells)]
             system[n:-1, -1] = 1
             system[-1, n:-1] = width
             distance = (
                 equation.boundary_film
-                - film.film[:, 0]
+                - film.thickness[:, 0]
                 - self.influence @ (pressure + asperity_pressure)
             )
             rhs[n:-1] = distance[touching_cells]
@@ -107,23 +107,24 @@ class DirectSolver:
 
 @dataclass(frozen=True, eq=False)
 class DenseCoefficients:
-    """Changes (n, n) of the balance of one row of cells with the pressure and the void fraction of each cell."""
+    """Derivatives (n, n) of the flow balance of each cell by the unknowns of each cell."""
 
     linear: Linearised
     influence: Array
 
     @cached_property
     def by_pressure(self) -> Array:
-        """Coefficients of the pressures of the lubricant."""
-        return self.by_film + _matrix(self.linear.pressure, len(self.influence))
+        """Derivatives by pressures of the lubricant."""
+        return self.by_deflection + _matrix(self.linear.pressure, len(self.influence))
 
     @cached_property
-    def by_film(self) -> Array:
-        """Coefficients of pressures that only bend the film: a band times the influence is its rows, shifted."""
+    def by_deflection(self) -> Array:
+        """Derivatives by asperity pressures, which only deflect the surfaces."""
         n = len(self.influence)
         matrix = np.zeros((n, n))
-        for (offset, _), coefficient in self.linear.film.items():
+        for (offset, _), coefficient in self.linear.thickness.items():
             first, end = max(0, -offset), min(n, n - offset)
+            # a diagonal times the influence is the influence with its rows shifted
             matrix[first:end] += (
                 coefficient[first:end] * self.influence[first + offset : end + offset]
             )
@@ -131,17 +132,17 @@ class DenseCoefficients:
 
     @cached_property
     def by_void(self) -> Array:
-        """Coefficients of the void fractions."""
+        """Derivatives by void fractions."""
         return _matrix(self.linear.void, len(self.influence))
 
     @cached_property
     def by_separation(self) -> Array:
-        """Coefficients (n,) of the separation."""
-        return np.asarray(sum(self.linear.film.values())).ravel()
+        """Derivatives (n,) by the separation."""
+        return np.asarray(sum(self.linear.thickness.values())).ravel()
 
 
 def _matrix(bands: Bands, n: int) -> Array:
-    """Return the matrix (n, n) of bands of one row of cells."""
+    """Return the matrix (n, n) of bands in plane strain."""
     matrix = np.zeros((n, n))
     for (offset, _), coefficient in bands.items():
         index = np.arange(max(0, -offset), min(n, n - offset))

@@ -1,4 +1,4 @@
-"""A scene as a film equation in Hertz units, on nested grids, and films to start from."""
+"""Film equation of a scene in Hertz units, its coarser grids, and films to start from."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -35,19 +35,20 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Length of the outlet in half-widths, and its growth over sqrt(2 H).
 OUTLET, OUTLET_GROWTH = 1.5, 2.5
-# Least width of a grid over that of the contact.
+# Least width of a grid over that of the pressure.
 MIN_WIDTH = 1.2
-# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than EDGE that
-# of a sharp end.
-CROWNED, EDGE = 0.5, 300.0
-# The inlet, for its balance of flow, ends where the film has fallen to this part of that at the first cell.
+# A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than SHARP_END
+# that of a roller with a sharp end.
+CROWNED, SHARP_END = 0.5, 300.0
+# The inlet, whose pressures balance the flow on a finer grid, ends where the film has fallen by this factor.
 INLET_FALL = 8.0
-# Cells of the coarsest grid: across in plane strain, else across and along. Numbers of rows are multiples of the last.
+# Least cells of the coarsest grid: across in plane strain, else across and along. Cells across are a multiple of the
+# last.
 COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 
 
 def lubricated_scales(scene: Scene) -> FilmScales:
-    """Return the units of a lubricated ``scene``.
+    """Return Hertz's units and Moes' parameters of a lubricated ``scene``.
 
     Raises :class:`~contactstudy.InvalidInput` for a scene that is not lubricated, and for an effect that is
     not supported with a film.
@@ -71,7 +72,7 @@ def lubricated_scales(scene: Scene) -> FilmScales:
 
 @dataclass(frozen=True, eq=False)
 class Deflection:
-    """Displacement under a pressure, by the coefficients that are ``even`` across and by the ``odd`` ones of creep."""
+    """Displacement under a pressure, by influence coefficients that are ``even`` across, and ``odd`` ones of creep."""
 
     even: Convolution
     odd: GeneralConvolution | None
@@ -80,7 +81,7 @@ class Deflection:
     def on(
         cls, grid: Grid, paddings: Paddings, response: Mapping[Coefficients, float], factor: float
     ) -> "Deflection":
-        """Return the displacement on a grid by a ``response``, times a ``factor``."""
+        """Return the deflection on a grid by the ``response`` of both bodies, times a ``factor``."""
         even, odd = by_symmetry(response)
         return cls(
             superposed(even, grid, paddings).scaled(factor, Precision.DOUBLE),
@@ -95,10 +96,11 @@ class Deflection:
 
 @dataclass(frozen=True, eq=False)
 class PosedFilm:
-    """A film equation in Hertz units on an ``upstream`` grid: beyond it the outlet is cavitated throughout.
+    """Film equation in Hertz units on the ``upstream`` part of a grid, beyond which the outlet is cavitated throughout.
 
-    ``x`` are its rows over a, ``operator_on`` makes the deflection on another grid, ``problem`` is the dry contact
-    on the whole grid by the even part of its ``displacement`` [m] under a pressure [Pa].
+    ``x`` are the positions across of its cells over a, ``deflection`` is in Hertz units, and ``operator_on`` makes that
+    on another grid. ``problem`` is the dry contact on the whole grid, with the even part of ``displacement`` [m] under a
+    pressure [Pa].
     """
 
     equation: FilmEquation
@@ -112,32 +114,32 @@ class PosedFilm:
 
     @property
     def is_crowned(self) -> bool:
-        """True if the bodies part along the length by as much as Hertz's contact is flattened."""
+        """True if the gap varies along the length as on a crowned roller, by more than the deflection in the contact."""
         return bool(np.ptp(self.equation.gap, axis=1).max() > CROWNED)
 
     @property
     def relative_roughness(self) -> float:
-        """Rms of the heights in the contact over the expected film; zero where lubricant can flow around them."""
+        """Rms height in the contact over the film of Moes; zero where lubricant can flow around heights."""
         if self.upstream.cells[1] > 1:
             return 0.0
         inside = np.abs(self.x) < 1
         heights = self.equation.gap[inside] - self.x[inside, None] ** 2 / 2
         return float(heights.std()) / self.scales.expected_film if heights.size else 0.0
 
-    def at(self, resistance: float) -> "PosedFilm":
-        """Return the same at another speed, to which the resistance is proportional."""
-        return replace(self, equation=replace(self.equation, resistance=resistance))
+    def at(self, speed_parameter: float) -> "PosedFilm":
+        """Return the same at another speed, to which the speed parameter is proportional."""
+        return replace(self, equation=replace(self.equation, speed_parameter=speed_parameter))
 
     def with_gap(self, gap: Array) -> "PosedFilm":
-        """Return the same with another undeformed gap (x, y) [m] on the whole grid."""
+        """Return the same with another undeformed gap (x, y) [m] of the whole grid."""
         rows = self.upstream.cells[0]
         equation = replace(self.equation, gap=gap[:rows] / self.scales.film)
         return replace(self, equation=equation, problem=replace(self.problem, undeformed_gap=gap))
 
     def coarser(self) -> "PosedFilm | None":
-        """Return the same with half the cells along each axis that is long and even, at last in plane strain.
+        """Return the same with half the cells along each axis whose number is large and even, at last in plane strain.
 
-        None where nothing is left to halve. Gaps are means of those of the finer cells.
+        None where nothing is left to coarsen. The gap of a cell is the mean over the finer cells.
         """
         (nx, ny), equation = self.upstream.cells, self.equation
         least = COARSEST if ny == 1 else COARSEST_ROUGH
@@ -161,7 +163,10 @@ class PosedFilm:
 
 
 def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
-    """Return the film equation of ``scene`` on ``grid``, up to where the outlet holds no pressure any more."""
+    """Return the film equation of ``scene`` on ``grid``, up to an outlet beyond which there is no pressure.
+
+    Raises :class:`~contactstudy.InvalidInput` for a grid or a padding on which a film cannot be solved.
+    """
     scales = lubricated_scales(scene)
     paddings = across_and_along(padding)
     if paddings[0].wraps or (grid.cells[1] > 1 and not paddings[1].wraps):
@@ -185,7 +190,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     sudden = instantaneous(scene.solids)
     problem = replace(scene, lubrication=None, outputs=(), solids=sudden).problem(grid, paddings)
     opening = float(np.ptp(problem.undeformed_gap, axis=1).max())
-    if opening > EDGE * scales.film:
+    if opening > SHARP_END * scales.film:
         raise InvalidInput(
             f"Scene.shapes open the gap by {readable(opening)} along the length, as a roller's sharp end does: a film "
             "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
@@ -217,7 +222,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         gap=problem.undeformed_gap[:rows] / scales.film,
         deflection=deflection,
         cell=(grid.cell_size[0] / hertz.half_width, grid.cell_size[1] / hertz.half_width),
-        resistance=scales.resistance,
+        speed_parameter=scales.speed_parameter,
         load=scene.mean_load(grid, paddings) / (hertz.half_width * peak),
         log_viscosity=log_viscosity,
         density=density,
@@ -230,16 +235,17 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
 
 
 def linear_solver(posed: PosedFilm) -> LinearSolver:
-    """Return how steps are solved: directly in plane strain, else by GMRES."""
+    """Return the solver of the linear systems: direct in plane strain, else GMRES."""
     if posed.upstream.cells[1] == 1:
         return DirectSolver.for_equation(posed.equation)
     return KrylovSolver(posed.deflection.even)
 
 
 def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Mask]:
-    """Return a film on a finer grid, raised so that it is nowhere below half the coarse one, and its cavitated cells.
+    """Return a film on a finer grid and its cavitated cells.
 
-    Cavitated cells keep the content of the coarser ones, and what flows through the inlet is the same in each row.
+    It is raised to half the minimum thickness on the coarse grid. Cavitated cells keep the content of the coarser ones,
+    and the flow through each row of the inlet is the same.
     """
     shape = equation.gap.shape
     blocks = [fine // wide for fine, wide in zip(shape, coarse.film.pressure.shape, strict=True)]
@@ -249,22 +255,22 @@ def prolongated(equation: FilmEquation, coarse: FilmIteration) -> tuple[Film, Ma
     pressure = np.where(
         cavitated | equation.fixed, 0, _prolongated_field(coarse.film.pressure, shape)
     )
-    lowest = float(coarse.film.film.min()) / 2
+    lowest = float(coarse.film.thickness.min()) / 2
     film = with_minimum_film(equation, pressure, void, coarse.film.separation, lowest)
     if equation.conserves:
-        content = _prolongated_field((1 - coarse.film.void) * coarse.film.film, shape)
-        void = np.maximum(1 - content / film.film, 0)
+        content = _prolongated_field((1 - coarse.film.void) * coarse.film.thickness, shape)
+        void = np.maximum(1 - content / film.thickness, 0)
     film = replace(film, void=np.where(cavitated, void, 0))
     return _with_inlet_flow(equation, film), cavitated
 
 
 def _with_inlet_flow(equation: FilmEquation, film: Film) -> Film:
-    """Return the film with pressures of the inlet that let the mean over the length flow through each of its rows.
+    """Return the film with inlet pressures that balance the flow, in the mean over the length.
 
-    The first cells without pressure are narrower than those of the coarser grid. The flow that is out of balance there
-    exceeds all other, as the film is thick, and would hide what the iteration has to solve.
+    The first cells, which have no pressure, are narrower than on the coarser grid. As the film is thick there, the
+    imbalance would exceed all others, and hide what the iteration has to solve.
     """
-    height = film.film.mean(axis=1)
+    height = film.thickness.mean(axis=1)
     end = int(np.argmax(height < height[0] / INLET_FALL))
     rows = slice(2, end)
     if end < 4 or film.void[rows].any():
@@ -272,7 +278,7 @@ def _with_inlet_flow(equation: FilmEquation, film: Film) -> Film:
     linear = equation.linearise(film)
     banded = np.zeros((3, end - 2))
     for (across, _), coefficient in linear.pressure.items():
-        if across > -2:  # further upstream there is only the change of density
+        if across > -2:  # the second cell upstream acts by its density alone
             banded[1 - across] += np.roll(coefficient.mean(axis=1)[rows], across)
     change = solve_banded((1, 1), banded, -linear.residual.mean(axis=1)[rows])
     pressure = film.pressure.copy()
@@ -281,7 +287,7 @@ def _with_inlet_flow(equation: FilmEquation, film: Film) -> Film:
 
 
 def _prolongated_field(values: Array, shape: tuple[int, ...]) -> Array:
-    """Return values (x, y) on cells that are half as long along an axis, or the same on shorter ones."""
+    """Return values (x, y) on finer cells, linear where an axis has twice the cells, else constant in each cell."""
     modes: tuple[Literal["edge", "wrap"], ...] = ("edge", "wrap")
     for axis, ends in enumerate(modes):
         ratio = shape[axis] // values.shape[axis]
@@ -292,7 +298,7 @@ def _prolongated_field(values: Array, shape: tuple[int, ...]) -> Array:
 
 
 def _prolongated_axis(values: Array, axis: int, ends: Literal["edge", "wrap"]) -> Array:
-    """Return values at the middles of cells half as long, linear between those of the cells."""
+    """Return values at the centres of cells half as long, linear between those of the cells."""
     width = [(0, 0), (0, 0)]
     width[axis] = (1, 1)
     around = np.moveaxis(np.pad(values, width, mode=ends), axis, 0)
@@ -302,9 +308,9 @@ def _prolongated_axis(values: Array, axis: int, ends: Literal["edge", "wrap"]) -
 
 
 def hertz_start(posed: PosedFilm) -> Film:
-    """Return Hertz's pressure, that of the dry contact under a crown, and the separation of the film of Moes.
+    """Return a film of Hertz's pressure, or that of the dry contact under a crown, whose minimum is Moes' film.
 
-    Hertz's pressure is as wide as a thick film carries load.
+    Hertz's pressure is as wide as the part of a thick film that carries load.
     """
     equation = posed.equation
     if posed.is_crowned:
@@ -320,7 +326,7 @@ def hertz_start(posed: PosedFilm) -> Film:
 
 
 def _dry_pressure(posed: PosedFilm) -> Array:
-    """Return the pressure of the dry contact over p_H, averaged over the cells of a coarser grid."""
+    """Return the pressure of the dry contact over p_H, averaged over the cells of the grid ``upstream``."""
     (nx, ny), fine = posed.upstream.cells, posed.problem.grid
     across = round(posed.upstream.cell_size[0] / fine.cell_size[0])
     dry = solve_contact(posed.problem, SolveOptions(tolerance=1e-4)).pressure[: nx * across]
@@ -329,9 +335,9 @@ def _dry_pressure(posed: PosedFilm) -> Array:
 
 
 def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
-    """Return the film of another contact on this grid, in the units of this one, and its cavitated cells.
+    """Return the film of another contact on this grid and in these units, and its cavitated cells.
 
-    Values are linear between the cells of the other grid, periodic along the length, and zero beyond its width.
+    Fields are interpolated linearly, periodic along the length, and zero beyond the width of the other grid.
     """
     scales, fixed = posed.scales, posed.equation.fixed
     x, y = posed.x * scales.hertz.half_width, posed.upstream.y
@@ -349,13 +355,13 @@ def start_from(posed: PosedFilm, contact: FilmSolution) -> tuple[Film, Mask]:
             asperities = interpolated(touching, contact.grid, x, y) / scales.hertz.peak_pressure
     separation = contact.separation / scales.film
     film = with_minimum_film(posed.equation, pressure, void, separation, lowest, asperities)
-    # lubricant fills a longer inlet, as far as the other one was flooded
+    # beyond the other grid's inlet the film is full
     inside = (x > contact.grid.x[1])[:, None]
     return film, (pressure == 0) & ~fixed & inside
 
 
 def interpolated(values: Array, grid: Grid, x: Array, y: Array) -> Array:
-    """Return values (x, y) on ``grid`` at other places, linear between its cells, and zero beyond its width."""
+    """Return values (x, y) on ``grid`` at other positions, linear between cells, and zero beyond its width."""
     columns = [np.interp(x, grid.x, column, left=0, right=0) for column in values.T]
     if len(columns) == 1:
         return np.repeat(columns[0][:, None], len(y), axis=1)
@@ -373,7 +379,7 @@ def with_minimum_film(
     lowest: float,
     contact: Array | None = None,
 ) -> Film:
-    """Return the film under ``pressure``, with a separation that leaves it nowhere below ``lowest``."""
+    """Return the film under ``pressure``, raised to a thickness of at least ``lowest``."""
     film = equation.film_of(pressure, void, separation, contact)
-    rise = max(0.0, lowest - float(film.film.min()))
+    rise = max(0.0, lowest - float(film.thickness.min()))
     return equation.film_of(pressure, void, separation + rise, contact) if rise else film

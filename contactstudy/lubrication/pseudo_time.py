@@ -1,15 +1,15 @@
-"""Newton's method in pseudo-time for a film that cavitates, and that may rest on asperities.
+"""Newton's method in pseudo-time for a film that cavitates, and on which asperities may touch.
 
 Pseudo-transient continuation with switched evolution relaxation (Mulder & van Leer 1985; Kelley & Keyes 1998), the
 inequalities by primal-dual active sets (Hintermueller, Ito & Kunisch 2002). One step:
 
-1. Linearise the balance of each cell, and add an implicit step in time to it: from a distant start the film squeezes
-   towards its state, and as the residual falls the step grows into Newton's.
+1. Linearise the flow balance of each cell, and add the squeeze term of an implicit step in pseudo-time: from a distant
+   start the film moves as in time, and as the residual falls the step becomes Newton's.
 2. Solve the linear system for the active sets, and correct the sets until they hold: a cell with a negative pressure
-   cavitates, one with a negative void fraction no longer does; on a boundary film, a cell below it touches, one with a
-   negative pressure of asperities no longer does.
-3. Shorten the step to the fraction that keeps film and viscosity within their limits, or refuse it.
-4. Choose the next step in time by how the residual has changed.
+   cavitates, one with a negative void fraction no longer does; on a boundary film, a cell whose film would be thinner
+   touches, one with a negative asperity pressure no longer does.
+3. Damp the step so that film and viscosity change within their limits, or reject it.
+4. Choose the next step in pseudo-time by the ratio of the residuals.
 """
 
 from collections.abc import Callable
@@ -20,9 +20,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearised, Mask, Storage
+from contactstudy.lubrication.film_equation import Film, FilmEquation, Linearised, Mask, SqueezeTerm
 
-# Rounding of a pressure and of a film, over the pressure and over the largest height.
+# Rounding of a pressure over the pressure, and of a film thickness over the largest height.
 ROUNDING = 4 * float(np.finfo(float).eps)
 
 
@@ -35,32 +35,34 @@ class PseudoTimeTuning:
     Attributes
     ----------
     min_film_fraction, content_fall
-        Least fractions of a film, and of the content of a cavitated cell, after a step: with these no point
-        failed.
+        Least film thickness, and least content of a cavitated cell, after a step over that before it: with these no
+        point failed.
     clipped
-        Fraction of the cells of a film without asperities in which the change of ln(eta) is cut off at its limit, so
-        that single cells do not shorten the step: light rough films of 432 x 64 cells took 44 steps for 61.
+        Fraction of the cells of a film without asperities in which the change of ln(eta) is clipped to its limit, so
+        that single cells do not damp the step: light rough films of 432 x 64 cells took 44 steps for 61.
     shrink, grow
-        Limits of the factor of the step in time, by the ratio of residuals: with these no point failed.
-    shortened
-        Factor of the step in time after a shortened step, from rough films.
+        Limits of the factor of the step in pseudo-time, by the ratio of residuals: with these no point failed.
+    after_damping
+        Largest factor of the step in pseudo-time after a damped step, from rough films.
     min_growth, allowed_rise
         Least factor while the residual falls, or rises by no more than the factor ``allowed_rise``. Against a rise of 1,
         steps at 210 points fell from 2883 to 2426.
-    refused, least
-        Factor of the step in time after a refused step, and the step in time where the iteration ends.
+    rejected, least
+        Factor of the step in pseudo-time after a rejected step, and the step where the iteration ends.
     stall_steps
-        Whole steps within which the residual is halved, or the iteration ends. The slowest film that converges took 105
-        steps, most of them shortened.
-    cycle, longest, damped
-        After so many whole steps that do not halve the residual of a mixed film, a step in time is no longer than
-        ``longest``, then ``damped`` times as long. Pockets among asperities fill in a time of 10 to 100: beyond it the
-        cells at their fronts changed sets in a cycle.
-    unsettled
-        Largest factor of the residual in a step of a mixed film whose sets have not converged, which is refused above
-        it: some of these steps lost all that the iteration had gained.
+        Undamped steps within which the residual is halved, or the iteration ends. The slowest film that converges took
+        105 steps, most of them damped.
+    cycle, longest, reduction
+        After ``cycle`` undamped steps that do not halve the residual of a mixed film, a step in pseudo-time is no longer
+        than ``longest``; after each further ``cycle`` of them that limit falls by the factor ``reduction``. Pockets
+        among asperities fill in a time of 10 to 100 a / u_m: with longer steps the cells at their fronts changed sets in
+        a cycle.
+    unconverged_rise
+        Largest factor of the residual in a step of a mixed film whose active sets have not converged; beyond it the
+        step is rejected: some of these steps lost all that the iteration had gained.
     contact_tolerance
-        Fraction by which a film is below the boundary film where it touches: above the rounding of heights.
+        A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
+        rounding of heights.
     max_rounding
         Largest residual that counts as rounding.
     """
@@ -70,28 +72,28 @@ class PseudoTimeTuning:
     clipped: float = 2e-3
     shrink: float = 0.3
     grow: float = 4.0
-    shortened: float = 0.7
+    after_damping: float = 0.7
     min_growth: float = 2.0
     allowed_rise: float = 1.1
-    refused: float = 0.25
+    rejected: float = 0.25
     least: float = 1e-9
     stall_steps: int = 30
     cycle: int = 6
     longest: float = 90.0
-    damped: float = 0.3
-    unsettled: float = 1.5
+    reduction: float = 0.3
+    unconverged_rise: float = 1.5
     contact_tolerance: float = 1e-9
     max_rounding: float = 1e-3
 
     def next_time_step(
-        self, time_step: float, before: float, residual: float, fraction: float
+        self, time_step: float, before: float, residual: float, damping: float
     ) -> float:
-        """Return the step in time after one that took a ``fraction`` of Newton's step, ``before`` to ``residual``."""
+        """Return the next step in pseudo-time, after one with a damping factor that led ``before`` to ``residual``."""
         factor = (
             float(np.clip(before / residual, self.shrink, self.grow)) if residual else self.grow
         )
-        if fraction < 1:
-            factor = min(factor, self.shortened)
+        if damping < 1:
+            factor = min(factor, self.after_damping)
         elif residual < self.allowed_rise * before:
             factor = max(factor, self.min_growth)
         return factor * time_step
@@ -101,13 +103,13 @@ TUNING = PseudoTimeTuning()
 
 
 class ActiveSets(NamedTuple):
-    """Cells (x, y) that are cavitated, and that touch the boundary film; ``touching`` is None without one."""
+    """Cells (x, y) that are cavitated, and cells in contact at the boundary film (``touching``; None without one)."""
 
     cavitated: Mask
     touching: Mask | None = None
 
     def changes(self, sets: "ActiveSets") -> int:
-        """Return how many cells are in other sets."""
+        """Return the number of differences between these sets and others."""
         return sum(
             int(np.count_nonzero(mask != other_mask))
             for mask, other_mask in zip(self, sets, strict=True)
@@ -116,10 +118,11 @@ class ActiveSets(NamedTuple):
 
 
 class FilmCorrection(NamedTuple):
-    """Changes of pressure, void fraction and separation, and how the linear system was solved.
+    """Solution of the linear system of a step: changes of pressure, void fraction (x, y) and separation.
 
-    ``solver`` solves the next system: it keeps what this one has found. ``asperity_pressure`` is the change of the
-    pressure of asperities, None without a boundary film.
+    ``asperity_pressure`` is the change of that; None without a boundary film. ``solver`` is for the next system: it
+    keeps what this one may reuse. ``solved`` is False where the system is singular, or its residual too large;
+    ``iterations`` are linear ones.
     """
 
     pressure: Array
@@ -132,31 +135,42 @@ class FilmCorrection(NamedTuple):
 
 
 class LinearSolver(Protocol):
-    """Method that solves the linear system of a step."""
+    """Solver of the linear system of a step."""
 
     def step(
         self, linear: Linearised, film: Film, active: ActiveSets, load_residual: float
     ) -> FilmCorrection:
-        """Return the step after which cavitated cells have no pressure, touching ones the boundary film."""
+        """Return the step for given active sets: without pressure in cavitated cells, at H_b in touching ones."""
         ...
 
 
 @dataclass(frozen=True)
 class FilmControls:
-    """When the iteration stops, and how it starts.
+    """Stopping rule, first step and step limits of the iteration.
 
-    A step that takes the film or the logarithm of the viscosity too far is shortened to the fraction that does not, and
-    refused below the fraction ``shortest``. The active sets of a step converge in ``max_active_set_iterations`` at most;
-    far from the answer a fraction ``allowed_set_changes`` of the cells may still change. A step whose sets do not
-    converge is taken, or refused if ``converged_only``: near a mixed solution in plane strain such a step increases the
-    residual by orders of magnitude. From the dry contact it is taken, as no solution is near.
+    Attributes
+    ----------
+    tolerance, max_iterations
+        Residual of convergence, and the most steps.
+    time_step
+        First step in pseudo-time [a / u_m].
+    viscosity_change
+        Largest change of ln(eta) in a step, which is damped to it.
+    min_damping
+        Damping factor below which a step is rejected.
+    max_active_set_iterations, allowed_set_changes
+        The most iterations for the active sets of a step, and the fraction of the cells that may still change sets in
+        the last one, far from the solution.
+    converged_only
+        If True, a step whose active sets do not converge is rejected: near a mixed solution in plane strain it increases
+        the residual by orders of magnitude. From the dry contact it is taken.
     """
 
     tolerance: float = 1e-8
     max_iterations: int = 200
     time_step: float = 0.1
     viscosity_change: float = inf
-    shortest: float = 0.05
+    min_damping: float = 0.05
     max_active_set_iterations: int = 6
     converged_only: bool = False
     allowed_set_changes: float = 1e-3
@@ -164,7 +178,7 @@ class FilmControls:
 
 @dataclass(frozen=True, eq=False)
 class FilmIteration:
-    """The last film of an iteration, its linearisation and residual, and what it took."""
+    """Last film of an iteration with its linearisation, active sets and residual, and the numbers of iterations."""
 
     film: Film
     linear: Linearised
@@ -175,7 +189,7 @@ class FilmIteration:
 
     @property
     def cavitated(self) -> Mask:
-        """Cells that are cavitated."""
+        """Cavitated cells (x, y)."""
         return self.active.cavitated
 
     def converged(self, tolerance: float) -> bool:
@@ -185,10 +199,10 @@ class FilmIteration:
 
     @property
     def rounding(self) -> float:
-        """Residual that rounding leaves, of pressures and of films, which are small differences of large heights."""
+        """Residual by rounding: of pressures, and of film thicknesses, which are small differences of large heights."""
         linear, heights = self.linear, float(np.abs(self.linear.equation.gap).max())
         by_pressure = float((np.abs(linear.pressure[0, 0]) * self.film.pressure).sum())
-        by_film = float(np.abs(linear.film[0, 0]).sum()) * heights
+        by_film = float(np.abs(linear.thickness[0, 0]).sum()) * heights
         return float(min(ROUNDING * (by_pressure + by_film) / _flow(linear), TUNING.max_rounding))
 
 
@@ -198,12 +212,16 @@ def iterate(
     solver: LinearSolver,
     controls: FilmControls,
     *,
-    storage: Storage | None = None,
+    squeeze: SqueezeTerm | None = None,
     cavitated: Mask | None = None,
     callback: Callable[[FilmIteration], None] | None = None,
 ) -> FilmIteration:
-    """Iterate from ``start`` until the residual converges or stagnates, at the limit, or when steps vanish."""
-    linear = equation.linearise(start, storage)
+    """Return the film after the iteration from ``start``: converged, stagnated, at the limit, or with vanishing steps.
+
+    ``cavitated`` are the cells that are cavitated at first, none by default; ``callback`` is called after each accepted
+    step.
+    """
+    linear = equation.linearise(start, squeeze)
     active = _initial_active_sets(equation, start, cavitated)
     last = FilmIteration(start, linear, active, _residual(linear, start), 0, 0)
     time_step, best, waited, longest = controls.time_step, last.residual, 0, inf
@@ -216,60 +234,59 @@ def iterate(
     ):
         step = _step_of_active_sets(last, solver, time_step, controls)
         solver = step.change.solver
-        fraction = _damping_factor(last, step, controls)
-        film = _updated_film(last, step, fraction, controls)
-        refused = fraction < controls.shortest or not (film.film > 0).all()
-        if not refused:
-            linear, active = equation.linearise(film, storage), step.next
+        damping = _damping_factor(last, step, controls)
+        film = _updated_film(last, step, damping, controls)
+        rejected = damping < controls.min_damping or not (film.thickness > 0).all()
+        if not rejected:
+            linear, active = equation.linearise(film, squeeze), step.next
             residual = _residual(linear, film)
-            refused = (
+            rejected = (
                 active.touching is not None
                 and not step.converged
-                and residual > TUNING.unsettled * last.residual
+                and residual > TUNING.unconverged_rise * last.residual
             )
-        if refused:
-            time_step *= TUNING.refused
+        if rejected:
+            time_step *= TUNING.rejected
             film, linear, active, residual = last.film, last.linear, last.active, last.residual
         else:
-            time_step = TUNING.next_time_step(time_step, last.residual, residual, fraction)
-            waited += fraction == 1
+            time_step = TUNING.next_time_step(time_step, last.residual, residual, damping)
+            waited += damping == 1
             if 2 * residual <= best:
                 best, waited, longest = residual, 0, inf
-            elif active.touching is not None and fraction == 1 and waited % TUNING.cycle == 0:
-                longest = TUNING.longest * TUNING.damped ** (waited // TUNING.cycle - 1)
+            elif active.touching is not None and damping == 1 and waited % TUNING.cycle == 0:
+                longest = TUNING.longest * TUNING.reduction ** (waited // TUNING.cycle - 1)
             time_step = min(time_step, longest)
         last = FilmIteration(
             film, linear, active, residual,
             last.iterations + 1, last.linear_iterations + step.iterations,
         )  # fmt: skip
-        if callback is not None and not refused:
+        if callback is not None and not rejected:
             callback(last)
     return last
 
 
 def _residual(linear: Linearised, film: Film) -> float:
-    """Return the largest of the flow that is not balanced, over the flow, the load that is missing, and heights.
+    """Return the largest of the unbalanced flow over the flow, the missing load over ``p_H a``, and errors of contact.
 
-    With asperities also the smaller of their pressure and of how far the film is off the boundary film, and how far any
-    film is below that, both over it.
+    These are on a boundary film: the largest over the cells of ``min(|H / H_b - 1|, P_c)``, and of ``1 - H / H_b``.
     """
     unbalanced = float(np.abs(linear.residual).sum() / _flow(linear))
     residual = max(unbalanced, abs(linear.equation.load_residual(film)))
     if film.asperity_pressure is None:
         return residual
     boundary = linear.equation.boundary_film
-    rise = film.film / boundary - 1
+    rise = film.thickness / boundary - 1
     violation = float(np.minimum(np.abs(rise), film.asperity_pressure).max())
     return max(residual, violation, -float(rise.min()))
 
 
 def _flow(linear: Linearised) -> float:
-    """Return the largest flow through a face between cells whose balance counts, along the whole length."""
+    """Return the largest flow through a face across, between cells with a balance, times the number of cells along."""
     return float(np.abs(linear.flux[1:-1]).max() * linear.residual.shape[1])
 
 
 def _initial_active_sets(equation: FilmEquation, start: Film, cavitated: Mask | None) -> ActiveSets:
-    """Return the active sets of a start: all cells filled, if neither cavitated cells nor asperities are given."""
+    """Return the active sets of a start: full film in all cells, if neither ``cavitated`` nor asperities are given."""
     if start.asperity_pressure is None:
         return ActiveSets(np.zeros_like(equation.fixed) if cavitated is None else cavitated)
     if cavitated is None:
@@ -279,7 +296,7 @@ def _initial_active_sets(equation: FilmEquation, start: Film, cavitated: Mask | 
 
 
 class _ActiveSetStep(NamedTuple):
-    """Step with the sets it was solved for, those that hold after it, and the linear iterations it took."""
+    """Step with the sets that it was solved for, the sets after it, whether both agree, and the linear iterations."""
 
     change: FilmCorrection
     active: ActiveSets
@@ -291,14 +308,14 @@ class _ActiveSetStep(NamedTuple):
 def _step_of_active_sets(
     last: FilmIteration, solver: LinearSolver, time_step: float, controls: FilmControls
 ) -> _ActiveSetStep:
-    """Solve a step of ``time_step`` for its active sets, and correct the sets until they hold."""
+    """Return a step in pseudo-time whose active sets are corrected until they hold, recur, or at the limit."""
     film, next_active, iterations = last.film, last.active, 0
     linear = last.linear.with_time_step(
         1 / time_step, _height_off_boundary(last.linear.equation, film)
     )
     load_residual = last.linear.equation.load_residual(film)
-    # near the answer every cell counts
-    allowed = controls.allowed_set_changes * min(1.0, last.residual) * film.film.size
+    # near the solution every cell counts
+    allowed = controls.allowed_set_changes * min(1.0, last.residual) * film.thickness.size
     tried = [next_active]
     for _ in range(controls.max_active_set_iterations):
         active = next_active
@@ -309,7 +326,8 @@ def _step_of_active_sets(
             break
         next_active = _corrected_active_sets(last, active, change)
         converged = active.changes(next_active) <= allowed
-        if converged or not all(earlier.changes(next_active) for earlier in tried):  # or a cycle
+        recurs = not all(earlier.changes(next_active) for earlier in tried)
+        if converged or recurs:
             break
         tried.append(next_active)
     change = _within_total_pressure(film, active, change)
@@ -319,11 +337,12 @@ def _step_of_active_sets(
 def _within_total_pressure(
     film: Film, active: ActiveSets, change: FilmCorrection
 ) -> FilmCorrection:
-    """Return the change with a pressure of the lubricant from zero to the total in cells that touch.
+    """Return the change with a lubricant pressure between zero and the total pressure in touching cells.
 
-    The boundary film determines their total pressure. Its parts are nearly indeterminate in a viscous lubricant: they
-    may be many times as large, of opposite signs, and if each is cut off at zero, the film moves off the boundary film.
-    Without this, four films of a narrow transition took 117 steps for 78.
+    The boundary film determines their total pressure. Its split between lubricant and asperities is nearly
+    indeterminate where the lubricant is viscous: the parts may be many times as large and of opposite signs. If each
+    were cut off at zero, the film would leave the boundary film. Without this, four films of a narrow transition took
+    117 steps for 78.
     """
     if active.touching is None or change.asperity_pressure is None:
         return change
@@ -335,21 +354,21 @@ def _within_total_pressure(
 
 
 def _height_off_boundary(equation: FilmEquation, film: Film) -> Array | float:
-    """Return how far the film (x, y) is off the boundary film where asperities carry load, or where it is below that.
+    """Return the height (x, y) above the boundary film where asperities carry load, or the film is thinner than it.
 
-    A step takes these cells onto the boundary film at once. As a motion within a short step in time it would squeeze
-    lubricant out at any pressure.
+    A step sets the film of these cells to the boundary film. As a motion within a short step in pseudo-time, that would
+    squeeze lubricant out under any pressure.
     """
     if film.asperity_pressure is None:
         return 0.0
-    height = film.film - equation.boundary_film
+    height = film.thickness - equation.boundary_film
     return np.where((film.asperity_pressure > 0) | (height < 0), height, 0.0)
 
 
 def _corrected_active_sets(
     last: FilmIteration, active: ActiveSets, change: FilmCorrection
 ) -> ActiveSets:
-    """Return the active sets that hold after a whole step."""
+    """Return the active sets after an undamped step."""
     film, equation = last.film, last.linear.equation
     cavitated = np.where(
         active.cavitated, film.void + change.void >= 0, film.pressure + change.pressure < 0
@@ -359,7 +378,7 @@ def _corrected_active_sets(
         return ActiveSets(cavitated)
     assert film.asperity_pressure is not None
     assert change.asperity_pressure is not None
-    low = film.film + _change_of_film(equation, change) < equation.boundary_film * (
+    low = film.thickness + _change_of_thickness(equation, change) < equation.boundary_film * (
         1 - TUNING.contact_tolerance
     )
     return ActiveSets(
@@ -368,8 +387,8 @@ def _corrected_active_sets(
     )
 
 
-def _change_of_film(equation: FilmEquation, change: FilmCorrection) -> Array:
-    """Return the change of the film (x, y) in a step."""
+def _change_of_thickness(equation: FilmEquation, change: FilmCorrection) -> Array:
+    """Return the change of the film thickness (x, y) in a step."""
     total = (
         change.pressure
         if change.asperity_pressure is None
@@ -379,21 +398,21 @@ def _change_of_film(equation: FilmEquation, change: FilmCorrection) -> Array:
 
 
 def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmControls) -> float:
-    """Return the largest fraction of a step, up to 1, that keeps film and viscosity within their limits.
+    """Return the largest damping factor, at most 1, with which film and viscosity change within their limits.
 
-    Zero for a step that was not solved, and for one whose sets have to converge and do not.
+    Zero for a step that was not solved, or whose active sets must converge and do not.
     """
     change, film, equation = step.change, last.film, last.linear.equation
     if not change.solved or (controls.converged_only and not step.converged):
         return 0.0
-    rise = _change_of_film(equation, change) / film.film
+    rise = _change_of_thickness(equation, change) / film.thickness
     log_change = equation.log_viscosity(film.pressure)[1] * np.abs(change.pressure)
     if step.active.touching is None:
         viscous = np.quantile(log_change, 1 - TUNING.clipped)
-    else:  # asperities take over the pressure of the lubricant at once
+    else:  # where asperities take over pressure, its fall has no limit
         taken_over = step.active.touching & (change.pressure < 0)
         viscous = log_change[~taken_over].max(initial=0.0)
-    # each fraction is its limit over the change
+    # each change over its limit
     largest = max(
         float(-rise.min()) / (1 - TUNING.min_film_fraction),
         float(rise[film.pressure > 0].max(initial=0.0)) / (1 / TUNING.min_film_fraction - 1),
@@ -403,11 +422,11 @@ def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmCon
 
 
 def _updated_film(
-    last: FilmIteration, step: _ActiveSetStep, fraction: float, controls: FilmControls
+    last: FilmIteration, step: _ActiveSetStep, damping: float, controls: FilmControls
 ) -> Film:
-    """Return the film after a ``fraction`` of a step, with pressures and voids in their range."""
+    """Return the film after a damped step, with pressures and void fractions clipped to their ranges."""
     film, equation, change = last.film, last.linear.equation, step.change
-    pressure_change = fraction * change.pressure
+    pressure_change = damping * change.pressure
     if film.asperity_pressure is None:
         largest = np.full_like(pressure_change, inf)
         log_slope = equation.log_viscosity(film.pressure)[1]
@@ -415,15 +434,15 @@ def _updated_film(
         pressure_change = np.clip(pressure_change, -largest, largest)
     pressure = np.maximum(film.pressure + pressure_change, 0)
     largest_void = 1 - TUNING.content_fall * (1 - film.void) if equation.conserves else inf
-    void = np.clip(film.void + fraction * change.void, 0, largest_void)
+    void = np.clip(film.void + damping * change.void, 0, largest_void)
     asperity_pressure = None
     if film.asperity_pressure is not None and change.asperity_pressure is not None:
         asperity_pressure = np.maximum(
-            film.asperity_pressure + fraction * change.asperity_pressure, 0
+            film.asperity_pressure + damping * change.asperity_pressure, 0
         )
-    if fraction == 1:
+    if damping == 1:
         pressure[step.active.cavitated], void[~step.active.cavitated] = 0, 0
         if asperity_pressure is not None and step.active.touching is not None:
             asperity_pressure[~step.active.touching] = 0
-    separation = film.separation + fraction * change.separation
+    separation = film.separation + damping * change.separation
     return equation.film_of(pressure, void, separation, asperity_pressure)

@@ -1,4 +1,4 @@
-"""Steady lubricated contacts: the grid for an error of the film, the solve, and the estimate of its errors."""
+"""Steady lubricated contacts: the grid for an error of the film thickness, the solve, and the error estimate."""
 
 from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
@@ -19,28 +19,29 @@ from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.roughness import Roughness
 from contactstudy.solvers.solution import Status
 
-# Cells of half an inlet sweep give the smallest film within this error.
+# On cells of half an inlet pressure sweep the minimum film has this relative error.
 HALF_SWEEP_ERROR = 0.02
-# An inlet is no shorter than this [a]. No more than this fraction of the contact counts as an inlet sweep.
+# Least distance of the inlet's edge from the axis [a], and the largest inlet sweep over the half-width of the pressure.
 INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
-# Rounds of refinement towards an error, and the most cells across of plane strain.
+# Refinements towards an error at most, and the most cells across of plane strain.
 REFINEMENTS, MAX_CELLS = 6, 3200
-# Factor on the cells that the film needs, at which nothing else is refined for: temperatures cost the most.
+# Factor on the cells that the film needs, from which cells are not refined for friction, heat and load fraction.
 REFINED_FOR_MOTION = 2.0
-# Cells for the shortest wave of a surface.
+# Cells for the shortest wavelength of a surface.
 CELLS_PER_WAVE = 8
-# The inlet's error falls as its length^-2. A constriction of few cells hides a fraction of the film's rise beside it.
+# The error by the inlet falls with its length^-2: it is this part of the change to twice the length. A constriction of
+# few cells hides this fraction of the rise of the film beside it.
 INLET_ERROR_OVER_CHANGE, HIDDEN_RISE = 4 / 3, 0.2
-# Of the change from a quarter to half the cells, the part that the next change may have, unless it happens to vanish.
+# Least change from half the cells to all, over that from a quarter to half: it may vanish by chance.
 NEXT_CHANGE = 1 / 3
 # Cells of the coarsest grid of an estimate, at least.
 MIN_CELLS = 8
-# A second peak of pressure, this much higher than the valley before it [of the highest], is a spike.
-# Where a spike adds more than this fraction to the friction, and so many times as much as with half the cells, friction
-# has no estimate.
+# A second peak of pressure is a spike if it rises from the valley before it by more than SPIKE of the highest pressure.
+# Friction has no estimate where a spike adds more than SPIKE_DRAG of it, and SPIKE_GROWTH times as much as on half the
+# cells.
 SPIKE, SPIKE_DRAG, SPIKE_GROWTH = 0.02, 0.01, 1.5
-# Cells over which the pressure falls by more than this fraction of its highest hide a spike: with Barus' law at M = 5,
-# L = 9 the highest pressure grows from 1.1 to 2.4 p_H on 64 to 1280 cells, all of which are steeper.
+# Where the pressure falls from one cell to the next by more than this fraction of the highest, it may hide a spike: with
+# Barus' law at M = 5, L = 9 the highest pressure grows from 1.1 to 2.4 p_H on 64 to 1280 cells, all of them steeper.
 STEEP_FALL = 0.3
 
 
@@ -53,16 +54,16 @@ def film_grid(
     longer: float = 1.0,
     finer: float = 1.0,
 ) -> Grid:
-    """Return a grid on which central and smallest film of a smooth contact are within a relative ``error``.
+    """Return a grid on which central and minimum film of a smooth contact are within a relative ``error``.
 
     Parameters
     ----------
     scene
         A lubricated scene.
     error
-        One half of it is the inlet's, one that of the cells, which resolve the inlet sweep.
+        Half of it is that of the inlet's length, half that of the cells, which resolve the inlet sweep.
     period
-        Length [m], which has no effect on the film in plane strain.
+        Period along the length [m], which has no effect on the film in plane strain.
     finest
         Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each. One cell along the
         length where nothing varies along it.
@@ -106,13 +107,13 @@ def solve_lubricated(
     padding
         Along the length, one that wraps.
     error
-        Relative error of central and smallest film to reach, 1 % without a grid; with up to twice the cells also of
-        friction, temperatures and load fraction. With it the contact has an estimate of its errors as ``error``, found
-        on further grids.
+        Relative error of central and minimum film to reach, 1 % without a grid; with up to twice the cells also of
+        friction, temperatures and load fraction. With it the contact has an ``estimate`` of its errors, from further
+        grids.
     tolerance, max_iterations
-        Where the iteration stops: a residual, and a number of steps.
+        Residual of convergence, and the most steps on one grid from one start.
     start
-        A contact on the same grid to go on from, such as that at a somewhat higher speed.
+        A contact to start from, such as that at a somewhat higher speed; on another grid it is interpolated.
 
     Returns
     -------
@@ -161,7 +162,7 @@ def solve_lubricated(
         cells = max(parts.by_cause["discretisation"] for parts in bounded)
         if inlet + cells <= error:
             return contact
-        # a width that is given leaves the error of its inlet
+        # on a given extent the error of the inlet remains
         remaining = error if grid is None or inlet > error / 2 else 2 * (error - inlet)
         if fitting.cells[0] >= MAX_CELLS or (
             grid and (cells <= remaining / 2 or grid.cells[1] > 1)
@@ -185,7 +186,7 @@ def _on_extent(grid: Grid, finer: float) -> Grid:
     nx, ny = grid.cells
     if finer == 1:
         return grid
-    # a multiple, so that the cells of the estimate's grids lie on each other
+    # a multiple, so that the cells of the coarser grids are unions of cells
     return Grid(
         (max(nx, min(ROW_MULTIPLE * ceil(nx * finer / ROW_MULTIPLE), MAX_CELLS)), ny), grid.extent
     )
@@ -198,7 +199,7 @@ def _with_error(
     controls: FilmControls,
     start: FilmSolution | None,
 ) -> FilmSolution:
-    """Solve on the grids of the estimate and on ``grid``, each from the one before."""
+    """Return the contact on ``grid`` with an error estimate; each of its grids starts from a coarser one."""
     if (reason := _too_coarse(scene, grid)) is not None:
         return replace(solve_on(scene, grid, padding, controls, start), estimate=_unknown(reason))
     scene = _same_surface(scene, grid)
@@ -211,25 +212,25 @@ def _with_error(
 
 
 def varies_along(shape: object) -> bool:
-    """Return whether a shape varies along the length, as far as its length scales say."""
+    """Return whether a shape varies along the length by its length scales; True if it has none."""
     scales = getattr(shape, "length_scales", None)
     return scales is None or scales.finest[1] < inf or scales.roller > 0
 
 
 def film_error(contact: FilmSolution) -> ErrorEstimate:
-    """Estimate the errors of ``contact``.
+    """Return an estimate of the errors of ``contact``, from solutions on three further grids.
 
-    Three further solutions are made: with half the cells along both axes, with a quarter, and with half the cells over
-    twice the inlet.
+    These have half the cells along both axes, a quarter, and half the cells over twice the width.
 
-    1. The error by the cells is the difference to half as many, as the order observed is 1 to 2.3. It is at least a
-       third of the difference between half and a quarter, since the error may change its sign; that of the smallest
-       film is at least a fifth of its rise over the next cell.
-    2. The error by the inlet is 4/3 of the change, as it falls with the square of the inlet's length.
+    1. The error by the cells is the difference to half as many, as the observed order is 1 to 2.3. It is at least a
+       third of the difference between half and a quarter, since the error may change its sign; that of the minimum film
+       is at least a fifth of the rise from the lowest cell to the next.
+    2. The error by the inlet is 4/3 of the change by twice its length, as it falls with the square of that.
 
-    No estimate is finite where half the cells do not resolve the film. The height of a spike depends on the size of the
-    cells, so that its peak has no estimate. Friction has none where a Newtonian stress under the spike adds to it ever
-    more, or where the stress is above the largest known limit of a lubricant; see ``FilmSolution.friction_reason``.
+    No estimate is finite where a film on one of these grids has not converged, is not resolved, or is one of several.
+    The peak pressure has none beside a spike, whose height depends on the cells. Friction has none where a Newtonian
+    stress under the spike adds ever more to it, or where the stress is above the largest known limit of a lubricant; see
+    ``FilmSolution.friction_reason``.
     """
     if (reason := _too_coarse(contact.scene, contact.grid)) is not None:
         return _unknown(reason)
@@ -246,7 +247,7 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
 
 
 def _same_surface(scene: Scene, grid: Grid) -> Scene:
-    """Return the scene with random surfaces of the size of ``grid``, so that a wider one shows the same."""
+    """Return the scene with random surfaces of the extent of ``grid``, so that they are the same on a wider grid."""
     shapes = tuple(
         replace(shape, extent=grid.extent)
         if isinstance(shape, Roughness) and shape.extent is None
@@ -257,7 +258,7 @@ def _same_surface(scene: Scene, grid: Grid) -> Scene:
 
 
 def _too_coarse(scene: Scene, grid: Grid) -> str | None:
-    """Return why a quarter of the cells are too few to estimate an error with; None if they are not."""
+    """Return the reason if a quarter of the cells are too few for an error estimate, else None."""
     scales = lubricated_scales(scene)
     cells = grid.cells[0] // 4
     if (
@@ -272,7 +273,7 @@ def _too_coarse(scene: Scene, grid: Grid) -> str | None:
 
 
 def _unknown(reason: str) -> ErrorEstimate:
-    """Return an error without a bound."""
+    """Return an estimate without bounds, with the ``reason``."""
     parts = ErrorParts(discretisation=inf, inlet=inf, residual=inf, reason=reason)
     return _estimate(parts, parts, parts, parts, parts)
 
@@ -284,7 +285,7 @@ def _estimate(
     minimum_film: ErrorParts,
     friction: ErrorParts,
 ) -> ErrorEstimate:
-    """Return the estimate of a film, with the reasons of its parts as warnings, each once."""
+    """Return the estimate of a film; its warnings are the reasons of its parts, each once."""
     parts = l1, peak_pressure, central_film, minimum_film, friction
     return ErrorEstimate(
         l1,
@@ -297,7 +298,7 @@ def _estimate(
 
 
 def _grids_of_estimate(grid: Grid) -> tuple[Grid, Grid, Grid]:
-    """Return the grid with a quarter of the cells along each axis, with half, and with half over twice the width."""
+    """Return grids with a quarter of the cells along each axis, with half, and of those cells over twice the width."""
     (nx, ny), (width, period) = grid.cells, grid.extent
     half, along = nx // 2, max(ny // 2, 1)
     return (
@@ -355,7 +356,7 @@ def _compared(
         peak = replace(peak, discretisation=inf, reason=reason or spike)
     friction = parts("friction")
     drag, coarse_drag = _drag_of_spike(contact), _drag_of_spike(coarse)
-    # a stress that grows as the logarithm of the viscosity, or not at all, has a limit under ever narrower spikes
+    # drag of ever narrower spikes converges if the stress grows with the logarithm of the viscosity, or not at all
     shear = contact.scales.lubrication.lubricant.shear
     limited = isinstance(shear, Eyring | LimitingShear)
     of_spike = abs(drag - coarse_drag) if limited else drag
@@ -371,11 +372,10 @@ def _compared(
     temperatures = contact.temperatures
     if temperatures is not None and temperatures.reason:
         friction = replace(friction, discretisation=inf, reason=temperatures.reason)
-    smallest = parts("minimum_film")
+    minimum = parts("minimum_film")
     hidden = HIDDEN_RISE * rise_beside_lowest(contact.film)
-    coarse_error = max(smallest.by_cause["discretisation"], hidden)
-    smallest = replace(smallest, discretisation=coarse_error)
-    estimate = _estimate(pressure, peak, parts("central_film"), smallest, friction)
+    minimum = replace(minimum, discretisation=max(minimum.by_cause["discretisation"], hidden))
+    estimate = _estimate(pressure, peak, parts("central_film"), minimum, friction)
     if temperatures is not None:
         flash, mean = (
             replace(parts(name), discretisation=inf, reason=temperatures.reason)
@@ -401,12 +401,12 @@ def has_spike(pressure: Array) -> bool:
 
 
 def _falls_within_a_cell(pressure: Array) -> bool:
-    """Return whether the pressure (x, y) falls so steeply that cells do not resolve a spike."""
+    """Return whether the pressure (x, y) falls so steeply between cells that it may hide a spike."""
     return bool((pressure[:-1] - pressure[1:]).max() > STEEP_FALL * pressure.max())
 
 
 def _valley(pressure: Array) -> tuple[int, float]:
-    """Return the row of the deepest valley of the mean pressure that it rises from again, and that rise."""
+    """Return the index across of the deepest valley of the pressure, averaged over the length, and its depth."""
     mean = pressure.mean(axis=1)
     falls = np.maximum.accumulate(mean) - mean
     rises = np.maximum.accumulate(mean[::-1])[::-1] - mean
@@ -415,7 +415,7 @@ def _valley(pressure: Array) -> tuple[int, float]:
 
 
 def _drag_of_spike(contact: FilmSolution) -> float:
-    """Return the fraction of the friction by which the stress downstream of a valley exceeds that in it."""
+    """Return the part of the friction that the shear stress of a spike adds: what exceeds that in the valley."""
     stress = np.abs(contact.shear.mean(axis=1))
     if not (has_spike(contact.pressure) and stress.any()):
         return 0.0

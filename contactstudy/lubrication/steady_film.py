@@ -1,4 +1,4 @@
-"""Steady film on one grid: coarser grids first, higher speeds where a cold start fails, and the contact in SI units."""
+"""Steady film on one grid: nested grids, continuation in speed where a cold start fails, and the contact in SI units."""
 
 from dataclasses import dataclass, replace
 from math import ceil, inf, log
@@ -31,17 +31,18 @@ from contactstudy.lubrication.pseudo_time import (
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status
 
-# The inlet sweep over the half-width is (H / 0.94)^(2/3), of the film in Hertz units H. An inlet of x_a half-widths
-# gives a film that is too thin by 0.9 H / x_a^2.
+# The inlet pressure sweep over the half-width is (H / SWEEP)^(2/3) with the film thickness H in Hertz units. An inlet of
+# x_a half-widths gives a film that is too thin by the fraction INLET_ERROR H / x_a^2.
 SWEEP, INLET_ERROR = 0.94, 0.9
-# An inlet that makes the film thinner by more than STARVED counts as starved. A film is unresolved on cells wider than
-# the inlet sweep, or where it rises by more than UNRESOLVED_RISE from its lowest cell to the next.
+# An inlet whose length makes the film thinner by more than the fraction STARVED counts as starved. A film is unresolved
+# on cells wider than the inlet sweep, or if it rises by more than UNRESOLVED_RISE of itself from its lowest cell to the
+# next.
 STARVED, UNRESOLVED_RISE = 0.05, 0.5
 
 
 @dataclass(frozen=True)
 class SteadyTuning:
-    """Tuning constants of starts on nested grids, chosen by counts of steps on smooth and rough films.
+    """Tuning constants of the starts, chosen by counts of steps on smooth and rough films.
 
     Attributes
     ----------
@@ -49,14 +50,14 @@ class SteadyTuning:
         First step in pseudo-time after a coarser grid. On rough films a hundredth of it took 1.3 to 4 times as long,
         and ten times it needed hundreds of linear iterations in its first steps.
     rough_change
-        Largest change of ln(eta) in a step of a film that varies along its length; none is needed in plane strain.
+        Largest change of ln(eta) in a step of a film that varies along its length; plane strain needs no limit.
     relative_roughness, growth
-        A second film is sought where the rms of heights is more than ``relative_roughness`` times the film, by
-        heights that grow by the factor ``growth``.
+        In plane strain a second film is sought where the rms height is more than ``relative_roughness`` times the film,
+        by heights that grow from that by the factor ``growth``.
     distinct
-        Relative difference of the mean film by which two films are distinct.
+        Relative difference of the mean thickness by which two films are distinct.
     speeds
-        Where a cold start fails.
+        Speeds of the continuation where a cold start fails.
     """
 
     step_after_prolongation: float = 0.3
@@ -77,9 +78,10 @@ def solve_on(
     controls: FilmControls,
     start: FilmSolution | None = None,
 ) -> FilmSolution:
-    """Solve the film on one grid, from a cold start, or from another contact where that converges.
+    """Return the film on one grid, from another contact where that converges, else from a cold start.
 
-    Where transverse heights are more than twice the film, a second film is sought.
+    Where the rms of transverse heights is more than twice the film, a second film is sought, and the status says if it
+    exists.
     """
     posed = pose(scene, grid, padding)
     if posed.equation.boundary_film:
@@ -126,9 +128,9 @@ def solve_on(
 def _without_asperities(
     posed: PosedFilm, controls: FilmControls
 ) -> tuple[tuple[Film, Mask], tuple[int, int]]:
-    """Return the film on nested grids without a boundary film, raised to it, its cavitated cells, and the iterations.
+    """Return the film on nested grids without a boundary film, raised to that, its cavitated cells, and the iterations.
 
-    On the finest grid alone the film took ten times as long, or did not converge between ridges.
+    On the finest grid alone it took ten times as long, or did not converge between ridges.
     """
     equation = posed.equation
     without_boundary = replace(posed, equation=replace(equation, boundary_film=0.0))
@@ -141,7 +143,7 @@ def _without_asperities(
 
 
 def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIteration | None:
-    """Iterate from a film with lower heights up to these; None where that fails."""
+    """Return the film that is followed from lower heights up to these; None where that fails."""
     smooth = posed.x[:, None] ** 2 / 2
     heights, last = posed.equation.gap - smooth, None
     number = ceil(log(posed.relative_roughness / TUNING.relative_roughness) / log(TUNING.growth))
@@ -162,16 +164,16 @@ def _with_growing_ridges(posed: PosedFilm, controls: FilmControls) -> FilmIterat
 def _differs(
     posed: PosedFilm, first_iteration: FilmIteration, second_iteration: FilmIteration
 ) -> bool:
-    """Return whether the mean films of two iterations in the contact are not the same."""
+    """Return whether two films have distinct mean thicknesses in the Hertzian zone."""
     inside = np.abs(posed.x) < 1
     first, second = (
-        iteration.film.film[inside].mean() for iteration in (first_iteration, second_iteration)
+        iteration.film.thickness[inside].mean() for iteration in (first_iteration, second_iteration)
     )
     return bool(abs(first - second) > TUNING.distinct * first)
 
 
 def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
-    """Iterate from a cold start, or where that fails from the film at higher speeds down to this one."""
+    """Return the film from a cold start, or where that fails followed from higher speeds down to this one."""
     cold = _nested(posed, controls)
     if cold.converged(controls.tolerance):
         return cold
@@ -186,7 +188,7 @@ def continued(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
 
 
 def _nested(posed: PosedFilm, controls: FilmControls) -> FilmIteration:
-    """Iterate on coarser grids first, where a distant start costs little."""
+    """Return the film from nested grids: a distant start costs little on the coarsest."""
     coarser = posed.coarser()
     if coarser is None:
         return _iterated(posed, hertz_start(posed), controls)
@@ -216,7 +218,7 @@ def film_solution(
     last: FilmIteration,
     tolerance: float,
 ) -> FilmSolution:
-    """Return the contact of an iteration in SI units, on the whole grid."""
+    """Return the contact of an iteration on the whole grid, in SI units."""
     equation, scales, rows = posed.equation, posed.scales, posed.upstream.cells[0]
     pressure = np.zeros(grid.cells)
     pressure[:rows] = last.film.total_pressure * scales.hertz.peak_pressure
@@ -226,7 +228,7 @@ def film_solution(
         asperities[:rows] = last.film.asperity_pressure * scales.hertz.peak_pressure
     separation = last.film.separation * scales.film
     film = separation + posed.problem.undeformed_gap + posed.displacement(pressure)
-    # downstream of the last balance streamers carry what left it
+    # downstream of the last cell with a balance, streamers carry the content that leaves it
     film_fraction = np.zeros(grid.cells)
     film_fraction[: rows - 1] = equation.film_fraction(last.film)[:-1]
     content = equation.content(last.film)[-2] * scales.film
@@ -234,7 +236,7 @@ def film_solution(
         np.minimum(content / film[rows - 1 :], 1) if equation.conserves else 1
     )
     flow = last.linear.flux[2:-1].mean(axis=1)
-    if not equation.conserves:  # where the film opens for good, any flow may appear
+    if not equation.conserves:  # beyond the last pressure any flow may appear
         flow = flow[: np.flatnonzero((last.film.pressure > 0).any(axis=1))[-1] - 1]
     mean_speed = equation.speed * scales.lubrication.largest_speed
     state = pressure, film, film_fraction, asperities
@@ -271,8 +273,8 @@ def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
         return Status.FILM_NOT_CONVERGED
     equation = posed.equation
     axis = int(np.argmin(np.abs(posed.x)))
-    film = float(last.film.film[axis].mean())
-    steep = not equation.boundary_film and rise_beside_lowest(last.film.film) > UNRESOLVED_RISE
+    film = float(last.film.thickness[axis].mean())
+    steep = not equation.boundary_film and rise_beside_lowest(last.film.thickness) > UNRESOLVED_RISE
     if film < SWEEP * equation.cell[0] ** 1.5 or steep:
         return Status.FILM_BELOW_CELL
     # a longer inlet has no effect where the supplied layer fills the gap inside the grid

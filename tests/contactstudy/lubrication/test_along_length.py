@@ -61,12 +61,12 @@ def test_a_film_on_finer_cells_starts_with_the_same_flow_through_each_row_of_the
     assert coarser is not None
     coarse = continued(coarser, FilmControls(tolerance=1e-6))
     film = prolongated(posed.equation, coarse)[0]
-    assert film.film.min() <= coarse.film.film.min()
+    assert film.thickness.min() <= coarse.film.thickness.min()
     inlet = posed.equation.linearise(film).flux.mean(axis=1)[1:12]
     # a mean of the flow is not quite the flow of a mean pressure
     assert inlet == pytest.approx(inlet.mean(), rel=0.01)
     # where interpolation alone lets the film of the first cells through
-    assert inlet.mean() < 0.01 * film.film[1].mean()
+    assert inlet.mean() < 0.01 * film.thickness[1].mean()
 
 
 def test_the_balance_of_the_film_changes_by_its_derivatives() -> None:
@@ -75,7 +75,7 @@ def test_the_balance_of_the_film_changes_by_its_derivatives() -> None:
     equation, chance = posed.equation, np.random.default_rng(1)
     film = continued(posed, FilmControls(tolerance=1e-6)).film
     linear, step = equation.linearise(film), 1e-6
-    for name, bands in (("pressure", linear.pressure), ("film", linear.film)):
+    for name, bands in (("pressure", linear.pressure), ("thickness", linear.thickness)):
         field = getattr(film, name)
         change = field * chance.uniform(0.5, 1, field.shape)
         before, after = (

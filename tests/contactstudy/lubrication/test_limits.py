@@ -232,7 +232,7 @@ def rigid_equation(inlet: float, cells: int) -> tuple[FilmEquation, Film]:
         gap=(x**2 / 2)[:, None],
         deflection=np.zeros_like,
         cell=(size, 1.0),
-        resistance=3 * pi**2 / (8 * load_parameter**2),
+        speed_parameter=3 * pi**2 / (8 * load_parameter**2),
         load=pi / 2,
         log_viscosity=lambda pressure: (np.zeros_like(pressure), np.zeros_like(pressure)),
         density=lambda pressure: (np.ones_like(pressure), np.zeros_like(pressure)),

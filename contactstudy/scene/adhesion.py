@@ -103,9 +103,9 @@ class Adhesion:
                 else ("rolling", scene.rolling)
             )
             raise InvalidInput(
-                f"Scene.{name} is {value!r} together with Adhesion, and not of elastic bodies: others part behind with "
-                "more work than they join with ahead, which is not computed, give elastic bodies, or leave one of them "
-                "out."
+                f"Scene.{name} is {value!r} together with Adhesion, and not steady rolling of elastic bodies: others "
+                "part behind with more work than they join with ahead, which is not computed, give elastic bodies "
+                "without passes, or leave one of them out."
             )
         self._check_friction(scene.friction)
         if self.range is None and any(map(yields, scene.solids)):

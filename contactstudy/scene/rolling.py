@@ -16,6 +16,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, Number
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
+from contactstudy.scene.shapes.shape import Shape
 
 
 class RollingPressure(Enum):
@@ -42,7 +43,7 @@ class Rolling:
     passes
         Number of passes over a body that yields, at least 1; None rolls steadily.
     pressure
-        Pressure of the passes.
+        :class:`RollingPressure` of the passes.
     distance
         Distance of each pass [m]. None rolls until the plastic strain left behind is steady.
     steady
@@ -52,8 +53,8 @@ class Rolling:
     Raises
     ------
     InvalidInput
-        If the speed is negative or not a number, if neither speed nor passes are given, or for other numbers outside
-        these limits.
+        If neither speed nor passes are given, if a setting of passes is given without passes, or if a value is outside
+        these limits; in a scene with heights that move with a body.
     """
 
     speed: MetresPerSecond | None = None
@@ -74,6 +75,27 @@ class Rolling:
         if self.distance is not None:
             positive("Rolling.distance", self.distance, "give a distance above 0 m, or None")
         positive("Rolling.steady", self.steady, "give a part of the yield strain, such as 5e-3")
+        if not isinstance(self.pressure, RollingPressure):
+            raise InvalidInput(
+                f"Rolling.pressure is {self.pressure!r}: give RollingPressure.SOLVED or RollingPressure.ELASTIC."
+            )
+        if self.passes is None:
+            for name in ("pressure", "distance", "steady"):
+                if (value := getattr(self, name)) != getattr(Rolling, name):
+                    raise InvalidInput(
+                        f"Rolling.{name} is {value!r} without passes, to which alone it applies: give passes, or leave "
+                        "it out."
+                    )
+
+
+def check_standing(name: str, shapes: tuple[Shape, ...]) -> None:
+    """Raise InvalidInput for heights among the `shapes` that move with a body, together with rolling by `name`."""
+    for number, shape in enumerate(shapes):
+        if hasattr(shape, "gap_after"):
+            raise InvalidInput(
+                f"Scene.shapes[{number}] moves with a body together with {name}: heights that travel through the "
+                "contact make no steady state, give heights that are fixed in its frame."
+            )
 
 
 # Fewest widths of the contact by which it rolls while the load changes: what it rolls over is steady after one or two.

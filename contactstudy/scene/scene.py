@@ -218,9 +218,10 @@ class Scene:
 
             _instance("Scene.wear", self.wear, Wear, "give a Wear, or None")
         if self.rolling is not None:
-            from contactstudy.scene.rolling import Rolling
+            from contactstudy.scene.rolling import Rolling, check_standing
 
             _instance("Scene.rolling", self.rolling, Rolling, "give a Rolling, or None")
+            check_standing("Scene.rolling", self.shapes)
         if self.friction is not None:
             from contactstudy.scene.friction.friction_law import Friction
 

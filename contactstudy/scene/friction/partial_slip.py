@@ -80,9 +80,10 @@ class PartialSlip:
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
         if self.superposes(scene, varies=varies, paddings=paddings):
+            is_plane = not varies and paddings[1].window is None
             return (
                 "friction: partial slip by Ciavarella and Jaeger's superposition, two solves, which is exact as "
-                + ("Poisson's ratio is 0." if varies else "nothing varies along the length.")
+                + ("nothing varies along the length." if is_plane else "Poisson's ratio is 0.")
             )
         return (
             "friction: partial slip for both components of shear, since "

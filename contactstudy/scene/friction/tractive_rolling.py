@@ -20,7 +20,7 @@ from contactstudy.scene.friction.friction_law import (
     sheared,
 )
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.rolling import check_slow
+from contactstudy.scene.rolling import check_slow, check_standing
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext, yields
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
@@ -112,12 +112,7 @@ class TractiveRolling:
             )
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
-        for number, shape in enumerate(scene.shapes):
-            if hasattr(shape, "gap_after"):
-                raise InvalidInput(
-                    f"Scene.shapes[{number}] moves with a body together with TractiveRolling: heights that travel "
-                    "through the contact make no steady state, give heights that are fixed in its frame."
-                )
+        check_standing("TractiveRolling", scene.shapes)
         limit = self.coefficient * _least(scene.load)
         if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(

@@ -156,7 +156,7 @@ class Lubrication:
     lubricant
         The lubricant, which enters from the side of smaller x.
     mean_speed
-        u_m [m/s], the mean of both surface speeds, above 0; or a :class:`SpeedHistory`.
+        Entrainment speed u_m [m/s], the mean of both surface speeds, above 0; or a :class:`SpeedHistory`.
     slide_roll_ratio
         Difference of the surface speeds, first body less second, over their mean.
     cavitation
@@ -189,7 +189,7 @@ class Lubrication:
             )
         changes = isinstance(self.mean_speed, ChangingSpeed)
         if not changes:
-            remedy = "give a speed above 0 m/s, or a SpeedHistory; the dry contact is contactstudy.solve's"
+            remedy = "give a speed above 0 m/s, or a SpeedHistory, or leave Scene.lubrication out for the dry contact"
             check_fields(self, mean_speed=(in_range, remedy))
         remedy = "give the sliding speed over the mean speed, such as 0.1"
         check_fields(self, slide_roll_ratio=(finite, remedy))
@@ -281,8 +281,8 @@ class Lubrication:
                 "stands still, or an elastic body."
             )
         moves = any(hasattr(shape, "gap_after") for shape in scene.shapes)
-        wears = getattr(scene, "wear", None) is not None
-        if isinstance(self.mean_speed, ChangingSpeed) or moves or wears or scene.outputs:
+        changes = isinstance(self.mean_speed, ChangingSpeed) or moves or scene.wear is not None
+        if changes or scene.outputs:
             raise InvalidInput(
                 f"Scene.solids[{number}] yields below a film, which is steady at each instant: give one speed, shapes "
                 "that stand still, no wear and no outputs."

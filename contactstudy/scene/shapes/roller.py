@@ -111,8 +111,8 @@ class Crown:
     radius
         Radius R of the crown [m], above zero; infinite, the default, for no crown.
     length
-        Length of the roller [m], above zero, over which a :class:`~contactstudy.TotalLoad` on a crowned
-        roller is spread; infinite, the default, where it is not known. The parabola goes on beyond it.
+        Length of the roller [m], above zero, over which a :class:`~contactstudy.TotalLoad` is spread; infinite, the
+        default, where it is not known. The parabola goes on beyond it.
 
     Raises
     ------
@@ -138,12 +138,12 @@ class Crown:
         """Return the crown of a roller of `length` [m] that drops by `end_drop` [m], at least zero, at both ends."""
         drop = in_range_from_zero("Crown end_drop", end_drop, HEIGHT_REMEDY)
         length = in_range("Crown length", length, LENGTH_REMEDY)
-        return cls(length**2 / (8 * drop), length) if drop else cls()
+        return cls(length**2 / (8 * drop) if drop else inf, length)
 
     @property
     def length_scales(self) -> LengthScales:
-        """Length scales of the roller."""
-        return LengthScales(roller=self.length if self.radius < inf else 0.0)
+        """Length scales of the roller; none without a crown and a length."""
+        return LengthScales(roller=self.length if min(self.radius, self.length) < inf else 0.0)
 
     def gap(self, grid: Grid) -> Array:
         """Return ``y^2 / (2 R)`` [m], of shape (1, ny), or (nx, 1) without a crown."""
@@ -240,9 +240,9 @@ class LundbergProfile:
         """Return the logarithmic profile of ISO/TS 16281 for a cylindrical roller.
 
         The drop is ``0.00035 D ln(1 / (1 - (2 y / L)^2))`` up to a length of 2.5 diameters. A longer roller is
-        straight in the middle, and drops by ``0.0005 D ln(1 / (1 - t^2))`` over 1.25 diameters at each end. The
-        standard's drop is infinite at the very end; here it ends at ten amplitudes, which agrees within 0.3 % of the
-        amplitude over 99 % of the profiled length.
+        straight in the middle, and drops by ``0.0005 D ln(1 / (1 - t^2))`` over 1.25 diameters at each end, along which
+        t rises from 0 to 1. The standard's drop is infinite at the very end; here it ends at ten amplitudes, which
+        agrees within 0.3 % of the amplitude over 99 % of the profiled length.
 
         Parameters
         ----------
@@ -282,8 +282,8 @@ class FiniteLength:
 
     Cells whose centre lies beyond an end have the gap `length`, larger than any elastic displacement, so that they never
     touch. An end between two cells is exact. A cell that an end divides carries pressure over its whole area, or none,
-    and enters the mean gap with its covered fraction. Under a load per length of the grid the roller carries that load
-    times the grid's length over its own. With ZeroPadding along, a grid as long as the roller ends it too.
+    and enters the mean gap with its covered fraction. Under a :class:`~contactstudy.LineLoad` the roller carries that
+    load times the length of the grid. With ZeroPadding along, a grid as long as the roller ends it too.
 
     Parameters
     ----------

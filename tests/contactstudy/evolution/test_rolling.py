@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import inf, pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -153,13 +154,42 @@ def test_a_wavy_rolling_contact_is_as_periodic_as_its_waves() -> None:
     [
         ({"load": cs.SineLoad(1.0, 0.1, 1.0)}, r"^Scene\.load changes in time"),
         ({"solids": (cs.ViscoelasticHalfSpace(0.0, 0.3, ((1.0, 1.0),)), RIGID)}, "is a fluid"),
+        (
+            {"shapes": (cs.Cylinder(1.0), cs.MovingShape(cs.Waviness(1e-3, 0.1)))},
+            r"^Scene\.shapes\[1\] moves with a body together with Scene\.rolling",
+        ),
     ],
-    ids=["load", "fluid"],
+    ids=["load", "fluid", "heights"],
 )
 def test_what_does_not_roll_steadily_is_refused(changes: dict[str, object], match: str) -> None:
-    scene = replace(rolling(SOLID, A), **changes)  # type: ignore[arg-type]
     with pytest.raises(cs.InvalidInput, match=match):
-        solve_rolling(scene, cs.Grid((16, 1), (0.6, 1.0)), EXACT)
+        solve_rolling(
+            replace(rolling(SOLID, A), **changes),  # type: ignore[arg-type]
+            cs.Grid((16, 1), (0.6, 1.0)),
+            EXACT,
+        )
+
+
+@pytest.mark.parametrize(
+    ("settings", "match"),
+    [
+        ({"speed": 1.0, "distance": 0.1}, r"^Rolling\.distance is 0\.1 without passes"),
+        ({"speed": 1.0, "steady": 1e-3}, r"^Rolling\.steady is 0\.001 without passes"),
+        (
+            {"speed": 1.0, "pressure": cs.RollingPressure.ELASTIC},
+            r"^Rolling\.pressure is .* without passes",
+        ),
+        (
+            {"passes": 1, "pressure": "elastic"},
+            r"^Rolling\.pressure is 'elastic': give RollingPressure\.SOLVED",
+        ),
+    ],
+)
+def test_a_setting_of_passes_without_effect_is_refused(
+    settings: dict[str, Any], match: str
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=match):
+        cs.Rolling(**settings)
 
 
 def test_a_rolling_scene_has_no_single_problem_and_no_history() -> None:

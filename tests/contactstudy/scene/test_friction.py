@@ -157,6 +157,13 @@ def test_a_gap_that_does_not_vary_takes_the_superposition_and_disks_agree() -> N
     np.testing.assert_allclose(both[1], both[0], atol=1e-7 * both[0].max())
 
 
+def test_superposition_says_why_it_is_exact() -> None:
+    one = replace(scene(cs.PartialSlip(0.3, 1.5e4)), solids=(cs.HalfSpace(2e11, 0.0),) * 2)
+    slip = cs.PartialSlip(0.3, 1.5e4)
+    for along, reason in ((cs.ExactPeriodicity(), "nothing varies"), (cs.ZeroPadding(), "Poisson")):
+        assert reason in slip.explanation(one, varies=False, paddings=(cs.ZeroPadding(), along))
+
+
 # Highest von Mises stress over Hertz's pressure under full sliding, nu = 0.3: closed form of the line contact
 MISES = ((0.0, 0.55751), (0.2, 0.58999), (0.3, 0.66663), (0.4, 0.81584))
 

@@ -123,6 +123,8 @@ def test_rollers_say_their_length() -> None:
     assert cs.Tilt(1e-3).length_scales == LengthScales(roller=inf)
     assert cs.Tilt(0.0).length_scales == LengthScales()
     assert cs.Crown(inf).length_scales == LengthScales()
+    for straight in (cs.Crown(length=0.01), cs.Crown.of_drop(0.0, 0.01)):
+        assert straight.length_scales == LengthScales(roller=0.01)
     assert cs.Sphere(1.0).length_scales == LengthScales(roller=inf)
     assert cs.LundbergProfile(1e-6, 1e-5, 2.0).length_scales == LengthScales(roller=2.0)
 

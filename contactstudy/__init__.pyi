@@ -35,6 +35,7 @@ from .problem.constraint import (
 )
 from .problem.operator import Operator
 from .problem.problem import Problem, Scales
+from .progress import Progress
 from .scene.adhesion import Adhesion
 from .scene.friction.fretting import Fretting
 from .scene.friction.partial_slip import PartialSlip
@@ -93,7 +94,7 @@ from .solvers.polonsky_keer import PolonskyKeer
 from .solvers.preconditioned_cg import PreconditionedCG
 from .solvers.solution import Solution, Status
 from .solvers.solve import SolveOptions, Solver
-from .solving import Progress, solve
+from .solving import solve
 
 __version__: str
 

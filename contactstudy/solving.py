@@ -2,12 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import isfinite, log, prod
+from math import isfinite, prod
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_answer
@@ -16,12 +15,20 @@ from contactstudy.domain.device import Cpu, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
+from contactstudy.progress import (
+    Progress,
+    of_changes,
+    of_film_steps,
+    of_grids,
+    of_iterations,
+    of_passes,
+    of_time,
+)
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import yields
 from contactstudy.solvers.solve import ReportingSolver, SolveOptions, solve_contact
 
 if TYPE_CHECKING:
-    from contactstudy.accuracy.bounded_solution import BoundedSolution
     from contactstudy.answers.evolution import Evolution
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.time_steps import TimeSteps
@@ -31,28 +38,6 @@ FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
 # Refinements of a scene that is not static, whose error is at least of first order: their number, the margin on the
 # cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
 REFINEMENTS, MARGIN, MAX_REFINEMENT, MAX_CELLS = 3, 1.05, 3.0, 2_000_000
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Progress of a solve.
-
-    Attributes
-    ----------
-    fraction
-        Fraction of the solve that is done, from 0 to 1.
-    text
-        What has been reached, in words.
-    pressure
-        Latest pressure (x, y) [Pa] of a static contact, to start again from; None for others.
-    grid
-        Grid of that pressure; None for others.
-    """
-
-    fraction: float
-    text: str
-    pressure: Array | None = None
-    grid: Grid | None = None
 
 
 @overload
@@ -234,6 +219,11 @@ class _Request:
         return planned.grid, self.padding or planned.padding
 
     @property
+    def _report_time(self) -> Callable[[float, float], None] | None:
+        """Function of the time reached and the last time [s] that reports them; None without `progress`."""
+        return self.progress and of_time(self.progress)
+
+    @property
     def steps(self) -> "TimeSteps":
         """Instants to record and how steps are taken."""
         from contactstudy.evolution.time_steps import TimeSteps
@@ -253,27 +243,12 @@ class _Request:
         options = self.options
         if self.progress is not None:
             options = replace(
-                options, solver=ReportingSolver(self._residual_reporter(problem), options.solver)
+                options,
+                solver=ReportingSolver(
+                    of_iterations(self.progress, problem, options.tolerance), options.solver
+                ),
             )
         return contact_answer(solve_contact(problem, options, self.first_pressure, self.device))
-
-    def _residual_reporter(self, problem: Problem) -> Callable[[float, Array], None]:
-        """Return what takes residual and pressure of each iteration, and reports them as progress."""
-        first = 0.0
-        tolerance, report = self.options.tolerance, self.progress
-        assert report is not None
-
-        def report_residual(residual: float, pressure: Array) -> None:
-            nonlocal first
-            first = first or max(residual, 10 * tolerance)
-            fraction = 0.0
-            if isfinite(residual) and residual > 0:
-                fraction = log(first / residual) / log(first / tolerance)
-            text = f"residual {residual:.1e} of {tolerance:.1e}"
-            field = np.array(pressure, dtype=np.float64) * problem.scales.pressure
-            report(Progress(min(max(fraction, 0.0), 1.0), text, field, problem.grid))
-
-        return report_residual
 
     def contact(self) -> Contact:
         """Solve a static contact."""
@@ -299,23 +274,9 @@ class _Request:
             options=self.options,
             start=self.first_pressure,
             device=self.device,
-            progress=self._grid_reporter,
+            progress=self.progress and of_grids(self.progress, requested),
         )
         return contact_answer(refined.solution, estimate=refined.estimate, requested=requested)
-
-    @property
-    def _grid_reporter(self) -> "Callable[[BoundedSolution], None] | None":
-        """Function of the solution on a grid that reports it as progress; None without `progress`."""
-        report, requested = self.progress, self.requested
-        if report is None or requested is None:
-            return None
-
-        def report_level(level: "BoundedSolution") -> None:
-            fraction, bound = min(requested / level.bound, 1.0), f"{100 * level.bound:.2g} % in L1"
-            text = f"{' x '.join(map(str, level.grid.cells))} cells: {bound}"
-            report(Progress(fraction, text, level.solution.pressure, level.grid))
-
-        return report_level
 
     def steady_rolling(self) -> Contact:
         """Solve a contact that rolls steadily."""
@@ -324,7 +285,13 @@ class _Request:
         grid, padding = self.planned(self.requested)
 
         def solve_on(grid: Grid) -> Contact:
-            rolling = solve_rolling(self.scene, grid, padding, options=self.options)
+            rolling = solve_rolling(
+                self.scene,
+                grid,
+                padding,
+                options=self.options,
+                progress=self.progress and of_changes(self.progress),
+            )
             return contact_answer(rolling.solution, rolling=rolling)
 
         answer = replace(solve_on(grid), requested=self.requested)
@@ -338,7 +305,13 @@ class _Request:
         from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
 
         grid, padding = self.planned(self.requested)
-        rolled = roll_repeatedly(self.scene, grid, padding, options=self.options)
+        rolled = roll_repeatedly(
+            self.scene,
+            grid,
+            padding,
+            options=self.options,
+            progress=self.progress and of_passes(self.progress),
+        )
         return passes_answer(rolled, self.requested)
 
     def time_dependent(self) -> "Evolution":
@@ -369,7 +342,7 @@ class _Request:
                 scheme=steps.scheme,
                 options=self.options,
                 folder=folder,
-                progress=self._time_reporter,
+                progress=self._report_time,
             )
             return evolution_answer(trajectory, requested)
 
@@ -379,7 +352,7 @@ class _Request:
 
     def _followed(self, follow: Callable[..., Any], **named: Any) -> Any:
         """Return what `follow` finds on the grid at the instants to record, with further arguments `named`."""
-        named = {"options": self.options, "progress": self._time_reporter} | named
+        named = {"options": self.options, "progress": self._report_time} | named
         times = self.steps.instants_of(self.scene.load)
         return follow(self.scene, *self.planned(self.requested), times=times, **named)
 
@@ -419,18 +392,6 @@ class _Request:
         """Largest error of a step in time: the given one, or a fraction of the requested error."""
         return self.steps.error or (self.requested and STEP_FRACTION * self.requested)
 
-    @property
-    def _time_reporter(self) -> Callable[[float, float], None] | None:
-        """Function of the time reached and the last time [s] that reports them as progress; None without `progress`."""
-        report = self.progress
-        if report is None:
-            return None
-
-        def report_time(time: float, end: float) -> None:
-            report(Progress(time / end if end else 1.0, f"{time:.3g} s of {end:.3g} s"))
-
-        return report_time
-
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""
         from contactstudy.answers.lubricated_contact import film_answer
@@ -446,6 +407,7 @@ class _Request:
             tolerance=self.options.tolerance,
             max_iterations=self._film_options.max_iterations,
             start=self.start,
+            progress=self.progress and of_film_steps(self.progress, self.options.tolerance),
         )
         return film_answer(contact, requested=self.requested)
 
@@ -467,7 +429,7 @@ class _Request:
             error=None if steps.step else self._error_of_a_step,
             step=steps.step,
             tolerance=self.options.tolerance,
-            progress=self._time_reporter,
+            progress=self._report_time,
         )
         return films_answer(films, requested)
 

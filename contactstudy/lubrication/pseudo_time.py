@@ -164,6 +164,8 @@ class FilmControls:
     converged_only
         If True, a step whose active sets do not converge is rejected: near a mixed solution in plane strain it increases
         the residual by orders of magnitude. From the dry contact it is taken.
+    progress
+        Called with the iteration so far after each step.
     """
 
     tolerance: float = 1e-8
@@ -174,6 +176,7 @@ class FilmControls:
     max_active_set_iterations: int = 6
     converged_only: bool = False
     allowed_set_changes: float = 1e-3
+    progress: "Callable[[FilmIteration], object] | None" = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,12 +217,10 @@ def iterate(
     *,
     squeeze: SqueezeTerm | None = None,
     cavitated: Mask | None = None,
-    callback: Callable[[FilmIteration], None] | None = None,
 ) -> FilmIteration:
     """Return the film after the iteration from ``start``: converged, stagnated, at the limit, or with vanishing steps.
 
-    ``cavitated`` are the cells that are cavitated at first, none by default; ``callback`` is called after each accepted
-    step.
+    ``cavitated`` are the cells that are cavitated at first, none by default.
     """
     linear = equation.linearise(start, squeeze)
     active = _initial_active_sets(equation, start, cavitated)
@@ -260,8 +261,8 @@ def iterate(
             film, linear, active, residual,
             last.iterations + 1, last.linear_iterations + step.iterations,
         )  # fmt: skip
-        if callback is not None and not rejected:
-            callback(last)
+        if controls.progress is not None:
+            controls.progress(last)
     return last
 
 

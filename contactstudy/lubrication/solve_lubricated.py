@@ -1,5 +1,6 @@
 """Steady lubricated contacts: the grid for an error of the film thickness, the solve, and the error estimate."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, inf, isfinite, sqrt
 
@@ -12,7 +13,7 @@ from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings, 
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.lubricated_contact import FilmSolution, rise_beside_lowest
 from contactstudy.lubrication.posed_film import ROW_MULTIPLE, interpolated, lubricated_scales
-from contactstudy.lubrication.pseudo_time import FilmControls
+from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration
 from contactstudy.lubrication.steady_film import INLET_ERROR, SWEEP, solve_on
 from contactstudy.scene.lubrication.lubricant import Eyring, LimitingShear, Newtonian
 from contactstudy.scene.scene import Scene
@@ -94,6 +95,7 @@ def solve_lubricated(
     tolerance: float = 1e-8,
     max_iterations: int = 300,
     start: FilmSolution | None = None,
+    progress: Callable[[FilmIteration], object] | None = None,
 ) -> FilmSolution:
     """Solve the steady film of ``scene``, flooded or starved, isothermal or heated.
 
@@ -114,6 +116,8 @@ def solve_lubricated(
         Residual of convergence, and the most steps on one grid from one start.
     start
         A contact to start from, such as that at a somewhat higher speed; on another grid it is interpolated.
+    progress
+        Called after each step on each grid with the iteration so far.
 
     Returns
     -------
@@ -136,7 +140,7 @@ def solve_lubricated(
         raise InvalidInput(
             f"{changing} changes in time, and this film is a steady one: call contactstudy.solve."
         )
-    controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations)
+    controls = FilmControls(tolerance=tolerance, max_iterations=max_iterations, progress=progress)
     if error is None and grid is not None:
         return solve_on(scene, grid, padding, controls, start)
 

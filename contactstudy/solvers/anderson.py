@@ -111,6 +111,7 @@ def solve_with_mixing(
     *,
     change: float = 1e-6,
     max_outer: int = 100,
+    progress: Callable[[float, float], object] | None = None,
 ) -> LaggedSolution:
     """Return the solution of a problem with a displacement that follows from its own pressure, by Anderson's mixing.
 
@@ -129,6 +130,8 @@ def solve_with_mixing(
         Change of the pressure in an outer iteration to stop at, relative in L1.
     max_outer
         Number of outer iterations after which the status is :attr:`~contactstudy.Status.NOT_CONVERGED`.
+    progress
+        Called after each outer iteration with the change of the pressure in it, and with `change`.
 
     Returns
     -------
@@ -137,6 +140,8 @@ def solve_with_mixing(
     """
     if displacement_of is None:
         solution = solve_contact(problem, options)
+        if progress is not None:
+            progress(0.0, change)
         return LaggedSolution(solution, 0.0, 1, solution.iterations, solution.convolutions)
     mixing, guess = AndersonMixing(CONSTANTS.depth), np.zeros_like(problem.undeformed_gap)
     start: Array | None = None
@@ -154,6 +159,8 @@ def solve_with_mixing(
             return LaggedSolution(solution, np.inf, outer, iterations, convolutions)
         step = solution.pressure - guess
         last_change = float(np.abs(step).sum() / solution.pressure.sum())
+        if progress is not None:
+            progress(last_change, change)
         converged = last_change <= change and solution.residual <= options.tolerance
         if converged or outer == max_outer:
             if not converged:

@@ -1,5 +1,6 @@
 """Repeated rolling in plane strain: the plastic strain and residual stress that passes of a contact leave behind."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -175,6 +176,7 @@ def roll_repeatedly(
     padding: Padding | Paddings,
     *,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
+    progress: Callable[[float, int], object] | None = None,
 ) -> RepeatedRolling:
     """Roll the contact of `scene` to larger x over an elastic-plastic half-space, as its ``rolling`` says.
 
@@ -195,6 +197,9 @@ def roll_repeatedly(
         Boundary conditions: an infinite surface across, periodic along.
     options
         How each contact is solved.
+    progress
+        Called after each step with the number of passes done and the number in all. A pass without a given distance is
+        done in part by its steps over the fewest that show that it is steady.
 
     Returns
     -------
@@ -209,7 +214,8 @@ def roll_repeatedly(
     """
     rolling = scene.rolling
     assert rolling is not None
-    assert rolling.passes is not None
+    passes = rolling.passes
+    assert passes is not None
     body = _single_yielding_body(scene)
     elastic = replace(scene, solids=instantaneous(scene.solids), rolling=None)
     problem = elastic.problem(grid, padding)
@@ -225,12 +231,18 @@ def roll_repeatedly(
         max_steps=None if rolling.distance is None else max(round(rolling.distance / cell), 1),
         steady=rolling.steady * body.hardening.yield_stress / body.moduli.youngs_modulus,
     )
+
     track, pressed = roller.step(Track.virgin(operator, body.hardening))
     finished: list[RollingPass] = []
-    for _ in range(rolling.passes):
+
+    def report(fraction: float) -> None:
+        if progress is not None:
+            progress(len(finished) + fraction, passes)
+
+    for _ in range(passes):
         if finished:
             track = replace(track, front=track.left_profile)
-        track, rolling_pass = roller.one_pass(track, () if finished else (pressed,))
+        track, rolling_pass = roller.one_pass(track, () if finished else (pressed,), report)
         finished.append(rolling_pass)
     unloaded, _ = track.solve_step(no_contact(problem), options.tolerance, length)
     return RepeatedRolling(tuple(finished), track, unloaded, PosedScene(scene, grid, padding))
@@ -269,7 +281,9 @@ class _Rolling:
     max_steps: int | None
     steady: float
 
-    def one_pass(self, track: Track, first: tuple[SolvedStep, ...]) -> tuple[Track, RollingPass]:
+    def one_pass(
+        self, track: Track, first: tuple[SolvedStep, ...], report: Callable[[float], None]
+    ) -> tuple[Track, RollingPass]:
         """Roll one pass from the present position of the contact.
 
         Parameters
@@ -278,15 +292,19 @@ class _Rolling:
             The half-space before the pass.
         first
             Steps that applied the load, which count as part of the pass.
+        report
+            Called after each step with the fraction of the pass that is done.
         """
         grid = track.operator.volume.grid
         steps, profiles, change = list(first), [track.left_profile], inf
+        least_steps = self.max_steps or grid.cells[0] + self.lag
         max_profiles = MAX_PASS_WIDTHS * grid.cells[0] if self.max_steps is None else self.max_steps
         while len(profiles) <= max_profiles:
             before = track.rolled(AVERAGES_PER_WINDOW / grid.cells[0])
             track, step = self.step(before)
             steps.append(step)
             profiles.append(track.left_profile)
+            report(min((len(profiles) - 1) / least_steps, 1.0))
             if self.max_steps is None and len(profiles) > grid.cells[0] + self.lag:
                 strain = track.left_profile.strain
                 references = profiles[-1 - self.lag].strain, track.mean_strain_behind

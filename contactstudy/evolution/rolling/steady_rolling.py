@@ -139,6 +139,7 @@ def solve_rolling(
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     change: float = 1e-6,
     max_outer: int = 100,
+    progress: Callable[[float, float], object] | None = None,
 ) -> SteadyRolling:
     """Solve `scene` moving at its speed of rolling or tractive rolling, in the frame of the contact.
 
@@ -158,6 +159,8 @@ def solve_rolling(
         :func:`~contactstudy.solvers.anderson.solve_with_mixing`.
     max_outer
         Largest number of outer iterations.
+    progress
+        Called after each outer iteration with the change of the pressure in it, and with `change`.
 
     Returns
     -------
@@ -202,6 +205,7 @@ def solve_rolling(
         options,
         change=change,
         max_outer=max_outer,
+        progress=progress,
     )
     if law is not None and not is_coupled:
         last = lagged.solution

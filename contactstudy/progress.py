@@ -1,0 +1,129 @@
+"""Progress of a solve, and what turns the reports of each method into it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite, log
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.problem.problem import Problem
+
+if TYPE_CHECKING:
+    from contactstudy.accuracy.bounded_solution import BoundedSolution
+    from contactstudy.lubrication.pseudo_time import FilmIteration
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Progress of a solve.
+
+    Attributes
+    ----------
+    fraction
+        Fraction of the solve that is done, from 0 to 1. A solve on several grids may count it anew on each of them.
+    text
+        What has been reached, in words.
+    pressure
+        Latest pressure (x, y) [Pa] of a static contact, to start again from; None for others.
+    grid
+        Grid of that pressure; None for others.
+    """
+
+    fraction: float
+    text: str
+    pressure: Array | None = None
+    grid: Grid | None = None
+
+
+Report = Callable[[Progress], object]
+
+
+def of_iterations(
+    report: Report, problem: Problem, tolerance: float
+) -> Callable[[float, Array], None]:
+    """Return a function of residual and dimensionless pressure (x, y), for the iterations of one contact."""
+    fraction = _fraction_of_fall()
+
+    def report_residual(residual: float, pressure: Array) -> None:
+        text = f"residual {residual:.1e} of {tolerance:.1e}"
+        field = np.array(pressure, dtype=np.float64) * problem.scales.pressure
+        report(Progress(fraction(residual, tolerance), text, field, problem.grid))
+
+    return report_residual
+
+
+def of_grids(report: Report, error: float) -> "Callable[[BoundedSolution], None]":
+    """Return a function of the solution on each grid of a refinement to a relative L1 `error`."""
+
+    def report_grid(solved: "BoundedSolution") -> None:
+        text = f"{_cells(solved.grid.cells)}: {100 * solved.bound:.2g} % in L1"
+        fraction = min(error / solved.bound, 1.0)
+        report(Progress(fraction, text, solved.solution.pressure, solved.grid))
+
+    return report_grid
+
+
+def of_changes(report: Report) -> Callable[[float, float], None]:
+    """Return a function of the last change of the pressure and the allowed one, for outer iterations."""
+    fraction = _fraction_of_fall()
+
+    def report_change(change: float, allowed: float) -> None:
+        text = f"change of the pressure {change:.1e} of {allowed:.1e}"
+        report(Progress(fraction(change, allowed), text))
+
+    return report_change
+
+
+def of_passes(report: Report) -> Callable[[float, int], None]:
+    """Return a function of the number of passes done and the number in all, for repeated rolling."""
+
+    def report_passes(done: float, passes: int) -> None:
+        report(Progress(done / passes, f"{done:.3g} of {passes} passes"))
+
+    return report_passes
+
+
+def of_time(report: Report) -> Callable[[float, float], None]:
+    """Return a function of the time reached and the last time [s], for a scene that changes in time."""
+
+    def report_time(time: float, end: float) -> None:
+        report(Progress(time / end if end else 1.0, f"{time:.3g} s of {end:.3g} s"))
+
+    return report_time
+
+
+def of_film_steps(report: Report, tolerance: float) -> "Callable[[FilmIteration], None]":
+    """Return a function of the iteration of a steady film after each of its steps."""
+    fraction = _fraction_of_fall()
+
+    def report_step(last: "FilmIteration") -> None:
+        nonlocal fraction
+        if last.iterations == 1:  # the first step on another grid
+            fraction = _fraction_of_fall()
+        cells = _cells(last.film.pressure.shape)
+        text = f"{cells}: residual {last.residual:.1e} of {tolerance:.1e}"
+        report(Progress(fraction(last.residual, tolerance), text))
+
+    return report_step
+
+
+def _cells(counts: tuple[int, ...]) -> str:
+    """Return the numbers of cells along both axes in words."""
+    return f"{' x '.join(map(str, counts))} cells"
+
+
+def _fraction_of_fall() -> Callable[[float, float], float]:
+    """Return a function of a residual and its target: how far it has fallen from the first one, in logarithms."""
+    first = 0.0
+
+    def fraction(residual: float, target: float) -> float:
+        nonlocal first
+        if not isfinite(residual) or residual <= 0:
+            return float(residual == 0)
+        first = first or max(residual, 10 * target)
+        return min(max(log(first / residual) / log(first / target), 0.0), 1.0)
+
+    return fraction

@@ -112,7 +112,7 @@ def first_yield(
     xx, zz, _ = unit.stress(0.0, depth)
     yy = poisson_ratio * (xx + zz)
     mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2)
-    # stresses grow as the root of the load
+    # stresses grow as the square root of the load
     return HertzLine((yield_strength / float(mises.max())) ** 2, radius, contact_modulus)
 
 

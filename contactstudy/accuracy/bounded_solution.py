@@ -238,9 +238,9 @@ def _axis_error(along: Array, limited: Array, *, wraps: bool) -> float:
 def _end_error(solution: Solution) -> float:
     """Return the relative L1 error at the loaded ends of a roller, in addition to that of second differences.
 
-    Towards a sharp end the pressure rises like the inverse root of the distance from it, within about a half-width a.
-    The line of end cells misses ``0.4 (dy / a)^(1/2)`` of its rise above the next one. Cells that an end divides make
-    the roller too long or too short.
+    Towards a sharp end the pressure rises like the inverse square root of the distance from it, within about a
+    half-width a. The line of end cells misses ``0.4 (dy / a)^(1/2)`` of its rise above the next one. Cells that an end
+    divides make the roller too long or too short.
     """
     ends, grid, pressure = _loaded_ends(solution), solution.problem.grid, solution.pressure
     if not ends:

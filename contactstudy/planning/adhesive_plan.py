@@ -19,7 +19,7 @@ from contactstudy.scene.scene import Scene
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
-# Distance at which the attraction of a cylinder has fallen to 1e-6, over the root of twice its radius and range.
+# Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice its radius and range.
 FADING_DISTANCE = 3.7
 # Transform pairs of a solve over the square of Tabor's parameter, and at least; solves of a search for the pull-off.
 PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10

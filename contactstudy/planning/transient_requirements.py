@@ -41,7 +41,8 @@ class TransientConstants:
     rolling_fields
         Fields that the iteration of a steadily rolling contact holds.
     min_load_fraction
-        Loads below this fraction of the largest are not planned for: the cell size goes with the root of the load.
+        Loads below this fraction of the largest are not planned for: the cell size goes with the square root of the
+        load.
     load_samples
         Number of instants at which a load is evaluated. A quarter of them changes the width by 1e-5.
     """

@@ -1,4 +1,4 @@
-"""Conjugate gradients for a symmetric positive linear map in any inner product."""
+"""Conjugate gradients for a self-adjoint positive definite operator in any inner product."""
 
 from collections.abc import Callable
 
@@ -11,21 +11,22 @@ def conjugate_gradients(
     product: Callable[[Array], Array],
     precondition: Callable[[Array], Array],
     inner: Callable[[Array, Array], float],
-    right_side: Array,
-    fraction: float,
-    max_products: int,
+    rhs: Array,
+    rtol: float,
+    maxiter: int,
 ) -> Array:
-    """Return an approximate x with ``product(x) = right_side``.
+    """Return an approximate solution x of ``product(x) = rhs``.
 
-    Conjugate gradients for a map that is symmetric and not negative in the inner product `inner`. They stop when the
-    residual has fallen to a `fraction` of the first, in the norm of the preconditioner, after `max_products`, or at a
-    direction without curvature. Source: Hestenes & Stiefel (1952), eq. 3:1.
+    The operator `product` and the preconditioner `precondition` are self-adjoint and positive semidefinite in the inner
+    product `inner`. The iteration begins with zero, and ends where the norm of the residual, ``sqrt(inner(r, M r))``
+    with the preconditioner M, has fallen to `rtol` times the first one, after `maxiter` applications of the operator, or
+    at a direction without curvature. Source: Hestenes & Stiefel (1952), eq. 3:1.
     """
-    solution, residual = np.zeros_like(right_side), right_side
+    solution, residual = np.zeros_like(rhs), rhs
     preconditioned = precondition(residual)
     direction, size = preconditioned, inner(residual, preconditioned)
-    target = fraction**2 * size
-    for _ in range(max_products):
+    target = rtol**2 * size
+    for _ in range(maxiter):
         if not size > target:
             break
         response = product(direction)

@@ -16,8 +16,9 @@ from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from studies.advice.reference_error import ReferencedCase, pressure_error
 from studies.model.case import TimedAnswer, dimensionless, error_estimates
 
-# Reduction of the residual, of whose square the error of the stiffness is a fraction, and the limit of products.
-REDUCTION, MAX_PRODUCTS = 3e-2, 60
+# Relative residual, of whose square the error of the stiffness is a fraction, and the largest number of operator
+# applications.
+RTOL, MAXITER = 3e-2, 60
 # Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
 # smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
@@ -48,7 +49,7 @@ def normal_stiffness(solution: cs.Solution) -> float:
     increment += conjugate_gradients(
         lambda pressure: deviation(problem.operator(pressure)),
         lambda residual: deviation(extension.pressure(extension(residual))),
-        inner, -deviation(problem.operator(increment)), REDUCTION, MAX_PRODUCTS,
+        inner, -deviation(problem.operator(increment)), RTOL, MAXITER,
     )  # fmt: skip
     # the energy of a unit of load [m per unit of summed pressure]
     compliance = inner(increment, problem.operator(increment))

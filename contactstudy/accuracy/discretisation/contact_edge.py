@@ -219,9 +219,9 @@ def _edge_errors() -> tuple[Array, Array]:
 def _edge_discretisations() -> tuple[Array, Array, Array, Array, Array]:
     """Return the pressure of the cells next to an edge at several positions, and its error.
 
-    The continuous pressure is the root of the distance from the edge. Returned are positions of the edge, in cells
-    outward of the last touching centre; L1 errors against the pressure at the centres, and against its means in the
-    cells; the pressures of the last touching cell, and of the next one inward.
+    The continuous pressure is the square root of the distance from the edge. Returned are positions of the edge, in
+    cells outward of the last touching centre; L1 errors against the pressure at the centres, and against its means in
+    the cells; the pressures of the last touching cell, and of the next one inward.
     """
     amplitudes = far_field_powers()[1:3, :2]
     edge = np.linspace(*CONSTANTS.positions, CONSTANTS.steps)  # from the last centre
@@ -304,10 +304,10 @@ def half_widths(pressure: Array, x: Array) -> Array:
 def corrected_pressure(pressure: Array) -> Array:
     """Return `pressure` (x, y), with that of a continuous contact at the cell centres near its edges.
 
-    The cell that holds an edge has an error like the root of its size, whatever the solver does. Where the edge is
-    resolved (see :func:`half_widths`) the law gives that error, and the remaining error falls like the cell to the power
-    3/2. Cells are corrected from the edge inward as far as the pressure follows the law, at most half of those that
-    touch; elsewhere nothing changes. The load is no longer the sum over the cells.
+    The cell that holds an edge has an error like the square root of its size, whatever the solver does. Where the edge
+    is resolved (see :func:`half_widths`) the law gives that error, and the remaining error falls like the cell to the
+    power 3/2. Cells are corrected from the edge inward as far as the pressure follows the law, at most half of those
+    that touch; elsewhere nothing changes. The load is no longer the sum over the cells.
     """
     corrected = pressure.copy()
     for side, result in ((pressure, corrected), (pressure[::-1], corrected[::-1])):

@@ -29,7 +29,7 @@ from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import instantaneous
-from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
@@ -101,7 +101,7 @@ class FilmContact:
 class PlasticStateBelowFilm(PlasticState):
     """State variable of the plastic strain below a film, in whose tangent lightly loaded cells do not count."""
 
-    def _tangent(self, solution: Solution) -> ContactStiffness:
+    def _tangent(self, solution: Solution) -> ContactTangent:
         loaded = solution.pressure > LOADED * solution.pressure.max()
         return super()._tangent(replace(solution, pressure=solution.pressure * loaded))
 

@@ -19,7 +19,7 @@ from contactstudy.evolution.warm_started import (
 )
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.rolling import RollingPressure
-from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.plasticity.elastoplastic_step import (
     ElastoplasticStep,
     Tangent,
@@ -45,7 +45,7 @@ class SolvedContact(WarmStartedContact):
 
     def tangent(self, solution: Solution) -> Tangent:
         """Return the linearised contact in which the same cells stay in contact."""
-        return ContactStiffness.from_solution(solution, self.options.precision)
+        return ContactTangent.from_solution(solution, self.options.precision)
 
 
 @dataclass(frozen=True, eq=False)

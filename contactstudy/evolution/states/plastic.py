@@ -26,7 +26,7 @@ from contactstudy.evolution.states.state_variables import Contact, State
 from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
-from contactstudy.solvers.plasticity.contact_stiffness import ContactStiffness
+from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.plasticity.elastoplastic_step import (
     ElastoplasticStep,
     solve_elastoplastic_step,
@@ -312,9 +312,9 @@ class PlasticState:
         """Length of the contact [m], for which layers are made."""
         return self.elastic.problem.scales.length
 
-    def _tangent(self, solution: Solution) -> ContactStiffness:
+    def _tangent(self, solution: Solution) -> ContactTangent:
         """Return the linearised contact in which the same cells stay in contact."""
-        return ContactStiffness.from_solution(solution, self.precision)
+        return ContactTangent.from_solution(solution, self.precision)
 
     def _in_volumes(self, state: State) -> tuple[list[Array], list[Array]]:
         """Return strains and equivalent strains of `state` by body, after enlarging the present volumes to hold them."""

@@ -34,8 +34,8 @@ class NewtonConstants:
     forcing
         Largest fraction of F that the linear equations of a step may leave: 0.1 takes fewer steps and more applications.
     forcing_by_residual
-        That fraction over the root of the residual: 3 takes two thirds of the steps of a constant fraction, and 0.95 of
-        the applications.
+        That fraction over the square root of the residual: 3 takes two thirds of the steps of a constant fraction, and
+        0.95 of the applications.
     max_vectors
         Vectors of one GMRES: ten times what was seen on any contact.
     max_halvings
@@ -232,21 +232,21 @@ def _forcing(tolerance: float, residual: float) -> float:
 
 
 def norm(values: Array) -> float:
-    """Return the root of the sum of squares of `values` (2, cells); BLAS waits for a core where all are busy."""
+    """Return the Euclidean norm of `values` (2, cells); BLAS waits for a core where all are busy."""
     return sqrt(float(np.einsum("cn,cn->", values, values)))
 
 
 def gmres(
-    apply: Callable[[Array], Array], right_side: Array, tolerance: float, max_vectors: int
+    apply: Callable[[Array], Array], rhs: Array, tolerance: float, max_vectors: int
 ) -> list[float]:
-    """Return the weights of the Krylov vectors that minimise the residual of ``apply(x) = right_side``: GMRES.
+    """Return the weights of the Krylov vectors that minimise the residual of ``apply(x) = rhs``: GMRES.
 
-    Vector i is the i-th argument of `apply`. The residual is at most `tolerance` of the right side, unless
+    Vector i is the i-th argument of `apply`. The residual is at most `tolerance` times the norm of `rhs`, unless
     `max_vectors` do not suffice. Every vector is orthogonal to those before it, so that a caller who keeps what it made
     of them needs no further application. Source: Saad & Schultz (1986).
     """
-    size = norm(right_side)
-    basis = [right_side / size]
+    size = norm(rhs)
+    basis = [rhs / size]
     columns: list[Array] = []
     rotations: list[tuple[float, float]] = []
     reduced = [size]

@@ -36,10 +36,10 @@ class PlasticConstants:
     min_fraction
         Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken.
     max_forcing, min_forcing
-        Range of the relative residual of a linear system; it is the root of the residual in between (Eisenstat & Walker
-        1996), so that the convergence stays superlinear.
-    max_products
-        Limit of the products of a linear system.
+        Range of the relative residual of a linear system; it is the square root of the residual in between (Eisenstat &
+        Walker 1996), so that the convergence stays superlinear.
+    maxiter
+        Largest number of operator applications in a linear system.
     """
 
     max_iterations: int = 40
@@ -47,7 +47,7 @@ class PlasticConstants:
     min_fraction: float = 1e-3
     max_forcing: float = 0.1
     min_forcing: float = 1e-6
-    max_products: int = 400
+    maxiter: int = 400
 
 
 CONSTANTS = PlasticConstants()
@@ -225,10 +225,10 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
     if not flows.any():
         return step
     stiffness = mapped.stiffness
-    right_side = -mapped.inverse_tangent(residual)
+    rhs = -mapped.inverse_tangent(residual)
     if step.any():
-        right_side -= _relaxed(bodies, tangent, step)
-    right_side *= flows
+        rhs -= _relaxed(bodies, tangent, step)
+    rhs *= flows
     inverse = np.linalg.inv(stiffness + bodies.self_blocks(flows))
 
     def precondition(residual: Array) -> Array:
@@ -243,7 +243,7 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
 
     forcing = max(min(CONSTANTS.max_forcing, state.error**0.5), CONSTANTS.min_forcing)
     return step + conjugate_gradients(
-        product, precondition, bodies.inner, right_side, forcing, CONSTANTS.max_products
+        product, precondition, bodies.inner, rhs, forcing, CONSTANTS.maxiter
     )
 
 

@@ -28,8 +28,8 @@ class YieldLaw:
     kinematic: Array
 
     @property
-    def hardening_modulus(self) -> Array:
-        """Hardening modulus: stress over plastic strain along the flow, ``2/3 (H_i + H_k)`` (cells,) [Pa]."""
+    def deviatoric_hardening(self) -> Array:
+        """Hardening of the deviatoric stress along the flow, ``d|s| / d|e| = 2/3 (H_i + H_k)`` (cells,) [Pa]."""
         return np.asarray(2 / 3 * (self.isotropic + self.kinematic))
 
     def return_mapping(
@@ -45,7 +45,7 @@ class YieldLaw:
         )
         size = np.sqrt(np.einsum("ck,ck->k", trial, trial))
         limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent_n)
-        multiplier = np.maximum(size - limit, 0.0) / (self.twice_shear + self.hardening_modulus)
+        multiplier = np.maximum(size - limit, 0.0) / (self.twice_shear + self.deviatoric_hardening)
         flows = multiplier > 0
         direction = np.divide(trial, size, out=np.zeros_like(trial), where=flows)
         return ReturnMapping(
@@ -90,7 +90,7 @@ class ReturnMapping:
         law, transverse = self.law, self._transverse
         along = np.einsum("ck,ck->k", self.direction, strain) * self.direction
         return np.asarray(
-            along * (law.twice_shear + law.hardening_modulus) + transverse * (strain - along)
+            along * (law.twice_shear + law.deviatoric_hardening) + transverse * (strain - along)
         )
 
     @property
@@ -101,7 +101,7 @@ class ReturnMapping:
         """
         flows, direction = self.flows, self.direction[:, self.flows]
         transverse = (self._transverse - self.law.twice_shear)[flows][:, None, None]
-        along = self.law.hardening_modulus[flows][:, None, None]
+        along = self.law.deviatoric_hardening[flows][:, None, None]
         dyads = np.einsum("ik,jk->kij", direction, direction)
         return np.asarray(transverse * np.eye(len(direction)) + (along - transverse) * dyads)
 

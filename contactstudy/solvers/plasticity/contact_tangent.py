@@ -1,4 +1,4 @@
-"""Stiffness of a contact under a fixed load: minus the derivative of the pressure by the gap."""
+"""Tangent operator of a contact under a fixed load: minus the derivative of the pressure by the gap."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,14 +13,14 @@ from contactstudy.problem.problem import Scales
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
 from contactstudy.solvers.solution import Solution
 
-# Reduction of the residual of linear systems, with which the Newton method of a plastic step takes as many iterations as
-# with exact ones, and the limit of their products.
-REDUCTION, MAX_PRODUCTS = 1e-2, 200
+# Relative residual of linear systems, with which the Newton method of a plastic step takes as many iterations as with
+# exact ones, and their largest number of operator applications.
+RTOL, MAXITER = 1e-2, 200
 
 
 @dataclass(frozen=True, eq=False)
-class ContactStiffness:
-    """Stiffness ``-dp/dgap`` of a contact under a fixed load.
+class ContactTangent:
+    """Tangent operator ``-dp/dgap`` of a contact under a fixed load.
 
     It is ``Pi = K^-1 - K^-1 1 1^T K^-1 / (1^T K^-1 1)``, applied by conjugate gradients that are preconditioned as the
     contact is. `contact` (x, y) is 1 in the cells in contact and 0 elsewhere. Cells at a hardness count as the others,
@@ -32,8 +32,8 @@ class ContactStiffness:
     contact: Array
 
     @classmethod
-    def from_solution(cls, solution: Solution, precision: Precision) -> "ContactStiffness":
-        """Return the stiffness of the cells in contact of `solution`, in this `precision`."""
+    def from_solution(cls, solution: Solution, precision: Precision) -> "ContactTangent":
+        """Return the tangent operator of the cells in contact of `solution`, in this `precision`."""
         problem = solution.problem
         contact = (solution.pressure > 0).astype(precision.real)
         return cls(problem.bare(precision), problem.scales, contact)
@@ -50,8 +50,8 @@ class ContactStiffness:
             lambda field: self._preconditioned(field, count),
             inner,
             deviation,
-            REDUCTION,
-            MAX_PRODUCTS,
+            RTOL,
+            MAXITER,
         )
         return np.asarray(pressure * self.scales.pressure, dtype=np.float64)
 

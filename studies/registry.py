@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from contactstudy import InvalidInput
@@ -49,19 +50,21 @@ def load(name: str) -> Study:
     return Study(name, title, tuple(part.axes), part.case_at, part.measures, times)
 
 
+def has_own_figures(name: str) -> bool:
+    """Return whether a study has figures of its own: a scene has none, and the study in a Python file may have some."""
+    if name.endswith(".py"):
+        return hasattr(_file_module(name), "figure")
+    return not name.endswith(".toml")
+
+
 def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:
     """Return the drawing of the study of a name, or of the study in a Python file.
 
-    A scene, and a file without a figure of its own, have the default ``figures``: "curves" or "maps".
+    A study without figures of its own has the default drawing of `figures`, "curves" or "maps", and `plot`.
     """
-    if name.endswith(".toml"):
+    if not has_own_figures(name):
         return default_drawing(figures, plot)
-    if name.endswith(".py"):
-        part = sys.modules.get(module_name(Path(name))) or module_in(Path(name))
-        if not hasattr(part, "figure"):
-            return default_drawing(figures, plot)
-    else:
-        part = _part("studies.report.drawings", name)
+    part = _file_module(name) if name.endswith(".py") else _part("studies.report.drawings", name)
     if isinstance(part, Drawing):
         return part.reduced()
     findings, tables = getattr(part, "findings", no_items), getattr(part, "tables", no_items)
@@ -73,6 +76,11 @@ def default_drawing(figures: str = "curves", plot: Sequence[str] = ()) -> Drawin
     # imported by name, since pages import this registry
     drawn = importlib.import_module("studies.report.drawings.default").FIGURES
     return Drawing(partial(drawn[one_of("figures", figures, drawn)], plot=plot))
+
+
+def _file_module(name: str) -> ModuleType:
+    """Return the module of a study in a Python file."""
+    return sys.modules.get(module_name(Path(name))) or module_in(Path(name))
 
 
 def _part(package: str, name: str) -> Any:

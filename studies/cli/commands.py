@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import click
-from click.core import ParameterSource
 
 from contactstudy import InvalidInput, __version__
 from contactstudy.domain.imports import missing_package
 from studies.cli.explore import explore
 from studies.cli.new import new
-from studies.cli.options import FORMAT, PLOT, names_in, out_option, with_png
+from studies.cli.options import FORMAT, PLOT, is_given, names_in, out_option, refuse, with_png
 from studies.cli.recommend import BUDGET, ERROR, measured_scene, recommendation
 from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, show
@@ -24,7 +23,7 @@ from studies.cli.vary import FIGURES, REFERENCE, VARY, load_scene_study, with_re
 from studies.model.axis import MOST_POINTS
 from studies.model.plain_text import one_line, place_of
 from studies.model.study import Study
-from studies.registry import BUILT_IN, OPTIONAL, load, load_drawing
+from studies.registry import BUILT_IN, OPTIONAL, has_own_figures, load, load_drawing
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
@@ -64,7 +63,10 @@ def cli() -> None:
 @WORKERS
 @REPEATS
 @FORMAT
+@click.pass_context
 def report(
+    context: click.Context,
+    /,
     chapter: tuple[str, ...],
     scene: Path | None,
     error: float,
@@ -86,12 +88,14 @@ def report(
                 f"Chapter {chapter[0]!r} is given beside --scene: give one of them, because chapters are about a "
                 "steel cylinder of R = 10 mm under 100 N/mm."
             )
+        refuse(context, "chapters, and not for --scene", "workers", "repeats")
         measured, folder = measured_scene(scene, error, seconds, out, click.echo)
         from studies.report.page import write_scene
 
         path = write_scene(measured, folder, with_png(formats))
         click.echo(f"report: wrote {path}")
         return
+    refuse(context, "--scene", "error", "seconds")
     from studies.engine.options import RunOptions
     from studies.report import page as reporting
     from studies.report.chapters import chapters
@@ -215,11 +219,12 @@ def run(
         raise InvalidInput(f"--scene is given beside the scene {study!r}: leave it out.")
     else:
         # cases of a scene are timed on request
-        repeats_given = context.get_parameter_source("repeats") is ParameterSource.COMMANDLINE
-        if repeats_given or settings["old_times"] == "dropped":
+        if is_given(context, "repeats") or settings["old_times"] == "dropped":
             chosen = replace(chosen, times="taken")
     if reference is not None:
         chosen = with_reference(chosen, study, reference)
+    if has_own_figures(study):
+        refuse(context, "a scene or a study without figures of its own", "figures", "plot")
     drawing = partial(load_drawing, study, figures, names_in(plot))
     if scene is not None:
         out, drawing = out / scene.stem, partial(load_drawing, "pareto")

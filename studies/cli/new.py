@@ -19,15 +19,15 @@ def new(kind: str | None, out: Path | None, listed: bool) -> None:  # noqa: FBT0
     plan, solve and run take it. No file is replaced.
     """
     scenes = templates()
-    if kind is None:
-        if not listed:
-            raise InvalidInput(
-                f"KIND is missing: choose from {', '.join(scenes)}, which contactstudy new --list describes."
-            )
+    if listed:
         width = max(map(len, scenes))
         for name, text in scenes.items():
             click.echo(f"{name:<{width}}  {text.splitlines()[0].removeprefix('# ')}")
         return
+    if kind is None:
+        raise InvalidInput(
+            f"KIND is missing: choose from {', '.join(scenes)}, which contactstudy new --list describes."
+        )
     if kind not in scenes:
         raise InvalidInput(f"KIND is {kind!r}: {suggestion(kind, scenes)}.")
     path = out or Path(f"{kind}.toml")

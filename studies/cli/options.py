@@ -5,6 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import click
+from click.core import ParameterSource
+
+from contactstudy import InvalidInput
 
 Decorator = Callable[[Any], Any]
 
@@ -39,6 +42,19 @@ PLOT = click.option(
     metavar="NAMES",
     help="Variables to draw of a scene's sweep, such as central_film,minimum_film.  [default: the main ones]",
 )
+
+
+def refuse(context: click.Context, reason: str, *names: str) -> None:
+    """Raise InvalidInput, with the reason, for the first of these options that the command line gives."""
+    for name in names:
+        if is_given(context, name):
+            option = next(part for part in context.command.params if part.name == name)
+            raise InvalidInput(f"{option.opts[0]} is for {reason}: leave it out.")
+
+
+def is_given(context: click.Context, name: str) -> bool:
+    """Return whether the command line gives the option with this name."""
+    return context.get_parameter_source(name) is ParameterSource.COMMANDLINE
 
 
 def names_in(text: str) -> tuple[str, ...]:

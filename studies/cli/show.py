@@ -9,7 +9,7 @@ import numpy as np
 from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import display_unit_of
-from studies.cli.options import PLOT, figures_option, names_in, out_option
+from studies.cli.options import PLOT, figures_option, names_in, out_option, refuse
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +36,10 @@ FORMATS = ("png", "pdf", "svg", "vtk")
     is_flag=True,
     help="Print the numbers of FILE as CSV instead: a row for each point of a study, units in the header.",
 )
+@click.pass_context
 def show(
+    context: click.Context,
+    /,
     file: Path,
     out: Path | None,
     formats: str,
@@ -54,6 +57,7 @@ def show(
             raise InvalidInput(f"--format is {name!r}: give one or more of {', '.join(FORMATS)}.")
     dataset = read_any(file)
     if as_table:
+        refuse(context, "pictures, and not for --csv", "out", "formats", "figures", "plot")
         click.echo(_csv(dataset), nl=False)
         return
     folder = open_folder(out or file.parent)
@@ -66,20 +70,19 @@ def show(
         click.echo(f"wrote {_vtk(dataset, folder / file.stem)}")
     drawn = {}
     if is_study:
-        from studies.registry import BUILT_IN, default_drawing, load_drawing
+        from studies.registry import BUILT_IN, OPTIONAL, default_drawing, load_drawing
 
         name = str(dataset.attrs.get("study", file.stem))
-        is_own = name not in BUILT_IN
-        if plot and not is_own:
-            raise InvalidInput(
-                f"--plot is for a study without figures of its own: leave it out for {name}."
-            )
-        drawing = default_drawing(figures, names_in(plot)) if is_own else load_drawing(name)
+        if name in (*BUILT_IN, *OPTIONAL):
+            refuse(context, "a study without figures of its own", "figures", "plot")
+            drawing = load_drawing(name)
+        else:
+            drawing = default_drawing(figures, names_in(plot))
         drawn = {f"{file.stem}-{item.name}": item.figure for item in drawing.figure(dataset)}
-    elif plot:
-        raise InvalidInput("--plot is for a study: leave it out for a solution.")
-    elif set(chosen) - {"vtk"}:
-        drawn = {file.stem: _picture(dataset, file)}
+    else:
+        refuse(context, "a study, and not for a solution", "figures", "plot")
+        if set(chosen) - {"vtk"}:
+            drawn = {file.stem: _picture(dataset, file)}
     for stem, figure in drawn.items():
         for suffix in (name for name in chosen if name != "vtk"):
             with replacing(folder / f"{stem}.{suffix}") as partial:
@@ -207,7 +210,8 @@ def _edges(centres: np.ndarray) -> np.ndarray:
 @click.argument("first", metavar="A", type=click.Path(path_type=Path))
 @click.argument("second", metavar="B", type=click.Path(path_type=Path))
 @out_option("Folder for a picture of the difference.  [default: none is drawn]", None)
-def compare(first: Path, second: Path, out: Path | None) -> None:
+@click.pass_context
+def compare(context: click.Context, /, first: Path, second: Path, out: Path | None) -> None:
     """Print how B differs from A.
 
     Both are solutions on any grids of one period, or runs of one study.
@@ -228,6 +232,7 @@ def compare(first: Path, second: Path, out: Path | None) -> None:
                 comparison.plot().savefig(partial)
             click.echo(f"wrote {out / name}")
     elif "case_status" in a and "case_status" in b:
+        refuse(context, "two solutions, and not for two runs of a study", "out")
         for line in changes(a, b):
             click.echo(line)
     else:

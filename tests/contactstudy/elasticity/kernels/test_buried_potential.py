@@ -11,7 +11,7 @@ from contactstudy.elasticity.kernels.layer.buried_potential import (
     buried_lattice,
     buried_row,
 )
-from tests.fifty_digits import stored
+from tests.fifty_digits import over_decades, stored
 
 
 def corner(x: mpf, y: mpf, c: mpf) -> mpf:
@@ -21,7 +21,7 @@ def corner(x: mpf, y: mpf, c: mpf) -> mpf:
 
 
 @stored
-def exact(x: float, y: float, dx: float, dy: float, depth: float) -> float:
+def judged_buried_cell(x: float, y: float, dx: float, dy: float, depth: float) -> mpf:
     with mp.workdps(50):
         ends = [[mpf(a) + s * mpf(d) / 2 for s in (1, -1)] for a, d in ((x, dx), (y, dy))]
         signed = (
@@ -29,16 +29,16 @@ def exact(x: float, y: float, dx: float, dy: float, depth: float) -> float:
             for i, s in enumerate((1, -1))
             for j, t in enumerate((1, -1))
         )
-        return float(sum(sign * corner(u, v, mpf(depth)) for sign, u, v in signed))
+        return sum(sign * corner(u, v, mpf(depth)) for sign, u, v in signed)
 
 
 def test_a_cell_is_its_closed_form_at_any_aspect_depth_and_distance() -> None:
     chance = np.random.default_rng(5)
     for _ in range(600):
-        dx, x, y = 10 ** chance.uniform((-3, -3, -3), (3, 4, 4))
-        depth = 10 ** chance.uniform(-4, 5) * chance.choice([dx, 1.0])
+        dx, x, y = (over_decades(chance, -3, high) for high in (3, 4, 4))
+        depth = over_decades(chance, -4, 5) * chance.choice([dx, 1.0])
         x, y = x * dx * chance.choice([0, 1, 1]), y * chance.choice([0, 1, 1])
-        wanted = float(exact(x, y, dx, 1.0, depth))
+        wanted = float(judged_buried_cell(x, y, dx, 1.0, depth))
         # the error that is stated
         assert float(buried_cell(x, y, dx, 1.0, depth)) == pytest.approx(wanted, rel=1e-14)
 

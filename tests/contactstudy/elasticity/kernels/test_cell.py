@@ -18,7 +18,7 @@ from contactstudy.elasticity.kernels.displacement_cell import (
     NEAR_DISTANCE,
     boussinesq_cell,
 )
-from tests.fifty_digits import stored
+from tests.fifty_digits import over_decades, stored
 
 Array = NDArray[np.float64]
 Corner = Callable[[mp.mpf, mp.mpf], mp.mpf]
@@ -85,15 +85,15 @@ def test_cell_has_its_reference_values() -> None:
 
 def test_coefficient_is_exact_at_any_distance_and_aspect() -> None:
     rng = np.random.default_rng(1)
-    steps_x, steps_y, dy = (10 ** rng.uniform(*ends, 1000) for ends in ((-3, 8), (-3, 8), (-3, 3)))
+    steps_x, steps_y, dy = (over_decades(rng, *ends, 1000) for ends in ((-3, 8), (-3, 8), (-3, 3)))
     assert cell_error(steps_x, steps_y * dy, 1.0, dy) < EXACT
 
 
 @pytest.mark.parametrize("steps", [3.0, 50.0])
 def test_coefficient_is_exact_off_the_grid(steps: float) -> None:
     rng = np.random.default_rng(2)
-    dy = 10 ** rng.uniform(-3, 3, 500)
-    x, y = rng.uniform(-steps, steps, (2, 500))
+    dy = over_decades(rng, -3, 3, 500)
+    x, y = steps * (2 * rng.random((2, 500)) - 1)
     assert cell_error(x, y * dy, 1.0, dy) < EXACT
 
 
@@ -106,9 +106,9 @@ def test_coefficient_is_exact_on_edges_and_corners_and_between_zones(aspect: flo
 @pytest.mark.parametrize("begin", [MIDDLE_DISTANCE, FAR_DISTANCE])
 def test_coefficient_is_exact_where_multipoles_begin(begin: float, aspect: float) -> None:
     ends = np.array([0, 1 - 1e-9, 1 - EPS, 1 + EPS, 1 + 1e-9, 2]) * begin
-    away = np.hypot(0.5, aspect / 2) * ends[:, None]
-    angle = np.linspace(0, np.pi / 2, 9)
-    assert cell_error(away * np.cos(angle), away * np.sin(angle), 1.0, aspect) < 16 * EPS
+    away = float(mp.hypot(0.5, aspect / 2)) * ends[:, None]
+    cosines = np.array([float(mp.cospi(mp.mpf(k) / 16)) for k in range(9)])
+    assert cell_error(away * cosines, away * cosines[::-1], 1.0, aspect) < 16 * EPS
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)

@@ -17,7 +17,7 @@ def rest(layer: LayerResponse, k: float) -> float:
 
 
 @stored
-def solved(
+def judged_layer(
     shear_ratio: float, coating_poisson_ratio: float, substrate_poisson_ratio: float, k: float
 ) -> mpf:
     """1 + D by the layered problem in plane strain: Airy functions, six conditions, 60 digits.
@@ -69,7 +69,7 @@ def solved(
 def test_the_response_is_that_of_the_layered_boundary_value_problem(name: str, k: float) -> None:
     layer = LAYERS[name]
     materials = layer.shear_ratio, layer.coating_poisson_ratio, layer.substrate_poisson_ratio
-    wanted = solved(*materials, k)
+    wanted = judged_layer(*materials, k)
     found = 1 + layer.contrast * np.exp(-2 * k) + rest(layer, k)
     # roundings of d0 and of R, and those of d0 e^-2k in a sum that may cancel
     rounding = 16 * np.finfo(float).eps * (1 + abs(layer.contrast))

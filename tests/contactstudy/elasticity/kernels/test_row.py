@@ -18,7 +18,7 @@ from tests.contactstudy.elasticity.kernels.test_cell import (
     corners,
     love,
 )
-from tests.fifty_digits import stored
+from tests.fifty_digits import over_decades, stored
 
 TAIL_IMAGES, TAIL_TERMS = 9, 12  # the judge's own: what it leaves out is below 1e-18
 with mp.workdps(TOLERANCE_DIGITS):
@@ -110,8 +110,8 @@ def test_lattice_is_exact(
     across: tuple[int, int], width: tuple[int, int], length: tuple[int, int]
 ) -> None:
     rng = np.random.default_rng(4)
-    x, dx, dy = (10 ** rng.uniform(*ends, 20) for ends in (across, width, length))
-    y, period = rng.uniform(-0.5, 0.5, 20), 10 ** rng.uniform(-3, 3, 20)
+    x, dx, dy = (over_decades(rng, *ends, 20) for ends in (across, width, length))
+    y, period = rng.random(20) - 0.5, over_decades(rng, -3, 3, 20)
     assert lattice_error(x * period, y * period, dx * period, dy * period, period) < EXACT
 
 
@@ -130,12 +130,10 @@ def test_lattice_is_exact_beside_edges_and_corners(
 ) -> None:
     """Off the grid and of no special period: to round a place there costs a thin cell up to 1e-9."""
     rng = np.random.default_rng(7)
-    period, dx, dy = (10 ** rng.uniform(*ends, 15) for ends in ((-3, 3), width, length))
+    period, dx, dy = (over_decades(rng, *ends, 15) for ends in ((-3, 3), width, length))
     dx, dy = dx * period, dy * period
-    beside, inside = (
-        10 ** rng.uniform(-16, 0, (2, 15)) * rng.choice([-1, 1], (2, 15)) * np.minimum(dx, dy),
-        rng.uniform(-0.5, 0.5, 15),
-    )
+    away = over_decades(rng, -16, 0, 30).reshape(2, 15) * rng.choice([-1, 1], (2, 15))
+    beside, inside = away * np.minimum(dx, dy), rng.random(15) - 0.5
     assert lattice_error(dx / 2 + beside[0], inside * dy, dx, dy, period) < EXACT
     assert lattice_error(inside * dx, dy / 2 + beside[1], dx, dy, period) < EXACT
     assert lattice_error(dx / 2 + beside[0], dy / 2 + beside[1], dx, dy, period) < EXACT

@@ -16,7 +16,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
-from tests.fifty_digits import stored
+from tests.fifty_digits import over_decades, stored
 
 Array = NDArray[np.floating]
 
@@ -136,8 +136,8 @@ def judged_stress(component: float, *arguments: float) -> mp.mpf:
 def test_coefficient_is_exact_at_any_distance_depth_and_aspect() -> None:
     rng = np.random.default_rng(2)
     for _ in range(200):
-        x, y, z = 10 ** rng.uniform(-2, 6, 3) * (1.0, 1.0, 10 ** rng.uniform(-6, 0))
-        dy = 10 ** rng.uniform(-2, 2)
+        x, y, z = over_decades(rng, -2, 6, 3) * (1.0, 1.0, over_decades(rng, -6, 0))
+        dy = over_decades(rng, -2, 2)
         expected = [float(judged_stress(n, x, y, z, 1.0, dy)) for n in range(len(NAMES))]
         assert_allclose(
             six(x, y, z, 1.0, dy), expected, rtol=0, atol=EXACT * np.abs(expected).max()

@@ -94,21 +94,28 @@ class Source(Protocol):
         """Return the problem of this contact on `grid`, with the same paddings."""
 
 
-class FrictionLaw(Protocol):
-    """Law that adds shear to the pressure of a frictionless contact."""
+class FrictionSolver(Protocol):
+    """Solver of a contact with friction: what it adds to the pressure of a frictionless one is the tangential
+    traction."""
 
     def solve(self, problem: "Problem", options: Any, start: Array | None, device: Device) -> Any:
-        """Return the Solution of a frictionless `problem` with its shear, by SolveOptions, from a pressure [Pa]."""
+        """Return the Solution of a frictionless `problem` with its tangential traction.
+
+        `options` are SolveOptions, `start` is a pressure (x, y) [Pa] to begin with.
+        """
 
 
-class AdhesionLaw(Protocol):
-    """Law that adds attraction to the pressure of a contact."""
+class AdhesionSolver(Protocol):
+    """Solver of a contact with adhesion, which adds an attraction to its pressure."""
 
     def solve(self, problem: "Problem", options: Any, start: Array | None, device: Device) -> Any:
-        """Return the Solution of a `problem` with its attraction, by SolveOptions, from a pressure [Pa]."""
+        """Return the Solution of a `problem` with its attraction.
 
-    def continued(self, attraction: Array) -> "AdhesionLaw":
-        """Return the law for a contact that comes from a state with this `attraction` (x, y) [Pa]."""
+        `options` are SolveOptions, `start` is a pressure (x, y) [Pa] to begin with.
+        """
+
+    def continued(self, attraction: Array) -> "AdhesionSolver":
+        """Return the solver for a contact that comes from a state with this `attraction` (x, y) [Pa]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,9 +151,9 @@ class Problem:
     description
         What the problem was made from, such as a scene on a grid.
     friction
-        Law that adds shear to a solution.
+        Solver that adds a tangential traction to a solution.
     adhesion
-        Law that adds attraction to a solution.
+        Solver that adds an attraction to a solution.
     covered_fractions
         Weights (y,) of the cells along y: the length of both bodies that each represents, over that of a cell; None
         where the bodies are as long as the grid.
@@ -164,8 +171,8 @@ class Problem:
     paddings: Paddings | None = None
     outputs: tuple[Derived, ...] = ()
     description: object = None
-    friction: FrictionLaw | None = None
-    adhesion: AdhesionLaw | None = None
+    friction: FrictionSolver | None = None
+    adhesion: AdhesionSolver | None = None
     covered_fractions: Array | None = None
 
     @property

@@ -28,7 +28,7 @@ from contactstudy.problem.constraint import (
     PrescribedLoad,
 )
 from contactstudy.problem.memory import refuse_too_large
-from contactstudy.problem.problem import AdhesionLaw, Derived, Problem, Scales
+from contactstudy.problem.problem import AdhesionSolver, Derived, Problem, Scales
 from contactstudy.scene.loads.constant_load import ConstantLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import Approach, PullOff
@@ -363,8 +363,8 @@ class Scene:
             description=PosedScene(self, grid, padding),
             friction=None
             if self.friction is None
-            else self.friction.law(self, gap, grid, paddings, scales.length),
-            adhesion=self._adhesion_law(solver),
+            else self.friction.solver(self, gap, grid, paddings, scales.length),
+            adhesion=self._adhesion_solver(solver),
             covered_fractions=source.covered_fractions(grid),
         )
 
@@ -397,8 +397,8 @@ class Scene:
             return PrescribedApproach(self.load.approach)
         return PrescribedLoad(self.mean_load(grid, padding) * grid.length / grid.cell_area)
 
-    def _adhesion_law(self, solver: "AdhesiveSolver | None") -> AdhesionLaw | None:
-        """Return the law that the problem is solved with: the attraction, or the search for the pull-off with it."""
+    def _adhesion_solver(self, solver: "AdhesiveSolver | None") -> AdhesionSolver | None:
+        """Return the solver of the attraction, or the search for the pull-off with it."""
         if solver is None or not isinstance(self.load, PullOff):
             return solver
         from contactstudy.solvers.pull_off import PullOffSearch  # imported only where it is named

@@ -77,7 +77,7 @@ INNER = (
     "io.scene_files.scene_schema.PlanSettings",
     "problem.problem.Derived",
     "problem.problem.Field",
-    "problem.problem.FrictionLaw",
+    "problem.problem.FrictionSolver",
     "problem.problem.Source",
     "scene.solids.bodies.SceneContext",
     "scene.friction.friction_law.Friction",

@@ -188,7 +188,7 @@ def solve_rolling(
             operator=superposed(symmetric_weights, problem.grid, padding),
             friction=None
             if friction is None
-            else friction.law(scene, problem.undeformed_gap, problem.grid, paddings, datum),
+            else friction.solver(scene, problem.undeformed_gap, problem.grid, paddings, datum),
         )
 
     source = problem.source

@@ -188,10 +188,10 @@ class Fretting:
                     "smaller forces, or displacements."
                 )
 
-    def law(
+    def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FrettingShear:
-        """Return the law for this scene on a grid."""
+        """Return the solver of this scene on a grid."""
         assert self.forces is not None
         return FrettingShear(
             self.coefficient, self.forces, self.response(scene, grid, paddings, datum)

@@ -8,7 +8,7 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import WEIGHT_ROUNDING, ShearableBody, normal_displacement
-from contactstudy.problem.problem import FrictionLaw
+from contactstudy.problem.problem import FrictionSolver
 from contactstudy.scene.solids.bodies import (
     Body,
     HalfSpace,
@@ -35,10 +35,10 @@ class Friction(Protocol):
     def check(self, scene: SceneContext) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the law is not defined in this scene."""
 
-    def law(
+    def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
-    ) -> FrictionLaw:
-        """Return the law for this scene on a grid."""
+    ) -> FrictionSolver:
+        """Return the solver of this scene with friction, on a grid."""
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""

@@ -67,7 +67,7 @@ class PartialSlip:
                 f"{readable(limit, 'N m-1')}: give a smaller force, or Sliding."
             )
 
-    def law(
+    def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> CiavarellaJaeger | PartialSlipShear:
         """Return superposition where it is exact for this gap, else the problem of two components."""

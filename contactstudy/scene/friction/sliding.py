@@ -72,10 +72,10 @@ class Sliding:
                 "one material, or TractiveRolling."
             )
 
-    def law(
+    def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
-        """Return the law for this scene on a grid, with the coupling of shear and normal displacement."""
+        """Return the solver of this scene on a grid, with the coupling of shear and normal displacement."""
         if self.coefficient == 0:
             return FullSliding(self.coefficient, None)
         coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)

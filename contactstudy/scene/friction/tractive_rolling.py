@@ -120,10 +120,10 @@ class TractiveRolling:
                 f"{readable(limit, 'N m-1')}, give less, or a longitudinal creepage."
             )
 
-    def law(
+    def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> TractiveShear:
-        """Return the law for this scene on a grid.
+        """Return the solver of this scene on a grid.
 
         Raises
         ------

@@ -9,11 +9,11 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
-from contactstudy.solvers.substitution import solve_by_substitution
 
 # Outer iterations between pressure and shear: errors fall by a factor of at least 1.7 from one to the next where both
 # bodies are elastic and friction is below 1.
@@ -51,7 +51,7 @@ class FullSliding:
             applications += 1
             return self.coefficient * coupling(pressure)
 
-        solution = solve_by_substitution(
+        solution = solve_by_fixed_point_iteration(
             problem, gap_change, options, start, device, MAX_SLIDING_ITERATIONS
         )
         return replace(

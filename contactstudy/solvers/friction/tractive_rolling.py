@@ -26,6 +26,7 @@ from contactstudy.domain.grid import Grid, on_cells
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
+from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
 from contactstudy.solvers.friction.rolling_traction import (
     UNKNOWN,
@@ -36,7 +37,6 @@ from contactstudy.solvers.friction.rolling_traction import (
 from contactstudy.solvers.friction.slip import RollingSlip
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
-from contactstudy.solvers.substitution import solve_by_substitution
 
 # Fewest cells along an axis of a coarser grid.
 COARSEST = 24
@@ -127,7 +127,7 @@ class TractiveShear:
             return self.coupling.gap(state.shear)
 
         if self.coupling is not None:
-            normal = solve_by_substitution(
+            normal = solve_by_fixed_point_iteration(
                 problem, gap_change, options, start, device, MAX_COUPLED_ITERATIONS
             )
         else:

@@ -1,4 +1,4 @@
-"""A contact whose displacement follows from its own pressure, solved by substitution of one into the other."""
+"""A contact with a displacement that follows from its own pressure, solved by fixed-point (Picard) iteration."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,7 +12,7 @@ from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 
-def solve_by_substitution(
+def solve_by_fixed_point_iteration(
     problem: Problem,
     displacement_of: Callable[[Array], Array],
     options: SolveOptions,
@@ -20,7 +20,7 @@ def solve_by_substitution(
     device: Device,
     max_outer: int,
 ) -> Solution:
-    """Return the solution of a problem with a displacement that follows from its own pressure, by substitution.
+    """Return the solution of a problem with a displacement that follows from its own pressure, by fixed-point iteration.
 
     It converges where the map is a contraction, as that of friction below 1 is between elastic bodies. Each outer
     iteration adds the displacement of the one before to the gap, until that changes the gap in the contact by less than
@@ -33,7 +33,7 @@ def solve_by_substitution(
         The contact in SI units, without the displacement.
     displacement_of
         Map from pressure (x, y) [Pa] to the displacement (x, y) [m], called once in each outer iteration.
-    options, start, on
+    options, start, device
         Method and tolerance of each solve, pressure [Pa] to begin with, and device.
     max_outer
         Largest number of outer iterations.

@@ -1,4 +1,4 @@
-"""Substitution of the displacement that sliding friction adds to a contact of unlike bodies."""
+"""Fixed-point iteration over the displacement that sliding friction adds to a contact of unlike bodies."""
 
 import numpy as np
 import pytest

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from studies.engine.run import run
 from studies.model.study import Study
@@ -27,6 +28,14 @@ def python(script: str, *words: object) -> subprocess.CompletedProcess[str]:
         [sys.executable, "-c", script, *map(str, words)],
         cwd=Path(__file__).parents[2], capture_output=True, text=True,
     )  # fmt: skip
+
+
+def measured(name: str, **point: object) -> xr.Dataset:
+    """What a study stores of one case; an axis that is not given has its first value."""
+    study = load(name)
+    case = study.case_at({axis.name: axis.values[0] for axis in study.axes} | point)
+    result = case.run(case.prepare())
+    return xr.Dataset(case.record(result) | study.measures(case, result))
 
 
 @pytest.fixture(scope="session")

@@ -1,41 +1,39 @@
 """The studies of coatings and of friction: what they measure, pinned by closed forms."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 import contactstudy as cs
 from studies.definitions import coating
-from studies.engine.run import run
+from studies.definitions.friction import COEFFICIENTS
 from studies.registry import load
-from tests.studies.conftest import quiet
+from tests.studies.conftest import measured
 
 
-@pytest.mark.whole
-def test_coatings_are_measured(tmp_path: Path) -> None:
-    study = load("coating").override({"ratio": "4", "thickness": "1e-4,1,1e3", "grid": "128"})
-    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet)
-    one = dataset.isel(ratio=0, grid=0)
+def test_coatings_are_measured() -> None:
+    thin, known, thick = (
+        measured("coating", ratio=4.0, thickness=thickness, grid=128)
+        for thickness in (1e-4, 1.0, 1e3)
+    )
     # the substrate's Hertz contact, and that of the coating: half as wide, twice as high
-    assert one["half_width"].isel(thickness=0) == pytest.approx(1, rel=1e-2)
-    assert one["half_width"].isel(thickness=2) == pytest.approx(0.5, rel=1e-2)
-    assert one["peak_pressure"].isel(thickness=2) == pytest.approx(2, rel=1e-2)
+    assert thin["half_width"] == pytest.approx(1, rel=1e-2)
+    assert thick["half_width"] == pytest.approx(0.5, rel=1e-2)
+    assert thick["peak_pressure"] == pytest.approx(2, rel=1e-2)
     # second order in the cell
-    assert one["reference_error"].max() < (2.4 / 128) ** 2
+    assert known["reference_error"] < (2.4 / 128) ** 2
 
 
-@pytest.mark.whole
-def test_friction_is_measured(tmp_path: Path) -> None:
-    study = load("friction").override({"poisson_ratio": "0,0.3", "grid": "201", "rough_grid": "32"})
-    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet)
-    cork, steel = (dataset.isel(poisson_ratio=n, grid=0, rough_grid=0) for n in (0, 1))
+def test_friction_is_measured() -> None:
+    cork, steel = (
+        measured("friction", poisson_ratio=ratio, grid=201, rough_grid=32) for ratio in (0.0, 0.3)
+    )
     for coefficient, wanted in ((0.0, 0.55751), (0.2, 0.58999), (0.4, 0.81584)):
-        found = float(steel["von_mises"].sel(coefficient=coefficient))
+        found = float(steel["von_mises"][COEFFICIENTS.index(coefficient)])
         assert found == pytest.approx(wanted, abs=5e-3)
-    assert steel["depth"].sel(coefficient=0.3) < 0.01
-    np.testing.assert_allclose(steel["stick"], np.sqrt(1 - steel["fraction"]), atol=2.6 / 201)
-    np.testing.assert_allclose(cork["stick_sphere"], np.cbrt(1 - cork["fraction"]), atol=2.5 / 32)
+    assert steel["depth"][COEFFICIENTS.index(0.3)] < 0.01
+    part = steel["fraction"].values
+    np.testing.assert_allclose(steel["stick"], np.sqrt(1 - part), atol=2.6 / 201)
+    np.testing.assert_allclose(cork["stick_sphere"], np.cbrt(1 - part), atol=2.5 / 32)
     assert cork["superposition_error"] < 1e-3
     assert steel["superposition_error"] > 0.02
     # without Poisson's ratio all shear is along the force

@@ -1,8 +1,8 @@
 """Each number that a sweep stores, against a value found by hand."""
 
+import itertools
 from dataclasses import dataclass, replace
 from math import inf
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,11 +13,10 @@ from scipy.special import erf
 import contactstudy as cs
 from studies.definitions import stability
 from studies.definitions.speed import SLOPE, self_affine
-from studies.engine.run import run
 from studies.model.case import OperatorCase
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
-from tests.studies.conftest import quiet
+from tests.studies.conftest import measured
 
 LINE = cs.Grid(cells=(64, 4), extent=(2.4 * HERTZ.half_width, HERTZ.half_width))
 
@@ -65,63 +64,53 @@ def test_only_an_axis_that_does_not_wrap_is_doubled(padding: cs.Padding, padded:
     assert int(case.record(case.prepare())["padded_cells"]) == padded
 
 
-@pytest.mark.whole
-def test_the_error_of_creep_falls_with_the_steps_under_its_estimate(tmp_path: Path) -> None:
-    study = load("creep").override({"steps": "10,20,40", "grid": "64,512"})
-    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet)
-    assert (dataset["solver_status"] == 0).all()
-    fine = dataset.sel(grid=512)
-    error = fine["pressure_error_l1"].values
+def test_the_error_of_creep_falls_with_the_steps_under_its_estimate() -> None:
+    several = [measured("creep", steps=steps, grid=512) for steps in (10, 20, 40)]
+    error = np.array([float(one["pressure_error_l1"]) for one in several])
     # by the 1.5th power at least, until the cells count
     assert (error[:-1] / error[1:] > 2).all()
-    # the estimate is of the steps alone; 512 cells leave 0.35 (dx / a)^1.5 = 2e-4
-    assert (fine["step_error"].values + 3e-4 > error).all()
-    # creep multiplies compliance by 1 + 1.5 (1 - exp(-2))
-    widest = float(fine["half_width"].isel(steps=-1, time=-1))
-    assert abs(widest - np.sqrt(1 + 1.5 * (1 - np.exp(-2)))) < 0.36 / 512 / 0.1
+    for one in several:
+        assert one["solver_status"] == 0
+        # the estimate is of the steps alone; 512 cells leave 0.35 (dx / a)^1.5 = 2e-4
+        assert one["step_error"] + 3e-4 > one["pressure_error_l1"]
+        # creep multiplies compliance by 1 + 1.5 (1 - exp(-2)), the half-width by its root
+        widening = np.sqrt(1 + 1.5 * (1 - np.exp(-2)))
+        assert float(one["half_width"][-1]) == pytest.approx(widening, abs=0.36 / 512 / 0.1)
 
 
-@pytest.mark.whole
-def test_explicit_wear_breaks_before_its_limit_and_implicit_never(tmp_path: Path) -> None:
-    study = load("wear").override({"steps": "16,32,128"})
-    stored = run(study, tmp_path, workers=0, repeats=0, log=quiet)
-    dataset = stored.isel(grid=0)
-    error = dataset["pressure_error_l1"]
-    stable = dataset["longest_explicit"].sel(scheme="explicit") > 1
-    assert stable.values.tolist() == [False, False, True]
-    assert (error.sel(scheme="explicit")[:2] > 0.5).all()
-    assert error.sel(scheme="explicit")[2] < 1e-2
-    assert (error.sel(scheme="implicit") < 2e-2).all()
-    assert (error.sel(scheme="two-stage") < error.sel(scheme="implicit")).all()
-    assert float(dataset["volume_error"].max()) < 1e-13
+def test_explicit_wear_breaks_before_its_limit_and_implicit_never() -> None:
+    error = {}
+    for scheme, steps in itertools.product(("explicit", "implicit", "two-stage"), (8, 32)):
+        one = measured("wear", scheme=scheme, steps=steps, grid=32)
+        error[scheme, steps] = float(one["pressure_error_l1"])
+        assert (one["longest_explicit"] > 1) == (steps == 32)
+        assert one["volume_error"] < 1e-13
+    assert error["explicit", 8] > 0.5
+    assert max(error["explicit", 32], error["implicit", 8]) < 5e-2
+    assert error["two-stage", 8] < error["implicit", 8]
+    assert error["two-stage", 32] < error["implicit", 32] < error["implicit", 8] / 2
     # between the rigid law and that of the cubes added, and a little above: 2 and 9^(1/3) = 2.08
-    last = float(dataset["half_width"].sel(scheme="two-stage").isel(steps=-1, distance=-1))
-    assert 2 < last < 2.2
+    assert 2 < float(one["half_width"][-1]) < 2.2
 
 
-@pytest.mark.whole
-def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not(tmp_path: Path) -> None:
+def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not() -> None:
     """Errors are of first order in the steps: 0.75 % of the pressure with 8, by finite elements too."""
-    study = load("plastic").override({"pressure": "1.5,3", "steps": "4,8", "grid": "48"})
-    dataset = run(study, tmp_path, workers=0, repeats=0, log=quiet).isel(grid=0, hardening=0)
-    assert (dataset["solver_status"] == 0).all()
-    known = dataset.sel(pressure=3.0)
-    error = known["peak_pressure_error"].values
-    assert error[1] < 1.5e-2
-    assert 1.4 < error[0] / error[1] < 2.5
+    few, known = (measured("plastic", pressure=3.0, steps=steps, grid=48) for steps in (4, 8))
+    elastic = measured("plastic", pressure=1.5, steps=8, grid=48)
+    assert few["solver_status"] == known["solver_status"] == elastic["solver_status"] == 0
+    assert known["peak_pressure_error"] < 1.5e-2
+    assert 1.4 < few["peak_pressure_error"] / known["peak_pressure_error"] < 2.5
     # a cell is a seventh of the half-width, a layer down there two of them
-    assert float(known["half_width_error"][1]) < 0.1
-    assert float(known["plastic_depth_error"][1]) < 0.1
-    assert float(known["dent_error"][1]) < 0.03
+    assert known["half_width_error"] < 0.1
+    assert known["plastic_depth_error"] < 0.1
+    assert known["dent_error"] < 0.03
     # on 48 cells the lower edge of the layer in which the known depth lies, or of the one above
-    assert 2.3 < float(known["plastic_depth"][1]) < 2.7
-    elastic = dataset.sel(pressure=1.5).isel(steps=-1)
-    assert float(elastic["plastic_depth"]) == 0.0
-    assert float(elastic["dent"]) == 0.0
-    assert float(elastic["hardness_limited_difference"]) < 1e-6
+    assert 2.3 < known["plastic_depth"] < 2.7
+    assert elastic["plastic_depth"] == elastic["dent"] == 0.0
+    assert elastic["hardness_limited_difference"] < 1e-6
     # 2.8 Y over 3 Y, not 0.787
-    assert float(known["hardness_limited_pressure"][1]) == pytest.approx(2.8 / 3, abs=1e-9)
-    assert float(known["hardness_limited_difference"][1]) > 0.1
+    assert float(known["hardness_limited_pressure"]) == pytest.approx(2.8 / 3, abs=1e-9)
+    assert known["hardness_limited_difference"] > 0.1
 
 
 POINT = {

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.answers.contact import Contact, contact_answer
 from contactstudy.domain.checks import InvalidInput, checked_relative_error
-from contactstudy.domain.device import Cpu, Device
+from contactstudy.domain.device import ONE_THREAD, Cpu, Device, using
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.problem.problem import Problem
@@ -106,7 +106,7 @@ def solve(
     progress
         Called with a :class:`~contactstudy.Progress` as the solve goes on.
     device
-        Device of a dry static contact, such as ``Cpu(threads=2)``.
+        Device to solve on, such as ``Cpu(threads=2)``. A graphics processor takes a dry static contact or a problem.
     options, named
         :class:`~contactstudy.SolveOptions`, or its fields by name: ``tolerance``, ``max_iterations``, ...
 
@@ -126,43 +126,9 @@ def solve(
     request = _Request(
         scene, grid, padding, requested, period, times, start, folder, progress, device, options or SolveOptions()
     )  # fmt: skip
-    if isinstance(scene, Problem):
-        request.refuse_unless("a problem", "start", "device")
-        if grid is not None or padding is not None:
-            argument = "padding" if grid is None else "grid"
-            raise InvalidInput(
-                f"solve.{argument} is for a scene: leave it out, a problem has its own."
-            )
-        return replace(request.solve_problem(scene), requested=requested)
-    if not isinstance(scene, Scene):
-        raise InvalidInput(
-            f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
-        )
-    if scene.lubrication is not None:
-        if scene.wears_steadily:
-            request.refuse_unless("a film that wears", "times")
-            return request.film_wear()
-        if scene.time_dependent_field is not None:
-            request.refuse_unless("a film that changes in time", "times")
-            return request.time_dependent_film()
-        request.refuse_unless("a steady film", "start")
-        return request.film()
-    if scene.wears_steadily:
-        request.refuse_unless("a contact that rolls and wears", "times")
-        return request.steady_wear()
-    if scene.takes_times:
-        if scene.evolves_without_states:
-            request.refuse_unless("a load history with adhesion or rolling", "times")
-            return request.quasi_static()
-        request.refuse_unless("a scene that changes in time", "times", "folder")
-        return request.time_dependent()
-    if scene.rolls:
-        request.refuse_unless("a contact that rolls")
-        return (
-            request.repeated_rolling() if scene.rolling_speed is None else request.steady_rolling()
-        )
-    request.refuse_unless("a static contact", "start", "device")
-    return request.contact()
+    # any other device is given to the iteration of a contact alone, since arrays around it are numpy's
+    with using(device if isinstance(device, Cpu) else ONE_THREAD):
+        return request.answer()
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,6 +147,45 @@ class _Request:
     device: Device
     options: SolveOptions
 
+    def answer(self) -> "Contact | LubricatedContact | Evolution":
+        """Refuse the keywords that this scene cannot use, and solve it by its method."""
+        scene = self.scene
+        if isinstance(scene, Problem):
+            self.refuse_unless("a problem", "start", "device")
+            if self.grid is not None or self.padding is not None:
+                argument = "padding" if self.grid is None else "grid"
+                raise InvalidInput(
+                    f"solve.{argument} is for a scene: leave it out, a problem has its own."
+                )
+            return replace(self.solve_problem(scene), requested=self.error)
+        if not isinstance(scene, Scene):
+            raise InvalidInput(
+                f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
+            )
+        if scene.lubrication is not None:
+            if scene.wears_steadily:
+                self.refuse_unless("a film that wears", "times")
+                return self.film_wear()
+            if scene.time_dependent_field is not None:
+                self.refuse_unless("a film that changes in time", "times")
+                return self.time_dependent_film()
+            self.refuse_unless("a steady film", "start")
+            return self.film()
+        if scene.wears_steadily:
+            self.refuse_unless("a contact that rolls and wears", "times")
+            return self.steady_wear()
+        if scene.takes_times:
+            if scene.evolves_without_states:
+                self.refuse_unless("a load history with adhesion or rolling", "times")
+                return self.quasi_static()
+            self.refuse_unless("a scene that changes in time", "times", "folder")
+            return self.time_dependent()
+        if scene.rolls:
+            self.refuse_unless("a contact that rolls")
+            return self.repeated_rolling() if scene.rolling_speed is None else self.steady_rolling()
+        self.refuse_unless("a static contact", "start", "device")
+        return self.contact()
+
     def refuse_unless(self, kind: str, *used: str) -> None:
         """Raise InvalidInput for a keyword beyond those that a scene of this `kind` has used."""
         arguments = {
@@ -188,15 +193,15 @@ class _Request:
             "start": self.start is not None,
             "folder": self.folder is not None,
             "device": not isinstance(self.device, Cpu),
-            "period": self.period is not None and self.grid is not None,
+            "period": self.period is not None
+            and (self.grid is not None or isinstance(self.scene, Problem)),
         }
         for name, is_given in arguments.items():
             if is_given and name not in used:
-                why = (
-                    "the grid has a period of its own"
-                    if name == "period"
-                    else f"{kind} has no use for it"
-                )
+                why = {
+                    "period": "the grid has a period of its own",
+                    "device": f"{kind} is solved on this machine's processor",
+                }.get(name, f"{kind} has no use for it")
                 raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
 
     @property

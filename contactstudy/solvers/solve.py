@@ -14,7 +14,8 @@ from contactstudy.domain.checks import (
     suggest_fields,
     whole_number,
 )
-from contactstudy.domain.device import Cpu, Device, Precision, checked, device, using
+from contactstudy.domain.device import Cpu, Device, Precision, checked, using
+from contactstudy.domain.device import device as device_in_use
 from contactstudy.domain.fields import Array
 from contactstudy.domain.units import Number, readable
 from contactstudy.elasticity.convolution import Convolution
@@ -91,7 +92,7 @@ def solve_contact(
     problem: Problem,
     options: SolveOptions = SolveOptions(),
     start: Array | None = None,
-    device: Device = Cpu(),  # noqa: B008 (a frozen value)
+    device: Device | None = None,
 ) -> Solution:
     """Return the solution of a problem.
 
@@ -104,7 +105,7 @@ def solve_contact(
     start
         Pressure (x, y) [Pa] to begin with; None begins on coarser grids.
     device
-        The device that the fields of the iteration are held on.
+        The device that the fields of the iteration are held on; the one in use if None, a thread of this machine.
 
     Returns
     -------
@@ -118,6 +119,8 @@ def solve_contact(
     """
     if not isinstance(problem, Problem):
         raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
+    if device is None:
+        device = device_in_use()
     if start is not None:
         start = _finite_pressure(start, problem)
     if problem.friction is not None:
@@ -287,5 +290,5 @@ class _ReportingProblem(BareProblem):
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual, once it has been reported."""
         residual = super().residual(pressure, gap)
-        self.report(residual, device().to_numpy(pressure))
+        self.report(residual, device_in_use().to_numpy(pressure))
         return residual

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.device import threads
 from tests.contactstudy.evolution.creeping import SOLID, rolling_cylinder
 from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
 from tests.contactstudy.lubrication import scenes as films
@@ -33,3 +34,23 @@ def test_a_solve_reports_its_progress(kind: str) -> None:
     assert 0 <= min(fractions) < 1
     assert fractions[-1] == 1
     assert all(progress.text for progress in seen)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_solve_uses_the_threads_of_its_device(kind: str) -> None:
+    seen: set[int] = set()
+    cs.solve(*KINDS[kind], EXACT, device=cs.Cpu(threads=2), progress=lambda _: seen.add(threads()))
+    assert seen == {2}
+    assert threads() == 1
+
+
+def test_a_keyword_that_a_scene_cannot_use_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, grid = KINDS["static"]
+    problem = scene.problem(grid, EXACT)
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.period is given, .*: leave it out\.$"):
+        cs.solve(problem, period=1.0)  # type: ignore[call-overload]
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.times is given, .*: leave it out\.$"):
+        cs.solve(scene, grid, EXACT, times=[0.0])
+    monkeypatch.setattr(cs.Gpu, "__post_init__", lambda _: None)
+    with pytest.raises(cs.InvalidInput, match=r"^solve\.device is given, .*: leave it out\.$"):
+        cs.solve(*KINDS["film"], EXACT, device=cs.Gpu())

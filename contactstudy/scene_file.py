@@ -167,6 +167,7 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
                 "plan": described.plan_settings,
                 "solve": described.options,
                 "time_steps": described.time_steps,
+                "vary": described.vary or None,
             },
             scene_path=path,
         )

@@ -87,6 +87,8 @@ def _toml_value(value: object, name: str) -> Any:
         return {"kind": type(value).__name__} | _fields(value, name)
     if isinstance(value, tuple | list):
         return [_toml_value(entry, f"{name}[{number}]") for number, entry in enumerate(value)]
+    if isinstance(value, Mapping):
+        return {key: _toml_value(entry, f"{name}.{key}") for key, entry in value.items()}
     if isinstance(value, bool | int | float | str):
         return value
     raise InvalidInput(

@@ -165,3 +165,9 @@ def test_every_effect_in_time_reads_back(changes: dict[str, object], tmp_path: P
     found = read_back(replace(described, time_steps=steps), tmp_path)
     assert found.time_steps == steps
     assert steps.instants_of(written.load) == [0.0, 1.0, 2.0]
+
+
+def test_fields_that_a_file_varies_read_back(tmp_path: Path) -> None:
+    together = {"load.per_length": "50:400:8 N/mm", "shapes.0.radius": ["10 mm", 0.02]}
+    described = cs.SceneFile(scene(cs.Cylinder(0.01)), vary=(together, {"plan.error": [0.1, 0.3]}))
+    assert read_back(described, tmp_path).vary == described.vary

@@ -149,7 +149,10 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         ("show out/smooth.nc --plot central_film", "--plot is for a study"),
         ("show out/smooth.nc --figures maps", "--figures is for a study"),
         ("show study/smooth-sweep.nc --csv --out tables", "--out is for pictures"),
-        ("compare study/smooth-sweep.nc study/smooth-sweep.nc --out x", "--out is for two solutions"),
+        (
+            "compare study/smooth-sweep.nc study/smooth-sweep.nc --out x",
+            "--out is for two solutions",
+        ),
         ("run padding --plot peak_pressure", "--plot is for a scene or a study without figures"),
         ("report --error 0.1", "--error is for --scene"),
         ("report --scene smooth.toml --workers 1", "--workers is for chapters"),

@@ -30,8 +30,6 @@ axes = (
 times = "none"
 
 METRICS = tuple(field.name for field in fields(Errors))
-# stored where the true error is not known, since nan marks a failure
-UNKNOWN = -1.0
 KINDS = (*dict.fromkeys(case.kind for case in matrix().values()), *RANDOM)
 # Use of a contact: the margins of the estimates are set on it, or judged, or it is a random one that judges them.
 USES = ("set", "judged", "random")
@@ -78,7 +76,7 @@ def case_at(point: Point) -> AccuracyRun:
 
 
 def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:
-    """Return ``<metric>_error``, -1 where it is not known, and ``<metric>_bound``, infinite where there is none."""
+    """Return ``<metric>_error`` where it is known, and ``<metric>_bound``, infinite where there is none."""
     judged = case.case
     estimate, true = solution.error, errors(solution, judged.truth())
     kind, use = np.asarray(KINDS.index(judged.kind)), np.asarray(USES.index(use_of(case.name)))
@@ -89,7 +87,8 @@ def measures(case: AccuracyRun, solution: cs.Contact) -> Mapping[str, xr.Variabl
     for metric in METRICS:
         error, bound = getattr(true, metric), getattr(estimate, metric).total
         label = f"relative error of the {metric.replace('_', ' ')}"
-        variables[f"{metric}_error"] = dimensionless(UNKNOWN if isnan(error) else error, label)
+        if not isnan(error):
+            variables[f"{metric}_error"] = dimensionless(error, label)
         variables[f"{metric}_bound"] = dimensionless(bound, f"bound of the {label}")
     is_missing = inf in {getattr(estimate, metric).total for metric in METRICS}
     without_reason = int(is_missing and not estimate.warnings)

@@ -72,9 +72,9 @@ def case_at(point: Point) -> HardCaseRun:
 
 
 def measures(case: HardCaseRun, solution: cs.Contact) -> Mapping[str, xr.Variable]:
-    """Return the largest error of the pressure and the error stated for it, over the peak pressure."""
+    """Return the largest error of the pressure and the error stated for it, over the peak pressure, and the verdict."""
     hard_case = CASES[case.case]
-    error, stated, verdict = 0.0, inf, "not_applicable"
+    error, stated, verdict = inf, inf, "not_applicable"
     expected = solution.status in hard_case.allowed_statuses(case.padding)
     claims = solution.residual <= hard_case.options.tolerance
     if case.applies and (claims or solution.status is cs.Status.PRECISION_LIMIT):
@@ -85,7 +85,9 @@ def measures(case: HardCaseRun, solution: cs.Contact) -> Mapping[str, xr.Variabl
         verdict = "explained_by_status" if expected else "wrong"
     index = np.asarray(VERDICTS.index(verdict))
     return {
-        "pressure_error": dimensionless(error, "largest pressure error over peak pressure"),
+        "pressure_error": dimensionless(
+            error, "largest pressure error over peak pressure, infinite where none is found"
+        ),
         "stated_error": dimensionless(stated, "stated error, infinite where none is stated"),
         "verdict": flags((), index, VERDICTS, "verdict on the case"),
     }

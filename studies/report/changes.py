@@ -8,11 +8,12 @@ import xarray as xr
 from contactstudy import InvalidInput
 
 # Times differ between runs; numbers of the solver change within its tolerance.
+STATUSES = ("case_status", "solver_status")
 LEFT_OUT = ("_time", "residual", "iterations", "convolutions", "_estimate_residual", "_bound")
 
 
 def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
-    """Return a sentence for every measure of two stored studies that changed, the largest change first; then for times.
+    """Return sentences on statuses and flags that differ, measures that changed (the largest change first), and times.
 
     Points are compared that both have. Raises :class:`~contactstudy.InvalidInput` for studies of other axes.
     """
@@ -32,9 +33,13 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     changed = []
     for name in sorted({str(n) for n in a.data_vars} & {str(n) for n in b.data_vars}):
         is_measure = not any(part in name for part in LEFT_OUT) and set(a[name].dims) == set(axes)
-        if not is_measure or {a[name].dtype.kind, b[name].dtype.kind} != {"f"}:
+        if not is_measure or not {a[name].dtype.kind, b[name].dtype.kind} <= set("biuf"):
             continue
-        before, after = (run[name].transpose(*axes).values for run in (a, b))
+        before, after = (run[name].transpose(*axes).values.astype(float) for run in (a, b))
+        if name in STATUSES or "flag_meanings" in a[name].attrs:
+            differ = np.count_nonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
+            sentences += [f"{name} differs at {differ} of {points} points"] * bool(differ)
+            continue
         with np.errstate(invalid="ignore"):  # two infinite bounds are equal
             change = np.abs(after - before)
         if not np.nan_to_num(change).any():
@@ -49,10 +54,6 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
             f"{name}: from {x:.6g} to {y:.6g} at {where}, {relative:.2g} of the largest value"
         )
         changed.append((relative, sentence))
-    for status in ("case_status", "solver_status"):
-        if status in a and status in b:
-            differ = int((a[status].values != b[status].transpose(*a[status].dims).values).sum())
-            sentences += [f"{status} differs at {differ} of {points} points"] * bool(differ)
     sentences += [sentence for _, sentence in sorted(changed, key=lambda run: -run[0])]
     sentences += ["no measure differs"] * (len(sentences) == 1)
     return [*sentences, *_speed(a, b)]

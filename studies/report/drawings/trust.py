@@ -261,8 +261,9 @@ def _one_axis(dataset: xr.Dataset) -> xr.Dataset:
 
 def _pairs(dataset: xr.Dataset, metric: str) -> tuple[np.ndarray, np.ndarray]:
     """Return the true errors, nan where they are not known, and the bounds."""
-    error = dataset[f"{metric}_error"].values.astype(float)
-    return np.where(error < 0, np.nan, error), dataset[f"{metric}_bound"].values.astype(float)
+    bound = dataset[f"{metric}_bound"]
+    error = dataset.get(f"{metric}_error", xr.full_like(bound, np.nan))
+    return error.values, bound.values
 
 
 def _summary(error: np.ndarray, bound: np.ndarray) -> tuple[float, float, int]:

@@ -67,6 +67,19 @@ def test_a_status_that_differs_is_counted_and_a_number_from_nothing_is_endless()
     ]
 
 
+def test_counts_and_flags_that_differ_are_said_and_a_missing_status_is_none() -> None:
+    flags = {"flag_meanings": "right explained wrong"}
+    before, after = (stored(layers=np.array([[4, 4, 4], [4, 4, layers]])) for layers in (4, 6))
+    for run, verdict in ((before, 0), (after, 2)):
+        run["verdict"] = (AXES, np.array([[0, 0, 0], [0, 0, verdict]], dtype=np.int8), flags)
+        run["solver_status"] = run["solver_status"].where(run["grid"] < 64)
+    assert changes(before, after)[1:3] == [
+        "verdict differs at 1 of 6 points",
+        "layers: from 4 to 6 at padding zero, grid 64, 0.5 of the largest value",
+    ]
+    assert changes(before, before)[1] == "no measure differs"
+
+
 def test_times_are_compared_by_their_ratio_on_one_processor_alone() -> None:
     slower = stored()
     slower["solve_time"] = slower["solve_time"] * np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 1.0]])

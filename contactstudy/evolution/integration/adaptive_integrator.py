@@ -326,7 +326,9 @@ class AdaptiveIntegrator:
         It is relative to the same pressure as the error by the steps.
         """
         pressure = solution.pressure
-        if not pressure.any() or not np.isfinite(solution.residual):
+        if not np.isfinite(solution.residual):
+            return ErrorParts(0.0, inf, 0.0), (f"No bound: {solution.status}",)
+        if not pressure.any():
             return ErrorParts(0.0, 0.0, 0.0), ()
         try:
             estimate = error_estimate(solution, heights=self._heights)
@@ -396,8 +398,7 @@ class AdaptiveIntegrator:
         """Set a step error, by default the present one, in the waiting frames, and write them to the checkpoint."""
         error = self.step_error if step_error is None else step_error
         for frame in self.waiting:
-            steps = error + frame.step_error
-            finished = replace(frame, step_error=steps) if self.step_doubling else frame
+            finished = replace(frame, step_error=error + frame.step_error)
             if self.checkpoint is not None:
                 self.checkpoint.write_frame(len(self.frames), finished)
             self.frames.append(finished)

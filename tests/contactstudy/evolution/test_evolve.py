@@ -237,13 +237,20 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     assert borne == pytest.approx(LOAD, rel=1e-7)
 
 
-def test_a_march_stops_where_no_pressure_carries_the_load() -> None:
+@pytest.mark.parametrize("body", [SOLID, ELASTIC.solids[0]], ids=["creeping", "elastic"])
+@pytest.mark.parametrize("step_error", cs.StepError)
+def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(
+    body: cs.ViscoelasticHalfSpace | cs.HalfSpace, step_error: cs.StepError
+) -> None:
     history = cs.LoadHistory((0.0, 1.0), (LOAD, 100 * LOAD))
-    scene = rolling_cylinder(SOLID, history, hardness=0.06)
-    found = evolve(scene, GRID, EXACT, times=np.linspace(0, 1, 5))
+    scene = replace(rolling_cylinder(SOLID, history, hardness=0.06), solids=(body, RIGID))
+    times = np.linspace(0, 1, 5)
+    found = evolution_answer(evolve(scene, GRID, EXACT, times=times, step_error=step_error))
     assert found.status is cs.Status.NO_ADMISSIBLE_PRESSURE
-    assert found.frames[-1].time < 1
-    assert found.frames[-1].step_error == np.inf
+    assert found.times[-1] < 1
+    errors = found.frames[-1].error.l1
+    assert errors.by_cause["steps"] == errors.by_cause["discretisation"] == np.inf
+    assert errors.reason == f"No bound: {found.status}"
 
 
 def test_a_scene_that_changes_has_no_single_problem() -> None:

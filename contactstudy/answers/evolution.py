@@ -156,10 +156,11 @@ class Evolution(Answer):
                 separation,
             )
 
-            frames = self.trajectory.frames
+            frames, load = self.trajectory.frames, self.posed.scene.load
             errors = [frame.quantities["approach"].bound for frame in self.frames]
-            work = net_work(frames, errors)
-            numbers = cycle_quantities(work, separation(frames), jump_in(frames)) | numbers
+            work = net_work(frames, errors, load)
+            lost, made = separation(frames, load), jump_in(frames, load)
+            numbers = cycle_quantities(work, lost, made) | numbers
         return numbers
 
     @property

@@ -87,15 +87,16 @@ def with_breakpoints_at(
     return tuple(sorted((*broken, *added), key=lambda point: point.time))
 
 
-def with_turning_points_recorded(
+def with_turning_points(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad
 ) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and the turning points of `load` between them, all recorded, on both sides of a jump.
+    """Return `breakpoints` and the turning points of `load` between them."""
+    return with_breakpoints_at(breakpoints, load, load.turning_points(breakpoints[-1].time))
 
-    The first is recorded after its jump alone.
-    """
-    turns = load.turning_points(breakpoints[-1].time)
-    first, *others = with_breakpoints_at(breakpoints, load, turns)
+
+def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
+    """Return `breakpoints`, all recorded: on both sides of a jump, but the first after it alone."""
+    first, *others = breakpoints
     return (
         replace(first, times_recorded=1),
         *(replace(point, times_recorded=1 + point.jumps) for point in others),

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput, suggest_fields, whole_number
 from contactstudy.domain.units import Number, Seconds
+from contactstudy.scene.loads.load_history import ChangingLoad
 
 # Recorded instants of a history where none are named.
 DEFAULT_INSTANTS = 41
@@ -62,7 +63,7 @@ class TimeSteps:
     end
         Last instant [s], that of the load and the speed if None.
     instants
-        Number of instants, evenly spaced but for those moved to where a history bends; None for 41, or, where
+        Number of instants, evenly spaced but for those moved to where a history bends or turns; None for 41, or, where
         `error` is given and `end` is not, for every step, and of elastic bodies for the start, the end and where the
         load turns or jumps.
     error
@@ -106,7 +107,7 @@ class TimeSteps:
         """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides.
 
         Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to where a
-        history bends.
+        history bends or turns.
 
         Raises
         ------
@@ -130,11 +131,19 @@ class TimeSteps:
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)
         if self.step is None:  # the nearest instant is put where a history bends
-            for time in (time for history in histories for time in getattr(history, "times", ())):
+            for time in (time for history in histories for time in _bends(history, end)):
                 number = round((time - start) / spacing) if spacing else 0
                 if 0 < number < count - 1:
                     instants[number] = time
         return instants
+
+
+def _bends(history: Any, end: float) -> tuple[float, ...]:
+    """Return the times [s] up to `end` at which a history bends or turns."""
+    if isinstance(history, ChangingLoad):
+        return history.turning_points(end)
+    times: tuple[float, ...] = getattr(history, "times", ())
+    return times
 
 
 def check_estimated(error: float | None, step_error: StepError) -> None:

@@ -10,11 +10,16 @@ from dataclasses import replace
 from itertools import pairwise
 from math import inf
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
-from contactstudy.evolution.breakpoints import schedule
+from contactstudy.evolution.breakpoints import (
+    all_recorded,
+    schedule,
+    with_turning_points,
+)
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Frame, Trajectory
 from contactstudy.evolution.warm_started import unloaded
@@ -23,11 +28,14 @@ from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.rolling import check_slow
-from contactstudy.scene.scene import PosedScene, Scene
+from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
+
+# Turns of the load below this fraction of the largest one are rounding.
+ROUNDING = 1e-9
 
 
 def follow_load(
@@ -48,7 +56,8 @@ def follow_load(
     grid, padding
         Cells and boundary conditions.
     times
-        Recorded instants [s], which do not decrease; None records the instants at which the load turns or jumps.
+        Recorded instants [s], which do not decrease; None records the start, the end and the
+        instants at which the load turns or jumps.
     options
         How each contact is solved.
     progress
@@ -68,7 +77,9 @@ def follow_load(
     load = scene.load
     if not isinstance(load, ChangingLoad):
         raise InvalidInput("Scene.load does not change: give a LoadHistory.")
-    breakpoints = schedule(load, times)
+    breakpoints = with_turning_points(schedule(load, times), load)
+    if times is None:
+        breakpoints = all_recorded(breakpoints)
     first = load.at(breakpoints[0].time)
     elastic = scene
     if (speed := scene.rolling_speed) is not None:
@@ -83,7 +94,6 @@ def follow_load(
     for point in breakpoints:
         loads = (point.before, point.after) if point.jumps and last is not None else (point.after,)
         # a jump that is recorded once is recorded after it
-        recorded = len(loads) if times is None else point.times_recorded
         for number, value in enumerate(loads):
             rolling = None
             if value == 0 and law is None:
@@ -93,7 +103,7 @@ def follow_load(
                 last = rolling.solution
             else:
                 last = _next_solution(_problem_under(largest, elastic, value, law), last, options)
-            if number >= len(loads) - recorded:
+            if number >= len(loads) - point.times_recorded:
                 frames.append(frame_in_equilibrium(point.time, value, last, rolling))
         if progress is not None:
             progress(point.time, breakpoints[-1].time)
@@ -160,41 +170,77 @@ def frame_in_equilibrium(
 
 
 def net_work(
-    frames: tuple[Frame, ...], approach_errors: Sequence[float]
+    frames: Sequence[Frame], approach_errors: Sequence[float], load: AnyLoad
 ) -> tuple[float, float, str]:
     """Return the net work of the load in a history [J/m], the bound of its error, and why that is infinite where it is.
 
     It is the integral of the load over the approach: the hysteresis loss where the history ends at the load and on the
-    branch of its beginning, else with the elastic energy stored meanwhile. Between two instants the load and the
-    approach go one way, also where contact jumps in, so that the trapezoid is wrong by half the product of their
-    changes at most. Errors of the approaches [m] count with the changes of the load around them.
+    branch of its beginning, else with the elastic energy stored meanwhile. Where the load does not turn between two
+    instants, load and approach go one way, also where contact jumps in, so that the trapezoid is wrong by half the
+    product of their changes at most. Errors of the approaches [m] count with the changes of the load around them.
+
+    Parameters
+    ----------
+    frames
+        Recorded instants of a contact with adhesion.
+    approach_errors
+        Bound of the approach [m] of each of them.
+    load
+        Load of the scene.
     """
     work = error = 0.0
+    largest = max(abs(frame.load) for frame in frames)
+    reason = "" if np.isfinite(approach_errors).all() else "No bound: the approach has none."
     for number, (a, b) in enumerate(pairwise(frames)):
         if Status.DETACHED in (a.status, b.status):
+            reason = "No bound: contact is made or lost between two instants."
             continue
+        loads = _loads_between(a, b, load)
+        variation, change = sum(abs(y - x) for x, y in pairwise(loads)), abs(b.load - a.load)
+        if variation - change > ROUNDING * largest:
+            reason = (
+                reason or "No bound: the load turns between two instants: record where it turns."
+            )
         work += (a.load + b.load) / 2 * (b.approach - a.approach)
-        error += abs((b.load - a.load) * (b.approach - a.approach)) / 2
-        both = approach_errors[number] + approach_errors[number + 1]
-        error += abs(b.load - a.load) / 2 * both
-    ends = [frame.load * e for frame, e in zip(frames, approach_errors, strict=True)]
-    touching = [end for end, f in zip(ends, frames, strict=True) if f.status is not Status.DETACHED]
-    if len(touching) < len(frames):
-        return work, inf, "No bound: contact is made or lost between two instants."
-    return work, error + abs(touching[0]) + abs(touching[-1]), ""
+        error += abs(change * (b.approach - a.approach)) / 2
+        error += change / 2 * (approach_errors[number] + approach_errors[number + 1])
+    if reason:
+        return work, inf, reason
+    ends = [abs(frames[n].load) * approach_errors[n] for n in (0, -1)]
+    return work, error + sum(ends), ""
 
 
-def separation(frames: tuple[Frame, ...]) -> tuple[float, float] | None:
-    """Return the last load [N/m] that was held and the first that was lost; None where contact is not lost."""
+def _loads_between(a: Frame, b: Frame, load: AnyLoad) -> list[float]:
+    """Return the loads [N/m] from one frame to the next, with those between which the load only rises or falls."""
+    if not isinstance(load, ChangingLoad):
+        return [a.load, b.load]
+    loads = [a.load]
+    for time in (time for time in load.turning_points(b.time) if time > a.time):
+        loads += [load.before(time), load.at(time)] if time < b.time else [load.before(time)]
+    return [*loads, b.load]
+
+
+def separation(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
+    """Return the last recorded load [N/m] that was held, and another so that contact is lost at one between both.
+
+    The other is the first recorded load that was lost, or one beyond where the `load` turns between the two instants.
+    None where contact is not lost.
+    """
     for before, after in pairwise(frames):
         if after.status is Status.DETACHED and before.status is not Status.DETACHED:
-            return before.load, after.load
+            held, *others = _loads_between(before, after, load)
+            return held, max(others, key=lambda other: abs(other - held))
     return None
 
 
-def jump_in(frames: tuple[Frame, ...]) -> tuple[float, float] | None:
-    """Return the first load [N/m] that made contact and the last one before; None where contact is not made."""
+def jump_in(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
+    """Return the first recorded load [N/m] in contact, and another so that contact is made at one between both.
+
+    The other is the last recorded load before, or one beyond where the `load` turns between the two instants. None
+    where contact is not made.
+    """
     for before, after in pairwise(frames):
         if before.status is Status.DETACHED and after.status is not Status.DETACHED:
-            return after.load, before.load
+            *others, touching = _loads_between(before, after, load)
+            return touching, max(others, key=lambda other: abs(other - touching))
     return None

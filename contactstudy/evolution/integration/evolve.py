@@ -16,10 +16,11 @@ from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients
 from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.breakpoints import (
+    all_recorded,
     schedule,
     with_breakpoints_at,
     with_steps_within_quarter_period,
-    with_turning_points_recorded,
+    with_turning_points,
 )
 from contactstudy.evolution.integration.adaptive_integrator import AdaptiveIntegrator
 from contactstudy.evolution.integration.checkpoint import Checkpoint
@@ -170,7 +171,7 @@ def evolve(
     if stepper.all_state_variables:
         breakpoints = with_steps_within_quarter_period(breakpoints, load)
     elif times is None:
-        breakpoints = with_turning_points_recorded(breakpoints, load)
+        breakpoints = all_recorded(with_turning_points(breakpoints, load))
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     integrator = AdaptiveIntegrator(
         stepper=stepper,

@@ -9,6 +9,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.range_errors import reduction_below_jkr
+from contactstudy.evolution.equilibrium.quasi_static import follow_load
 
 SOFT, RIGID = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
 # R = E* = 1 and w = pi: loads over pi have the unit of Johnson, Kendall & Roberts
@@ -158,6 +159,38 @@ def test_the_net_work_is_bounded_by_the_instants_while_contact_lasts(loop: cs.Ev
     lost = loop.quantities["net_work"]
     assert lost.bound == np.inf
     assert "lost between two instants" in lost.reason
+
+
+def test_the_net_work_has_no_bound_where_the_load_turns_between_two_instants() -> None:
+    """A sine of which instants miss the lowest load, or name it."""
+    sine = replace(SCENE, load=cs.SineLoad(2.0, 1.5, 1.0, pi / 6))
+    missed, few, many = (
+        cs.solve(sine, GRID, LINE, times=times).quantities["net_work"]
+        for times in (
+            (0.0, 1 / 6, 0.4, 0.9),
+            (0.0, 1 / 6, 2 / 3, 0.9),
+            cs.TimeSteps(end=0.9, instants=28),
+        )
+    )
+    assert missed.bound == inf
+    assert missed.reason == "No bound: the load turns between two instants: record where it turns."
+    assert 0 < abs(few.value - many.value) <= few.bound < inf
+
+
+def test_a_sine_is_recorded_where_it_turns_if_no_times_are_named() -> None:
+    sine = replace(SCENE, load=cs.SineLoad(2.0, 1.5, 1.0, pi / 6))
+    found = follow_load(sine, GRID, LINE)
+    assert found.times == pytest.approx([0, 1 / 6, 2 / 3, 1])
+    assert [frame.load for frame in found.frames] == pytest.approx([2.75, 3.5, 0.5, 2.75])
+
+
+def test_the_bound_of_a_pull_off_holds_where_the_load_turns_between_two_instants() -> None:
+    """Contact is lost at 1.14064 pi, on the way from one recorded instant to the next."""
+    pulled = replace(SCENE, load=cs.LoadHistory((0.0, 1.0, 2.0), (1.0, -8.0, -0.5)))
+    found = cs.solve(pulled, GRID, LINE, times=(0.0, 2.0))
+    assert found.frames[-1].status is cs.Status.DETACHED
+    pull_off = found.quantities["pull_off"]
+    assert abs(pull_off.value - 1.14064 * pi) < pull_off.bound == pytest.approx(9.0)
 
 
 def test_contact_that_is_made_again_has_a_load_at_which_it_jumps_in() -> None:

@@ -1,6 +1,6 @@
 """The instants that an integration lands on, by hand."""
 
-from math import nan
+from math import nan, pi
 
 import pytest
 
@@ -17,6 +17,11 @@ def test_instants_are_as_many_as_asked_and_peaks_of_the_load_are_among_them() ->
     default = TimeSteps().instants_of(load)
     assert set(load.times) < set(default)
     assert sorted(default) == default
+    sine = cs.SineLoad(2.0, 1.0, 1.0, phase=pi / 7)
+    instants = TimeSteps().instants_of(sine) or []
+    assert [time for time in instants if sine.at(time) in (1.0, 3.0)] == pytest.approx(
+        [5 / 28, 19 / 28]
+    )
 
 
 def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:

@@ -208,7 +208,7 @@ def cell_errors(solution: Solution) -> tuple[float, float]:
     pressure = solution.pressure[around_contact(solution.pressure)]
     if lengths is not None:  # a roller ends there as at the end of the grid
         pressure = pressure[:, lengths > 0]
-    limited = (problem.constraint.free(pressure) == 0) & (pressure > 0)
+    limited = (problem.constraint.active(pressure) == 0) & (pressure > 0)
     across, along = (
         _axis_error(axis_first(pressure, axis), axis_first(limited, axis), wraps=padding.wraps)
         if pressure.shape[axis] > 1

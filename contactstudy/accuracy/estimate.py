@@ -399,8 +399,8 @@ def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
 def _at_hardness(solution: Solution) -> bool:
     """Return whether the peak pressure is a limit of the constraint, which finer cells have too."""
     ix, iy = np.unravel_index(np.argmax(solution.pressure), solution.pressure.shape)
-    free = solution.problem.constraint.free(solution.pressure[ix : ix + 1])
-    return bool(free[0, iy] == 0)
+    active = solution.problem.constraint.active(solution.pressure[ix : ix + 1])
+    return bool(active[0, iy] == 0)
 
 
 def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:

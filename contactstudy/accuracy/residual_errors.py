@@ -21,7 +21,7 @@ def residual_errors(solution: Solution) -> tuple[float, float]:
     inverse = operator.approximate_inverse(
         Precision.SINGLE if pressure.size >= MIN_COMPILED_CELLS else None
     )
-    cells = solution.problem.constraint.free(pressure).astype(inverse.real, copy=False)
+    cells = solution.problem.constraint.active(pressure).astype(inverse.real, copy=False)
     correction, level = np.empty_like(cells), 0.0
 
     def of_cells(height: Array, gap: Array, cells: Array) -> None:

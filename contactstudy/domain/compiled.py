@@ -33,17 +33,17 @@ def summing(function: Loop) -> Loop:
 
 
 @summing
-def free_gap(
+def active_gap_sums(
     undeformed: Array, displacement: Array, pressure: Array, limit: float, results: Array
 ) -> None:
-    """Write for each row the sum of the gap over free cells, and their number."""
+    """Write for each row the sum of the gap over the active set, and its number of cells."""
     for i in range(pressure.shape[0]):
         heights, cells = 0.0, 0.0
         for j in range(pressure.shape[1]):
             loaded = pressure[i, j]
-            free = 1.0 if (loaded > 0) & (loaded < limit) else 0.0
-            heights += (undeformed[i, j] + displacement[i, j]) * free
-            cells += free
+            active = 1.0 if (loaded > 0) & (loaded < limit) else 0.0
+            heights += (undeformed[i, j] + displacement[i, j]) * active
+            cells += active
         results[i, 0], results[i, 1] = heights, cells
 
 
@@ -54,44 +54,44 @@ def gap(
 ) -> None:  # fmt: skip
     """Write the `height` of the gap, counted from the approach, and the terms of its residual.
 
-    Each row gets the load, and of free cells the sum of pressure times gap and the load; the first row also gets, of all
-    rows, the largest violation of other cells, and the largest displacement.
+    Each row gets the load, and of the active set the sum of pressure times gap and the load; the first row also gets,
+    of all rows, the largest violation of other cells, and the largest displacement.
     """
     columns = height.shape[1]
     # one maximum a column: that of a row would not be vectorised
     largest_violation, largest_displacement = np.zeros(columns), np.zeros(columns)
     for i in range(height.shape[0]):
-        load, moment, free_load = 0.0, 0.0, 0.0
+        load, moment, active_load = 0.0, 0.0, 0.0
         for j in range(columns):
             loaded, deflection = pressure[i, j], displacement[i, j]
             distance = undeformed[i, j] + deflection - approach
             height[i, j] = distance
             empty, full = loaded == 0, loaded >= limit
-            free = 0.0 if empty | full else loaded
+            active = 0.0 if empty | full else loaded
             load += loaded
-            moment += free * abs(distance)
-            free_load += free
+            moment += active * abs(distance)
+            active_load += active
             violation = -distance if empty else (distance if full else 0.0)
             highest = largest_violation[j]
             largest_violation[j] = violation if violation > highest else highest
             farthest = largest_displacement[j]
             largest_displacement[j] = abs(deflection) if abs(deflection) > farthest else farthest
-        results[i, 0], results[i, 1], results[i, 2] = load, moment, free_load
+        results[i, 0], results[i, 1], results[i, 2] = load, moment, active_load
         results[i, 3], results[i, 4] = 0.0, 0.0
     results[0, 3], results[0, 4] = largest_violation.max(), largest_displacement.max()
 
 
 @exact
 def active_set(
-    pressure: Array, height: Array, limit: float, cells: Array, active_gap: Array
+    pressure: Array, height: Array, limit: float, active: Array, active_gap: Array
 ) -> None:
-    """Write the active set, free cells in contact (1, others 0), and their gap."""
+    """Write the active set (1, others 0) and its gap."""
     for i in range(pressure.shape[0]):
         for j in range(pressure.shape[1]):
             loaded = pressure[i, j]
-            cells[i, j] = 1.0 if (loaded > 0) & (loaded < limit) else 0.0
+            active[i, j] = 1.0 if (loaded > 0) & (loaded < limit) else 0.0
         for j in range(pressure.shape[1]):
-            active_gap[i, j] = height[i, j] * cells[i, j]
+            active_gap[i, j] = height[i, j] * active[i, j]
 
 
 @exact
@@ -116,12 +116,12 @@ def add_entering(
 
 
 @summing
-def direction_sums(cells: Array, preconditioned: Array, results: Array) -> None:
-    """Write for each row the number of `cells`, and the sum of the `preconditioned` residual."""
-    for i in range(cells.shape[0]):
+def direction_sums(active: Array, preconditioned: Array, results: Array) -> None:
+    """Write for each row the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
+    for i in range(active.shape[0]):
         count = preconditioned_sum = 0.0
-        for j in range(cells.shape[1]):
-            count += cells[i, j]
+        for j in range(active.shape[1]):
+            count += active[i, j]
             preconditioned_sum += preconditioned[i, j]
         results[i, 0], results[i, 1] = count, preconditioned_sum
 

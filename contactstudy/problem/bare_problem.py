@@ -83,9 +83,9 @@ class BareProblem:
             return self.uniform()
         compliance = CONSTANTS.compliance_ratio * self.operator.self_compliance
         pressure = self.project(-self.undeformed_gap / compliance)
-        free = self.constraint.free(pressure)
-        cells = total(free)
-        deviation = (pressure - inner(free, pressure) / cells) * free if cells else free
+        active = self.constraint.active(pressure)
+        cells = total(active)
+        deviation = (pressure - inner(active, pressure) / cells) * active if cells else active
         variance = inner(deviation, pressure)
         compliance = inner(deviation, self.operator(pressure)) / variance if variance > 0 else 0.0
         if not 0 < compliance < inf:

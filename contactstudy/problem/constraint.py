@@ -16,9 +16,9 @@ from contactstudy.domain.fields import total as sum_of
 class Gap:
     """Gap between the bodies, in units of the gap scale.
 
-    Under a given load the approach is such that the mean height over cells at no limit of the constraint is zero; else
-    it is the given one. The gap should be zero in these cells, not below zero in cells without pressure, and not above
-    zero in cells at an upper limit.
+    Under a given load the approach is such that the mean height over the active set, the cells at no limit of the
+    constraint, is zero; else it is the given one. The gap should be zero in these cells, not below zero in cells without
+    pressure, and not above zero in cells at an upper limit.
 
     Parameters
     ----------
@@ -48,13 +48,13 @@ def scaled_in_double(field: Array, factor: float) -> Array:
     return double
 
 
-def cell_violation(pressure: Array, height: Array, free: Array) -> Array:
-    """Return by how much cells (x, y) that are not `free` violate their condition, which is at least 0.
+def cell_violation(pressure: Array, height: Array, active: Array) -> Array:
+    """Return by how much cells (x, y) outside the `active` set violate their condition, which is at least 0.
 
     Cells without pressure should not penetrate, and cells at the upper limit should have no open gap.
     """
     xp = arrays()
-    return xp.maximum(xp.where(pressure == 0, -height, height) * (1 - free), 0)
+    return xp.maximum(xp.where(pressure == 0, -height, height) * (1 - active), 0)
 
 
 def largest_of(*measures: float) -> float:
@@ -63,28 +63,33 @@ def largest_of(*measures: float) -> float:
 
 
 class Constraint(Protocol):
-    """Convex set of pressures (x, y), cell by cell: a cell is at a limit of its pressure, or it is free."""
+    """Convex set of pressures (x, y), cell by cell.
+
+    The active set is the cells at no limit of their pressure: in them the constraint ``gap >= 0`` is active, and the gap
+    should be zero.
+    """
 
     def scaled(self, factor: float) -> Self:
         """Return the set of the pressures of this one times `factor`: the same set in another unit."""
 
     def in_unit(self, pressure: Array, unit: float) -> Array:
-        """Return a `pressure` that is in this set in another unit, times `unit`, as a pressure of this set.
+        """Return ``pressure * unit``, a pressure of this set, from a `pressure` (x, y) given in multiples of `unit`.
 
-        Cells at a limit there are at the limit here, to the last bit. The given pressure may be overwritten.
+        Cells at a limit of ``scaled(1 / unit)`` are at that of this set to the last bit. The given array may be
+        overwritten.
         """
 
     def capacity(self, cells: int) -> float:
         """Return the largest sum of pressure that a number of `cells` can have."""
 
-    def free(self, pressure: Array) -> Array:
-        """Return 1 for cells (x, y) at no limit, where the gap should be zero, and 0 for the others.
+    def active(self, pressure: Array) -> Array:
+        """Return 1 for cells (x, y) of the active set, and 0 for the others.
 
         These are numbers: on a rough contact, selecting by a mask costs ten times a product.
         """
 
-    def approach_without_free_cells(self, pressure: Array, height: Array) -> float:
-        """Return the approach from the `height` of the gap (x, y) where no cell of `pressure` is free."""
+    def approach_without_active_cells(self, pressure: Array, height: Array) -> float:
+        """Return the approach from the `height` of the gap (x, y) where the active set of `pressure` is empty."""
 
     def exceeded_by(self, trial: Array) -> bool:
         """Return whether a `trial` pressure is beyond a limit in any cell."""
@@ -98,11 +103,12 @@ class Constraint(Protocol):
     def project(self, trial: Array, total: float) -> Array:
         """Project a `trial` pressure in L2 onto the pressures of this set that have the sum `total`, in place."""
 
-    def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shift the `cells` (1, others 0) of a `trial` pressure, cut off at its limits, to the sum `total`, in place.
+    def project_to_load(self, trial: Array, active: Array, total: float) -> Array:
+        """Shift a `trial` pressure on the `active` set (1, others 0) to the sum `total` over all cells, in place.
 
-        Other cells end at a limit of their pressure: without an upper one they become zero, else they keep
-        their pressure, cut off at the limits. Where the cells cannot carry the rest, all cells are scaled to the load.
+        The shift is one value for the whole set, and the limits cut its cells off. Without an upper limit other cells
+        become zero; else they keep their pressure, cut off at the limits. Where the set cannot carry the load less that
+        of the others, all cells are scaled to the load.
         """
 
     def to_release(self, pressure: Array, height: Array) -> Array:
@@ -111,9 +117,9 @@ class Constraint(Protocol):
     def violation(self, pressure: Array, height: Array, load: float) -> float:
         """Return the largest violation of the complementarity conditions, in units of the gap scale.
 
-        It is the largest of the mean gap of free cells weighted by pressure, the penetration of cells without pressure,
-        and the open gap of cells at an upper limit. `height` is that of the gap (x, y), `load` the sum of `pressure`.
-        See :func:`~contactstudy.solve`.
+        It is the largest of the mean gap of the active set weighted by pressure, the penetration of cells without
+        pressure, and the open gap of cells at an upper limit. `height` is that of the gap (x, y), `load` the sum of
+        `pressure`. See :func:`~contactstudy.solve`.
         """
 
 
@@ -166,11 +172,11 @@ class Compressive:
         """Return infinity: there is no upper limit."""
         return inf
 
-    def free(self, pressure: Array) -> Array:
+    def active(self, pressure: Array) -> Array:
         """Return 1 for cells in contact, and 0 for the others."""
         return arrays().astype(pressure > 0, pressure.dtype)
 
-    def approach_without_free_cells(self, pressure: Array, height: Array) -> float:
+    def approach_without_active_cells(self, pressure: Array, height: Array) -> float:
         """Return nan: there is no approach without cells in contact, and a load needs some."""
         return nan
 
@@ -192,20 +198,20 @@ class Compressive:
         """Shift a `trial` pressure, cut off at zero, to the sum `total`, in place."""
         return project_capped_simplex(trial, total, inf)
 
-    def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shift the `cells` of a `trial` pressure to the sum `total`, with tension set to zero, in place.
+    def project_to_load(self, trial: Array, active: Array, total: float) -> Array:
+        """Shift a `trial` pressure on the `active` set to the sum `total`, with tension set to zero, in place.
 
         Other cells become zero. The shift is found in Newton's steps, each of which cuts off more: the sum is convex in
         the shift.
         """
         xp = arrays()
-        trial *= cells
+        trial *= active
         self.clip(trial)
         loaded = trial[trial != 0]
         carried = float(xp.sum(loaded))
         if loaded.shape[0] and float(xp.max(loaded)) > total:
             # rounding of such pressures would exceed the load
-            chosen = cells > 0
+            chosen = active > 0
             trial[chosen] = project_capped_simplex(trial[chosen], total, inf)
             return trial
 
@@ -277,11 +283,11 @@ class HardnessLimited:
         """Return the load of a number of `cells` at the hardness."""
         return self.hardness * cells
 
-    def free(self, pressure: Array) -> Array:
+    def active(self, pressure: Array) -> Array:
         """Return 1 for cells in contact below the hardness, and 0 for the others."""
         return arrays().astype((pressure > 0) & (pressure < self.hardness), pressure.dtype)
 
-    def approach_without_free_cells(self, pressure: Array, height: Array) -> float:
+    def approach_without_active_cells(self, pressure: Array, height: Array) -> float:
         """Return the smallest approach that leaves no gap open where all cells have yielded."""
         return float(arrays().max(height[pressure > 0]))
 
@@ -326,14 +332,15 @@ class HardnessLimited:
         """Shift a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place."""
         return project_capped_simplex(trial, total, self.hardness)
 
-    def project_to_load(self, trial: Array, cells: Array, total: float) -> Array:
-        """Shift the `cells` of a `trial` pressure, cut off at zero and at the hardness, to the sum `total`, in place.
+    def project_to_load(self, trial: Array, active: Array, total: float) -> Array:
+        """Shift a `trial` pressure on the `active` set, cut off at 0 and the hardness, to the sum `total`, in place.
 
-        Other cells keep their pressure. Where the `cells` cannot carry the rest, all are scaled to the load.
+        Other cells keep their pressure. Where the set cannot carry the load less theirs, all cells are scaled to the
+        load.
         """
         xp = arrays()
         self.clip(trial)
-        chosen = cells > 0
+        chosen = active > 0
         remaining = total - float(xp.sum(trial[~chosen]))
         if not 0 < remaining < self.capacity(int(xp.count_nonzero(chosen))):
             return self.scale_to_load(trial, total)
@@ -342,16 +349,16 @@ class HardnessLimited:
 
     def to_release(self, pressure: Array, height: Array) -> Array:
         """Return 1 for cells that penetrate without pressure or are open at the hardness, and 0 for the others."""
-        violations = cell_violation(pressure, height, self.free(pressure))
+        violations = cell_violation(pressure, height, self.active(pressure))
         return arrays().astype(violations > 0, height.dtype)
 
     def violation(self, pressure: Array, height: Array, load: float) -> float:
-        """Return the largest of complementarity in free cells, penetration, and open gaps of yielding cells."""
+        """Return the largest of complementarity in the active set, penetration, and open gaps of yielding cells."""
         xp = arrays()
-        free = self.free(pressure)
-        moment, of_free = inner(pressure, xp.abs(height) * free), inner(pressure, free)
-        complementarity = moment / of_free if of_free > 0 else 0.0
-        return largest_of(complementarity, float(xp.max(cell_violation(pressure, height, free))))
+        active = self.active(pressure)
+        moment, active_load = inner(pressure, xp.abs(height) * active), inner(pressure, active)
+        complementarity = moment / active_load if active_load > 0 else 0.0
+        return largest_of(complementarity, float(xp.max(cell_violation(pressure, height, active))))
 
 
 @dataclass(frozen=True)
@@ -387,9 +394,9 @@ class PrescribedLoad:
         """
         return constraint.project(trial, self.total)
 
-    def project_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
-        """Shift the `cells` of a `trial` pressure within the limits of `constraint` to the load, in place."""
-        return constraint.project_to_load(trial, cells, self.total)
+    def project_to_load(self, trial: Array, active: Array, constraint: Constraint) -> Array:
+        """Shift a `trial` pressure on the `active` set to the load within the limits of `constraint`, in place."""
+        return constraint.project_to_load(trial, active, self.total)
 
     def error(self, load: float) -> float:
         """Return the relative error of the load, ``|load / total - 1|``."""
@@ -422,7 +429,7 @@ class PrescribedApproach:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 
-    def project_to_load(self, trial: Array, cells: Array, constraint: Constraint) -> Array:
+    def project_to_load(self, trial: Array, active: Array, constraint: Constraint) -> Array:
         """Cut a `trial` pressure off at the limits of `constraint`, in place."""
         return constraint.clip(trial)
 

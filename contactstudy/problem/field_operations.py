@@ -43,7 +43,7 @@ SINGLE_LIMIT = 1e15
 class Direction(NamedTuple):
     """Direction of a step: `shift` less the `preconditioned` residual, plus `beta` times the last step.
 
-    It is zero outside the `active` set, the cells where the constraint ``gap >= 0`` is active.
+    It is zero outside the `active` set, see :class:`~contactstudy.problem.constraint.Constraint`.
     """
 
     preconditioned: Array
@@ -122,15 +122,15 @@ class ArrayOperations:
     ) -> Gap:  # fmt: skip
         """Return the gap, whose heights are written to `height`.
 
-        They count from the approach: the prescribed one, else the mean height of the free cells.
+        They count from the approach: the prescribed one, else the mean height over the active set.
         """
 
         def add(
             height: Array, undeformed: Array, displacement: Array, pressure: Array
         ) -> tuple[float, float]:
-            free = self.constraint.free(pressure)
+            active = self.constraint.active(pressure)
             height[...] = undeformed + displacement
-            return dot(height, free), float(arrays().sum(free))
+            return dot(height, active), float(arrays().sum(active))
 
         heights, cells = sums(add, height, undeformed, displacement, pressure)
         if prescribed_approach is not None:
@@ -138,25 +138,22 @@ class ArrayOperations:
         elif cells:
             approach = heights / cells
         else:
-            approach = self.constraint.approach_without_free_cells(pressure, height)
+            approach = self.constraint.approach_without_active_cells(pressure, height)
         in_blocks(lambda block: block.__isub__(approach), height)
         load = total(pressure)
         violation = self.constraint.violation(pressure, height, load)
         return Gap(height, approach, violation, load, max_abs(displacement))
 
     def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
-        """Return the active set, the free cells in contact (1, others 0), and its gap, in `real` numbers.
+        """Return the active set of the constraint (1, others 0) and its gap, in `real` numbers."""
+        active, active_gap = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
 
-        In these cells the constraint ``gap >= 0`` is active: the gap should be zero.
-        """
-        cells, active_gap = (arrays().empty(pressure.shape, dtype=real) for _ in range(2))
+        def select(active: Array, active_gap: Array, pressure: Array, height: Array) -> None:
+            active[...] = self.constraint.active(pressure)
+            active_gap[...] = height * active
 
-        def select(cells: Array, active_gap: Array, pressure: Array, height: Array) -> None:
-            cells[...] = self.constraint.free(pressure)
-            active_gap[...] = height * cells
-
-        in_blocks(select, cells, active_gap, pressure, height)
-        return cells, active_gap
+        in_blocks(select, active, active_gap, pressure, height)
+        return active, active_gap
 
     def add_entering(
         self, pressure: Array, height: Array, extended: Array, step_length: float, active: Array,
@@ -180,9 +177,9 @@ class ArrayOperations:
 
         return any(in_blocks(add, active, active_gap, pressure, height, extended))
 
-    def direction_sums(self, cells: Array, preconditioned: Array) -> tuple[float, ...]:
-        """Return the number of `cells`, and the sum of the `preconditioned` residual."""
-        return sums(lambda *blocks: tuple(map(_sum, blocks)), cells, preconditioned)
+    def direction_sums(self, active: Array, preconditioned: Array) -> tuple[float, ...]:
+        """Return the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
+        return sums(lambda *blocks: tuple(map(_sum, blocks)), active, preconditioned)
 
     def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
         """Return the sums that make a direction conjugate to the last step.
@@ -240,15 +237,15 @@ class ArrayOperations:
         return TrialSums(cut > 0, load, slope)
 
     def project_to_load(
-        self, trial: Array, trial_sums: TrialSums, cells: Array, control: Control,
+        self, trial: Array, trial_sums: TrialSums, active: Array, control: Control,
         pressure: Array, height: Array,
     ) -> float:  # fmt: skip
-        """Cut a trial pressure off at the limits and shift its `cells` to meet the `control`, in place.
+        """Cut a trial pressure off at the limits and shift it on the `active` set to meet the `control`, in place.
 
         `trial_sums` are those of the trial. Returns the slope of the complementary energy along
         the step from `pressure`.
         """
-        control.project_to_load(trial, cells, self.constraint)
+        control.project_to_load(trial, active, self.constraint)
         return self.slope(trial, pressure, height)
 
     def slope(self, trial: Array, pressure: Array, height: Array) -> float:
@@ -304,21 +301,21 @@ class CompiledOperations(ArrayOperations):
             approach = prescribed_approach
         else:
             heights, cells = (
-                _rows(self._loops.free_gap, *fields, limit, results=2).sum(axis=1).tolist()
+                _rows(self._loops.active_gap_sums, *fields, limit, results=2).sum(axis=1).tolist()
             )
-            at_limits = self.constraint.approach_without_free_cells
+            at_limits = self.constraint.approach_without_active_cells
             approach = heights / cells if cells else at_limits(pressure, undeformed + displacement)
         sums = _rows(self._loops.gap, *fields, approach, limit, height, results=5)
-        load, moment, free_load = sums[:3].sum(axis=1).tolist()
-        complementarity = moment / free_load if free_load > 0 else 0.0
+        load, moment, active_load = sums[:3].sum(axis=1).tolist()
+        complementarity = moment / active_load if active_load > 0 else 0.0
         violation = largest_of(complementarity, sums[3].max())
         return Gap(height, approach, violation, load, float(sums[4].max()))
 
     def active_set(self, pressure: Array, height: Array, real: DTypeLike) -> tuple[Array, Array]:
         """Return the active set (1, others 0), and its gap, in `real` numbers."""
-        cells, active_gap = (np.empty(pressure.shape, dtype=real) for _ in range(2))
-        _rows(self._loops.active_set, pressure, height, self._limit, cells, active_gap)
-        return cells, active_gap
+        active, active_gap = (np.empty(pressure.shape, dtype=real) for _ in range(2))
+        _rows(self._loops.active_set, pressure, height, self._limit, active, active_gap)
+        return active, active_gap
 
     def add_entering(
         self, pressure: Array, height: Array, extended: Array, step_length: float, active: Array,
@@ -328,10 +325,12 @@ class CompiledOperations(ArrayOperations):
         fields = pressure, height, extended, step_length, self._limit, active, active_gap
         return bool(_rows(self._loops.add_entering, *fields, results=1).any())
 
-    def direction_sums(self, cells: Array, preconditioned: Array) -> tuple[float, ...]:
-        """Return the number of `cells`, and the sum of the `preconditioned` residual."""
+    def direction_sums(self, active: Array, preconditioned: Array) -> tuple[float, ...]:
+        """Return the number of cells in the `active` set, and the sum of the `preconditioned` residual."""
         return tuple(
-            _rows(self._loops.direction_sums, cells, preconditioned, results=2).sum(axis=1).tolist()
+            _rows(self._loops.direction_sums, active, preconditioned, results=2)
+            .sum(axis=1)
+            .tolist()
         )
 
     def conjugacy_sums(self, *fields: Array) -> ConjugacySums:
@@ -354,10 +353,10 @@ class CompiledOperations(ArrayOperations):
         return TrialSums(cut > 0, load, slope, loaded, float(sums[4].max()))
 
     def project_to_load(
-        self, trial: Array, trial_sums: TrialSums, cells: Array, control: Control,
+        self, trial: Array, trial_sums: TrialSums, active: Array, control: Control,
         pressure: Array, height: Array,
     ) -> float:  # fmt: skip
-        """Cut a trial pressure off at the limits and shift its `cells`, in place.
+        """Cut a trial pressure off at the limits and shift it on the `active` set, in place.
 
         Without an upper limit, other cells have no pressure.
         """
@@ -367,7 +366,7 @@ class CompiledOperations(ArrayOperations):
             or trial_sums.largest
             > control.total  # rounding of such pressures would exceed the load
         ):
-            control.project_to_load(trial, cells, self.constraint)
+            control.project_to_load(trial, active, self.constraint)
             return self.slope(trial, pressure, height)
 
         def load_above(shift: float) -> tuple[float, float]:

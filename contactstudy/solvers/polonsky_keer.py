@@ -10,7 +10,8 @@ from contactstudy.solvers.iterate import Iterate, Stall
 
 @dataclass(frozen=True)
 class PolonskyKeer:
-    """Conjugate gradients on the cells in contact, restarted when the contact gains a cell.
+    """Conjugate gradients on the active set, the cells in contact below an upper limit, restarted when the contact
+    gains a cell.
 
     An iteration takes two convolutions. Source: Polonsky & Keer (1999), Wear 231, sect. 3. Additions: an upper limit of
     the pressure, a prescribed approach, a restart where the direction is not one of descent, the step of a Winkler
@@ -43,7 +44,7 @@ class PolonskyKeer:
         compliance = problem.operator.self_compliance
         iteration = 0
         while True:
-            # 1. the gap, whose mean over the contact is zero under a prescribed load
+            # 1. the gap, whose mean over the active set is zero under a prescribed load
             displacement = problem.operator(pressure)
             gap = problem.gap(pressure, displacement)
             residual = problem.residual(pressure, gap)
@@ -54,28 +55,28 @@ class PolonskyKeer:
                     pressure, displacement, gap.approach, residual, iteration, convolutions
                 )
             iteration += 1
-            # 2. the conjugate direction in the contact
-            free = constraint.free(pressure)
-            contact_gap = gap.height * free
+            # 2. the conjugate direction on the active set
+            active = constraint.active(pressure)
+            contact_gap = gap.height * active
             squared_norm = inner(contact_gap, contact_gap)
             beta = (
                 delta * squared_norm / previous_squared_norm if previous_squared_norm > 0 else 0.0
             )
-            direction = contact_gap + beta * direction * free
+            direction = contact_gap + beta * direction * active
             previous_squared_norm = squared_norm
             if inner(contact_gap, direction) <= 0:  # addition: restart
                 direction = contact_gap
             # 3. the step length, by the second convolution
             response = problem.operator(direction)
             if problem.control.approach is None:
-                response -= mean_over(free, response)
+                response -= mean_over(active, response)
             curvature = inner(response, direction)
-            # addition: a single cell in contact has no curvature
+            # addition: a single active cell has no curvature
             step = inner(contact_gap, direction) / curvature if curvature > 0 else 1 / compliance
             # 4. the step, without tension
             before, pressure = pressure, constraint.clip(pressure - step * direction)
             # 5. cells that overlap enter the contact
-            at_limit = 1 - constraint.free(pressure)
+            at_limit = 1 - constraint.active(pressure)
             trial = xp.maximum(pressure - step * gap.height * at_limit, 0)
             delta = 1.0 if xp.all(trial == pressure) else 0.0
             # 6. the load

@@ -127,12 +127,13 @@ class ContactState:
 
 @dataclass(frozen=True)
 class PredictedSet:
-    """Active set predicted for a step: its `cells` (x, y), 1 and others 0, and whether any of them `entered` it.
+    """Active set predicted for a step: `active` (x, y) is 1 in its cells and 0 elsewhere.
 
-    `extension` and `extended` are the extension from these cells, and that of their gap.
+    `entered` says whether any cell entered it. `extension` and `extended` are the extension from the set, and that of
+    its gap.
     """
 
-    cells: Array
+    active: Array
     entered: bool
     extension: Extension
     extended: Array
@@ -145,7 +146,7 @@ class PredictedSet:
 class ContactPreconditioner:
     """Prediction of the active set, and preconditioner on it, whose extension is kept until the set changes.
 
-    A cell is in the active set where the constraint ``gap >= 0`` is active: where the gap should be zero.
+    The active set is the cells in which the constraint ``gap >= 0`` is active: the gap should be zero there.
     """
 
     def __init__(self, problem: BareProblem) -> None:
@@ -164,7 +165,7 @@ class ContactPreconditioner:
             + self._convolutions
         )
 
-    def rigid_pressure(self, active: Array, height: Array) -> float:
+    def uniform_correction(self, active: Array, height: Array) -> float:
         """Return the uniform pressure on `active` cells that closes the mean of their gap, of this `height`.
 
         The compliance under a uniform pressure is found again where the number of cells has changed by a tenth.
@@ -188,18 +189,17 @@ class ContactPreconditioner:
         if self._extension is None or not equal(self._extension.active, active):
             self._extension = None  # free it before the next one is made
             self._extension = self._inverse.extension(active)
-        cells = self._extension.active
-        del active
+        active = self._extension.active
         extended = self._extension(gap_of_set)
         entered = operations.add_entering(
-            pressure, gap.height, extended, step_length, cells, gap_of_set
+            pressure, gap.height, extended, step_length, active, gap_of_set
         )
         if entered:
             self._extension = None  # that of the smaller set
             del extended
-            self._extension = self._inverse.extension(cells)
+            self._extension = self._inverse.extension(active)
             extended = self._extension(gap_of_set)
-        return PredictedSet(cells, entered, self._extension, extended)
+        return PredictedSet(active, entered, self._extension, extended)
 
 
 def trial_step(
@@ -208,21 +208,23 @@ def trial_step(
     """Return the trial pressure a `step_length` along the conjugate direction, projected to the load.
 
     The direction is against the preconditioned residual. It is zero outside the active set, and such that the load
-    stays as it is; under a prescribed approach the residual has a rigid part too, and the load follows. It is conjugate
-    to the last step where the active set is the same, no limit cut that step off and the direction is still one of
-    descent.
+    stays as it is; under a prescribed approach it has a uniform part too, which closes the mean gap, and the load
+    follows. It is conjugate to the last step where the active set is the same, no limit cut that step off and the
+    direction is still one of descent.
     """
     problem, pressure, height = state.problem, state.pressure, state.gap.height
     operations, control = problem.operations, problem.control
     predicted = preconditioner.predict(pressure, state.gap, step_length)
-    active, entered = predicted.cells, predicted.entered
+    active, entered = predicted.active, predicted.entered
     preconditioned = predicted.preconditioned_residual()
     del predicted  # free its fields before the next convolution
-    rigid = None if control.approach is None else preconditioner.rigid_pressure(active, height)
+    uniform = (
+        None if control.approach is None else preconditioner.uniform_correction(active, height)
+    )
     last = state.take_last_step()
     trial = arrays().empty_like(pressure) if last is None else last.before
     usable = None if last is None or last.cut or entered or last.curvature <= 0 else last
-    shift, beta = _shift_and_beta(problem, height, preconditioned, active, usable, rigid)
+    shift, beta = _shift_and_beta(problem, height, preconditioned, active, usable, uniform)
     direction = Direction(preconditioned, active, shift, beta)
     sums = operations.trial(pressure, height, direction, step_length, trial)
     slope, rounding = sums.slope, 16 * float(arrays().finfo(pressure.dtype).eps)
@@ -237,7 +239,7 @@ def _shift_and_beta(
     preconditioned: Array,
     active: Array,
     last: PressureStep | None,
-    rigid: float | None,
+    uniform: float | None,
 ) -> tuple[float, float]:
     """Return what to add to the direction against the residual: a uniform pressure, and beta times the last step.
 
@@ -246,20 +248,20 @@ def _shift_and_beta(
     """
     operations = problem.operations
     if last is None:
-        if rigid is not None:
-            return -rigid, 0.0
+        if uniform is not None:
+            return -uniform, 0.0
         count, summed = operations.direction_sums(active, preconditioned)
         return summed / count, 0.0
     fields = last.before, last.after, last.displacement_before, last.displacement_after
     sums = operations.conjugacy_sums(height, preconditioned, active, *fields)
-    shift = sums.preconditioned / sums.cells if rigid is None else -rigid
+    shift = sums.preconditioned / sums.cells if uniform is None else -uniform
     beta = (sums.preconditioned_response - shift * sums.active_response) / last.curvature
     descent = sums.gap_preconditioned
-    if rigid is not None:
-        descent += rigid * inner(active, height)
+    if uniform is not None:
+        descent += uniform * inner(active, height)
     if not beta * sums.gap_step < descent:
         return shift, 0.0
-    if rigid is None:  # the direction keeps the load
+    if uniform is None:  # the direction keeps the load
         shift -= beta * sums.step / sums.cells
     return shift, beta
 

@@ -124,8 +124,8 @@ def stated_error(solution: cs.Solution, reference: DenseAnswer) -> float:
     bare, unit = solution.problem.bare(), solution.problem.scales.pressure
     pressure = solution.pressure / unit
     gap = bare.gap(pressure, bare.operator(pressure))
-    free = bare.constraint.free(pressure)
-    violated_gap = gap.height * free + cell_violation(pressure, gap.height, free)
+    active = bare.constraint.active(pressure)
+    violated_gap = gap.height * active + cell_violation(pressure, gap.height, active)
     rounding = reference.rounding * np.count_nonzero(pressure) ** 0.5
     gap_error = float(np.linalg.norm(violated_gap)) + rounding
     of_load = pressure.max() * (bare.control.error(float(pressure.sum())) + ROUNDING)

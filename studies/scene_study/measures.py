@@ -35,17 +35,17 @@ def normal_stiffness(solution: cs.Solution) -> float:
     one.
     """
     problem = solution.problem
-    free = (problem.constraint.free(solution.pressure) > 0).astype(np.float64)
-    count = np.count_nonzero(free)
+    active = (problem.constraint.active(solution.pressure) > 0).astype(np.float64)
+    count = np.count_nonzero(active)
     if not count:
         return float("nan")
-    extension = problem.operator.approximate_inverse().extension(free)
+    extension = problem.operator.approximate_inverse().extension(active)
 
     def deviation(field: Array) -> Array:
-        """Return a field less its mean over the free cells, and zero elsewhere."""
-        return np.asarray((field - inner(field, free) / count) * free)
+        """Return a field less its mean over the active set, and zero elsewhere."""
+        return np.asarray((field - inner(field, active) / count) * active)
 
-    increment = free / count
+    increment = active / count
     increment += conjugate_gradients(
         lambda pressure: deviation(problem.operator(pressure)),
         lambda residual: deviation(extension.pressure(extension(residual))),
@@ -64,10 +64,10 @@ def _stiffness_error(contact: cs.Contact, stiffness: float) -> float:
     """
     assert contact.scene is not None
     touching = np.count_nonzero(contact.pressure)
-    free = np.count_nonzero(contact.problem.constraint.free(contact.pressure))
-    if not free:
+    active = np.count_nonzero(contact.problem.constraint.active(contact.pressure))
+    if not active:
         return inf
-    borders = 2 * touching / free - 1
+    borders = 2 * touching / active - 1
     growth = max(2 * stiffness / (pi * contact.scene.contact_modulus), 1.0)
     return STIFFNESS_MARGIN * growth * borders * contact.quantities["contact_area"].relative_bound
 

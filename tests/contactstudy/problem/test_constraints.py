@@ -133,7 +133,7 @@ def test_where_all_have_yielded_the_approach_leaves_none_open() -> None:
     which = HardnessLimited(2.0)
     pressure = np.array([[2.0, 2.0, 0.0]])
     gap = np.array([[0.3, 0.5, 0.9]])
-    assert which.approach_without_free_cells(pressure, gap) == 0.5
+    assert which.approach_without_active_cells(pressure, gap) == 0.5
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Films of smooth and rough line contacts over load and viscosity, beside the formula of Moes; error against cost."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import pi, sqrt
 
 import xarray as xr
@@ -8,21 +9,19 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.domain.checks import non_negative, positive, whole_number
-from studies.model.axis import Axis
+from studies.model.axis import Axis, one_of
 from studies.model.case import SceneCase, TimedAnswer, dimensionless_variables
 from studies.model.study import Point
+from studies.reference.line_contact import HERTZ, SCENE
 
-# Steel; the dimensionless film does not depend on the material.
-RADIUS, LOAD, VISCOSITY = 0.01, 1e5, 0.04
-STEEL = cs.HalfSpace(210e9, 0.3)
-DRY = cs.Scene(cs.LineLoad(LOAD), (STEEL, STEEL), (cs.Cylinder(RADIUS),))
-HERTZ = cs.analytic.HertzLine(LOAD, RADIUS, DRY.contact_modulus)
+# The dimensionless film does not depend on the material.
+VISCOSITY = 0.04
 # Length of the inlet in half-widths, and over sqrt(2 H).
 INLET, FILMS = 4.5, 6.0
 # Waves of the surface [a]: random, an eighth of the length and more.
 ROLL_OFF, CUT_OFF, SEED = 0.5, 0.25, 1
 EYRING = 5e6
-CAVITATION: Mapping[object, cs.ElrodAdams | cs.ReynoldsCavitation] = {
+CAVITATION: Mapping[str, cs.ElrodAdams | cs.ReynoldsCavitation] = {
     "elrod-adams": cs.ElrodAdams(),
     "reynolds": cs.ReynoldsCavitation(),
 }
@@ -44,32 +43,25 @@ def case_at(point: Point) -> SceneCase:
     load = positive("load", point["load"], "give a load parameter M above 0")
     viscosity = non_negative("viscosity", point["viscosity"], "must be at least 0")
     rms = non_negative("rms", point["rms"], "give an rms height of 0 or more")
-    cavitation = point.get("cavitation", "elrod-adams")
-    if cavitation not in CAVITATION:
-        raise cs.InvalidInput(
-            f"cavitation is {cavitation!r}: give {' or '.join(map(str, CAVITATION))}."
-        )
+    cavitation = one_of("cavitation", point["cavitation"], CAVITATION)
     cells = whole_number("grid", point["grid"], 16, "give at least 16 cells across the width")
     a = HERTZ.half_width
     film = moes_film(load, viscosity) * pi / (8 * load)
-    speed = 3 * pi**2 / (8 * load**2) * a**3 * HERTZ.peak_pressure / (12 * VISCOSITY * RADIUS**2)
+    speed = (
+        3 * pi**2 / (8 * load**2) * a**3 * HERTZ.peak_pressure / (12 * VISCOSITY * HERTZ.radius**2)
+    )
     coefficient = viscosity * sqrt(load / (2 * pi)) / HERTZ.peak_pressure
     laws = cs.Barus(), cs.ConstantDensity(), cs.Eyring(EYRING)
     oil = cs.Lubricant(VISCOSITY, coefficient, *laws)
-    height = rms * film * a**2 / RADIUS
+    height = rms * film * a**2 / HERTZ.radius
     width = 2 * max(INLET, FILMS * sqrt(2 * film)) * a
     surface = cs.Roughness(
         height, hurst=0.8, roll_off=ROLL_OFF * a, cut_off=CUT_OFF * a, seed=SEED,
         extent=(width, a),
     )  # fmt: skip
-    scene = cs.Scene(
-        DRY.load,
-        DRY.solids,
-        (*DRY.shapes, surface) if rms else DRY.shapes,
-        lubrication=cs.Lubrication(
-            oil, speed, slide_roll_ratio=0.1, cavitation=CAVITATION[cavitation]
-        ),
-    )
+    lubrication = cs.Lubrication(oil, speed, 0.1, cavitation=CAVITATION[cavitation])
+    shapes = (*SCENE.shapes, surface) if rms else SCENE.shapes
+    scene = replace(SCENE, shapes=shapes, lubrication=lubrication)
     along = max(cells // 2, 16) if rms else 1
     return SceneCase(scene, cs.Grid((cells, along), (width, a)), cs.ExactPeriodicity())
 

@@ -116,9 +116,12 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     ratio = abs(fine["film_over_moes"] - 1).where(fine["resolved"] == 1)
     if not bool(np.isfinite(ratio).any()):
         return ()
+    claim = "Films converge from a cold start at every load and viscosity, and lose no lubricant."
+    if converged < total:
+        claim = f"{total - converged} of {total} films do not converge from a cold start."
     return (
         Finding(
-            "Films converge from a cold start at every load and viscosity, and lose no lubricant.",
+            claim,
             f"{converged} of {total} solutions converged, with {int(smooth['iterations'].max())} steps on the finest "
             f"grid at the most and {int(smooth['iterations'].median())} in the median; the flow varies by "
             f"{float(smooth['flux_spread'].max()):.0e} of itself at the most. Where the cells resolve it, the film is "

@@ -1,13 +1,16 @@
 """The study of films: its scenes have the parameters asked for, and its numbers are those of the contact."""
 
+import numpy as np
 import pytest
+import xarray as xr
 
 import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.lubrication.film_equation import FilmScales
 from studies.definitions.lubrication import case_at, measures
+from tests.studies.report.drawings.drawn import findings
 
-POINT = {"load": 20.0, "viscosity": 5.0, "rms": 0.0, "grid": 128}
+POINT = {"load": 20.0, "viscosity": 5.0, "rms": 0.0, "cavitation": "elrod-adams", "grid": 128}
 
 
 def test_a_scene_has_the_load_and_viscosity_of_its_point() -> None:
@@ -44,5 +47,14 @@ def test_a_point_without_sense_is_refused(field: str) -> None:
 
 
 def test_a_law_of_cavitation_that_is_not_known_is_refused() -> None:
-    with pytest.raises(cs.InvalidInput, match="elrod-adams or reynolds"):
+    with pytest.raises(cs.InvalidInput, match="elrod-adams"):
         case_at(POINT | {"cavitation": "none"})
+
+
+def test_the_finding_says_how_many_films_do_not_converge() -> None:
+    axes = ("load", "viscosity", "rms", "cavitation", "grid")
+    names = ("converged", "resolved", "film_over_moes", "iterations", "flux_spread")
+    films = xr.Dataset({name: (axes, np.ones((4, 1, 1, 1, 1))) for name in names})
+    assert findings("lubrication", films)[0].startswith("Films converge from a cold start at every")
+    films["converged"][0] = 0
+    assert findings("lubrication", films)[0].startswith("1 of 4 films do not converge")

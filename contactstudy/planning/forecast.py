@@ -53,8 +53,9 @@ class ForecastConstants:
 CONSTANTS = ForecastConstants()
 
 
-# Largest factor by which the cells along an axis are extrapolated at once.
-MAX_EXTRAPOLATION = 16.0
+# Largest factor on the cells along an axis of a grid for an error: no machine holds its square, and a Grid has a largest
+# aspect ratio of its cells.
+MAX_EXTRAPOLATION = 1024.0
 
 
 @dataclass(frozen=True)
@@ -111,6 +112,7 @@ class GridForecast:
     def grid_for(self, error: float) -> Grid:
         """Return the grid of fewest cells and the same extent whose expected error is `error`.
 
+        It has at most MAX_EXTRAPOLATION times the cells along an axis, where its expected error may be larger.
         With errors ``e_x n_x^-r_x + e_y n_y^-r_y``, the product of both counts is least where ``r_x`` times the error
         across equals ``r_y`` times that along. An axis at its least cells leaves the remaining error to the other.
         """

@@ -297,12 +297,11 @@ def _warnings(
     if error < expected_error < inf:
         finer = forecast.grid_for(error)
         bytes_of_finer = memory(finer, requirements.padding())
-        reason = (
-            f"that takes {finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and {may_take}"
-            if bytes_of_finer > limit
-            else "the order of convergence of this surface is low"
+        more = "" if forecast.error_of(finer.cell_size) <= error * (1 + 1e-9) else "more than "
+        yield (
+            f"plan.error is {error:.2g}: this grid reaches {expected_error:.2g}; that takes {more}{finer.cells[0]} x "
+            f"{finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and {may_take}."
         )
-        yield f"plan.error is {error:.2g}: this grid reaches {expected_error:.2g}; {reason}."
     if forecast.message:
         yield forecast.message
 

@@ -198,6 +198,8 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     assert 0.9 * 0.8 * 4e6 < small.bytes <= 0.8 * 4e6
     assert small.error > 1e-4
     assert "GB that are free" in " ".join(small.warnings)
+    (out_of_reach,) = cs.plan(wide, error=1e-9).warnings
+    assert "that takes more than" in out_of_reach
 
 
 def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked_for(

@@ -74,10 +74,11 @@ class BareProblem:
         return arrays().full_like(gap, self.control.uniform(prod(gap.shape)))
 
     def winkler_start(self) -> Array:
-        """Return the pressure (x, y) of a Winkler foundation with the compliance of the operator under such a pressure.
+        """Return the pressure (x, y) of a Winkler foundation as compliant as the operator.
 
-        It is uniform where no compliance follows, and on elongated cells, where waves along the shorter side are much
-        stiffer than others.
+        A first foundation has four times the self-compliance of a cell. The operator's compliance is that of the
+        deviations from the mean under its pressure, and gives the foundation returned. The pressure is uniform where no
+        compliance follows, and on elongated cells, where waves along the shorter side are much stiffer than others.
         """
         if not 1 / CONSTANTS.aspect_ratio < self.aspect_ratio < CONSTANTS.aspect_ratio:
             return self.uniform()

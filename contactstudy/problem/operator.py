@@ -1,4 +1,4 @@
-"""The linear map from pressure to displacement, as a solver sees it."""
+"""The linear map from pressure to displacement, and its approximate inverse, as a solver sees them."""
 
 from typing import Protocol, Self
 
@@ -9,28 +9,32 @@ from contactstudy.domain.fields import Array
 
 
 class Extension(Protocol):
-    """Linear map from the displacement (x, y) of some cells, zero elsewhere, to that of all cells."""
+    """Linear map from the displacement (x, y) of an active set, zero elsewhere, to that of all cells."""
 
     @property
     def active(self) -> Array:
-        """The active set (x, y), the given cells: 1, others 0."""
+        """The active set (x, y): 1 in its cells, 0 elsewhere."""
 
     def __call__(self, displacement: Array) -> Array:
         """Return the `displacement` extended to all cells."""
 
     def pressure(self, extended: Array) -> Array:
-        """Return the pressure (x, y) on the given cells that makes an `extended` displacement, which may change."""
+        """Return the pressure (x, y) on the active set that makes about the `extended` displacement.
+
+        The given array may be overwritten.
+        """
 
 
 class ApproximateInverse(Protocol):
-    """Map from the displacement of some cells to the pressure on them: ``extension.pressure(extension(displacement))``.
+    """Self-adjoint preconditioner: from the displacement of an active set about the pressure on it that makes it.
 
-    It is symmetric.
+    For a set that is 1 in its cells and 0 elsewhere it is applied in two steps: ``extension =
+    inverse.extension(active)``, then ``extension.pressure(extension(displacement))``.
     """
 
     @property
     def real(self) -> DTypeLike:
-        """Type of the numbers in all fields that the map takes and returns."""
+        """Type of the numbers in all fields that it takes and returns."""
 
     @property
     def cells_transformed(self) -> float:
@@ -41,7 +45,7 @@ class ApproximateInverse(Protocol):
 
 
 class Operator(Protocol):
-    """Symmetric linear map from pressure to displacement, both (x, y)."""
+    """Self-adjoint linear map from pressure to displacement, both (x, y), positive for pressures of zero sum."""
 
     @property
     def transform_size(self) -> float:
@@ -49,9 +53,9 @@ class Operator(Protocol):
 
     @property
     def self_compliance(self) -> float:
-        """Displacement of a cell under its own unit pressure less the mean of all cells, which is above zero.
+        """Displacement of a cell under a unit pressure on it alone, less the mean displacement of all cells; above zero.
 
-        It does not change with a constant in the operator, which has no effect under pressures of zero sum.
+        A constant added to the operator, which has no effect under pressures of zero sum, does not change it.
         """
 
     @property

@@ -64,7 +64,8 @@ class DependsOnStrain(Protocol):
 class Scales:
     """Units that make a problem dimensionless, so that the choice of units does not change the answer.
 
-    They are a `length` [m], a `pressure` [Pa] and a `gap` [m]. The solver divides by them.
+    They are a `length` [m] along the surface, a `pressure` [Pa] and a `gap` [m]. The solver divides pressures and gaps
+    by them; the length places the datum of displacements.
     """
 
     length: float

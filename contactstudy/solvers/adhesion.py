@@ -54,8 +54,9 @@ class AdhesionConstants:
         Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of
         the last change of the attraction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
     plain_iterations
-        Outer iterations before the first mixture, and after the first rejected one. From 0 to 4 convolutions change by
-        0.6 to 1.3 times, with no best value.
+        Plain updates of the attraction before the first mixture, and after the one that replaces the first rejected
+        mixture; twice as many after each further one. From 0 to 4 convolutions change by 0.6 to 1.3 times, with no best
+        value.
     negligible
         Fraction of the tolerance by which an attraction may change load and heights without another solve, so that a
         negligible adhesion costs one solve.
@@ -134,7 +135,8 @@ class AdhesiveSolver:
         """Return the solution of :meth:`solve`, and the state of the bodies that `inner` found with it.
 
         `inner` solves each contact under a frozen attraction together with such a state, as of plastic strain. The state
-        is None where `inner` is None, or where the bodies are detached.
+        is that of the last contact, empty where `inner` is None; it is None where no contact was solved, because the
+        attraction does not carry the pull.
         """
         first = {
             Branch.FROM_AFAR: 0.0,
@@ -345,7 +347,7 @@ class OuterIteration:
         return solution, state.beside
 
     def _detached(self) -> Solution:
-        """Return the bodies far apart: no attraction carries the load."""
+        """Return the undeformed bodies as they just touch: the attraction does not carry the pull."""
         problem = self.problem
         zero = np.zeros_like(problem.undeformed_gap)
         return Solution(

@@ -83,7 +83,9 @@ CONSTANTS = MixingConstants()
 
 @dataclass(frozen=True, eq=False)
 class LaggedSolution:
-    """Solution with the lagged displacement under its own pressure.
+    """Solution with a lagged displacement: that of the pressure of the outer iteration before.
+
+    Where the outer iterations have converged it is that of the pressure itself.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ class PolonskyKeer:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
+        """Return the state where ``problem.should_stop`` at this `tolerance`, at `max_iterations` or at a stall."""
         xp, constraint = arrays(), problem.constraint
         initial = problem.uniform() if start is None else xp.asarray(start, copy=True)
         pressure = problem.clip_and_scale(initial)

@@ -96,9 +96,10 @@ class ContactState:
         return last
 
     def advance(self, trial: Trial) -> float:
-        """Take the step to the `trial` up to its best point, and return that point as a fraction of the step.
+        """Step towards the `trial` and return the fraction of the step at which the complementary energy is least.
 
-        The complementary energy is quadratic along the step: one convolution gives its minimum.
+        The energy is quadratic along the step: one convolution gives its minimum. The step ends there, or at the `trial`
+        where limits of the pressure are in the way.
         """
         operations = self.problem.operations
         displacement = self.problem.operator(trial.pressure)
@@ -315,7 +316,7 @@ class PreconditionedCG:
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
+        """Return the state where ``problem.should_stop`` at this `tolerance`, at `max_iterations` or at a stall."""
         last = self._descend(problem, start, tolerance, max_iterations)
         ended = problem.should_stop(last.residual, last.displacement, tolerance)
         if ended or last.iterations == max_iterations:

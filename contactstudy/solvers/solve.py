@@ -29,7 +29,10 @@ from contactstudy.solvers.solution import Solution, Status
 
 
 class Solver(Protocol):
-    """Iteration that solves a dimensionless problem."""
+    """Iteration that solves a dimensionless problem.
+
+    :class:`~contactstudy.PreconditionedCG` and :class:`~contactstudy.PolonskyKeer` are such solvers.
+    """
 
     def iterate(
         self,
@@ -39,7 +42,11 @@ class Solver(Protocol):
         max_iterations: int,
         start: Array | None = None,
     ) -> Iterate:
-        """Iterate until ``problem.residual(pressure, gap) <= tolerance``, the limit, or a stall."""
+        """Return the last iterate, at the latest after `max_iterations`.
+
+        The iteration ends where ``problem.should_stop`` says so: the residual is at most the `tolerance`, at the
+        rounding of the gap, or not finite. It may also end where the residual no longer falls.
+        """
 
 
 @suggest_fields
@@ -65,7 +72,7 @@ class SolveOptions:
     Raises
     ------
     InvalidInput
-        If the tolerance is not above 0, or the limit is not a whole number of at least 0.
+        If the tolerance is not above 0, the limit is not a whole number of at least 0, or the precision is unknown.
     """
 
     tolerance: Number = 1e-8
@@ -103,7 +110,8 @@ def solve_contact(
     options
         Accuracy and method.
     start
-        Pressure (x, y) [Pa] to begin with; None begins on coarser grids.
+        Pressure (x, y) [Pa] to begin with, at least 0 Pa; None leaves it to the solver, such as a solution on coarser
+        grids.
     device
         The device that the fields of the iteration are held on; the one in use if None, a thread of this machine.
 
@@ -115,7 +123,8 @@ def solve_contact(
     Raises
     ------
     InvalidInput
-        If the start is no pressure on the grid, or the device cannot hold or solve the problem.
+        If `problem` is no Problem, the start is no pressure on the grid or carries no load, or the device cannot hold or
+        solve the problem.
     """
     if not isinstance(problem, Problem):
         raise InvalidInput(f"solve.problem is {problem!r}: give scene.problem(grid, padding).")
@@ -244,7 +253,7 @@ def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Pr
     return Status.CONVERGED
 
 
-# Takes the residual and the pressure (x, y), dimensionless; the pressure is the solver's own and changes.
+# Takes the residual and the pressure (x, y), both dimensionless; the array is the solver's own and changes later.
 Report = Callable[[float, Array], object]
 
 
@@ -255,7 +264,8 @@ class ReportingSolver:
     Parameters
     ----------
     report
-        Called with the residual and the pressure (x, y) in the unit `problem.scales.pressure`; the array changes later.
+        Called with the residual and the pressure (x, y) in multiples of ``Problem.scales.pressure``; the array changes
+        later.
     solver
         The solver that iterates.
     """

@@ -26,6 +26,7 @@ JoulesPerSquareMetre = Annotated[float, Unit("J/m^2", "a work per area", "50 mJ/
 Newtons = Annotated[float, Unit("N", "a load", "2 kN")]
 PerMetre = Annotated[float, Unit("1/m", "a spin", "0.5 1/m")]
 PerPascal = Annotated[float, Unit("1/Pa", "a specific wear rate", "1e-17 1/Pa")]
+Compressibility = Annotated[float, Unit("1/Pa", "a compressibility", "0.6 1/GPa")]
 PressureViscosity = Annotated[float, Unit("1/Pa", "a pressure-viscosity coefficient", "20 1/GPa")]
 ThermalConductivity = Annotated[float, Unit("W/(m*K)", "a thermal conductivity", "46 W/(m*K)")]
 VolumetricHeatCapacity = Annotated[

@@ -128,7 +128,7 @@ class SpectralInverse:
         self._inverse, self.real = xp.astype(inverse, real, copy=False), real
         self._cells, self._work_array = cells, work_array
         self._transforms, self._waves = transforms(), work_array(cells, real)
-        # inverse of the spectrum at the shortest wavelength along either axis
+        # 1 / spectrum at the shortest wave along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
         # the range of the smoothing in cells, and its spectrum
         self._smoothing: tuple[float, Array] = 0.0, self._inverse
@@ -185,21 +185,21 @@ class SpectralInverse:
 
 
 class CoveringExtension:
-    """Extension of a set with a part of every cell: the displacement of that part is that of the whole cell.
+    """Extension of an active set that has a part of every cell: the displacement of that part holds for the whole cell.
 
-    `active` (x, y) has the fraction of each cell that belongs to the set, above 0. `pressure` is the map from a
-    displacement of all cells to their pressure.
+    `active` (x, y) is the fraction of each cell that belongs to the set, above 0. Displacements of the set are given
+    times these fractions. `pressure` is the map from a displacement of all cells to their pressure.
     """
 
     def __init__(self, active: Array, pressure: Callable[[Array], Array]) -> None:
         self.active, self._pressure = active, pressure
 
     def __call__(self, displacement: Array) -> Array:
-        """Return the `displacement` (x, y), which is weighted by the fractions, divided by them."""
+        """Return a `displacement` (x, y) of the set, given times the fractions, of all cells."""
         return displacement / self.active
 
     def transposed(self, pressure: Array) -> Array:
-        """Return the `pressure` (x, y): the transposed map, for a displacement weighted by the fractions."""
+        """Return a `pressure` (x, y) on all cells unchanged, since the set has a part of each: the transposed map."""
         return pressure
 
     def pressure(self, extended: Array) -> Array:

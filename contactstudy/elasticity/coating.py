@@ -15,13 +15,9 @@ from contactstudy.elasticity.kernels.layer.buried_potential import (
 )
 from contactstudy.elasticity.kernels.layer.remainder import LayerRemainder
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
-from contactstudy.elasticity.kernels.layer.shear import (
-    SWAPPED,
-    ShearWaves,
-    Subtracted,
-    buried_field,
-)
+from contactstudy.elasticity.kernels.layer.shear import ShearWaves, Subtracted, buried_field
 from contactstudy.elasticity.kernels.layer.wave_coefficients import LATTICE_RATIO, WaveCoefficients
+from contactstudy.elasticity.kernels.traction import SWAPPED
 
 # Smallest period of the lattice that stands for a single cell, in thicknesses over the distance of the poles from the
 # real axis: the images then contribute less than 1e-6.

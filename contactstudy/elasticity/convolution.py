@@ -46,7 +46,7 @@ class OperatorConstants:
     min_coarsened
         Least cells along an axis of a coarser grid. With 64, contacts take up to 1.2 times the convolutions; with 8, as
         many.
-    exact_row_cells
+    direct_cells
         Most cells in plane strain whose equations a direct solution preconditions. It saves half of the convolutions
         there, and up to a quarter of the time.
     mean_compliance
@@ -55,7 +55,7 @@ class OperatorConstants:
     """
 
     min_coarsened: int = 32
-    exact_row_cells: int = 64
+    direct_cells: int = 64
     mean_compliance: float = 10.0
 
 
@@ -210,7 +210,7 @@ class Convolution:
         """
         if (
             self.cells[1] == 1
-            and self.cells[0] <= CONSTANTS.exact_row_cells
+            and self.cells[0] <= CONSTANTS.direct_cells
             and isinstance(device(), Cpu)
         ):
             return ExactInverse(self._compliance())
@@ -225,10 +225,10 @@ class Convolution:
         """
         unit = np.zeros(self.cells, dtype=self.spectrum.dtype)
         unit[0] = 1
-        row = self(unit)[:, 0]
-        row += CONSTANTS.mean_compliance * np.abs(row).max()
-        index = np.arange(len(row))
-        return np.asarray(row[np.abs(index[:, None] - index)])
+        by_distance = self(unit)[:, 0]
+        by_distance += CONSTANTS.mean_compliance * np.abs(by_distance).max()
+        index = np.arange(len(by_distance))
+        return np.asarray(by_distance[np.abs(index[:, None] - index)])
 
 
 def _aliased(low: Array, high: Array, weights: Array) -> Array:
@@ -257,7 +257,7 @@ class GeneralConvolution:
     cells: tuple[int, int]
     padded: tuple[int, int]
 
-    def times(self, factors: float | ComplexField) -> "GeneralConvolution":
+    def scaled(self, factors: float | ComplexField) -> "GeneralConvolution":
         """Return the convolution whose waves are multiplied by `factors`."""
         return replace(self, spectrum=self.spectrum * factors)
 

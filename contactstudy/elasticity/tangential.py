@@ -16,7 +16,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_doubly_periodic,
     stress_cell_periodic,
 )
-from contactstudy.elasticity.kernels.traction import SURFACE
+from contactstudy.elasticity.kernels.traction import SURFACE, SWAPPED
 from contactstudy.elasticity.transforms import TRANSFORMS, ComplexField
 
 # A sum of weights is zero where it is smaller than this fraction of their sizes: the difference is rounding.
@@ -48,9 +48,7 @@ class CerrutiCoefficients:
 
     def swap_axes(self) -> "CerrutiCoefficients":
         """Return the field with x and y exchanged."""
-        return CerrutiCoefficients(
-            "".join(sorted(self.name.translate({120: 121, 121: 120}))), self.datum
-        )
+        return CerrutiCoefficients(SWAPPED[self.name], self.datum)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
         """Return the field of one cell; x and y broadcast."""
@@ -106,7 +104,7 @@ def general_convolution(
 
 @dataclass(frozen=True, eq=False)
 class ShearResponse:
-    """Displacement along the surface [m] under shear [Pa], both (component, x, y).
+    """Displacement along the surface [m] under tangential traction [Pa], the shear, both (component, x, y).
 
     It is symmetric and positive, unless a body creeps while it rolls.
 
@@ -130,9 +128,9 @@ class ShearResponse:
         x += y
         return np.stack([TRANSFORMS.backward(waves, cells, padded) for waves in (across, x)])
 
-    def times(self, factors: float | ComplexField) -> "ShearResponse":
+    def scaled(self, factors: float | ComplexField) -> "ShearResponse":
         """Return the response whose waves, each of all components, are multiplied by `factors`."""
-        return ShearResponse(*(part.times(factors) for part in (self.xx, self.yy, self.xy)))
+        return ShearResponse(*(part.scaled(factors) for part in (self.xx, self.yy, self.xy)))
 
     @property
     def largest(self) -> float:

@@ -54,7 +54,7 @@ class Creep:
             return float("inf")
         return self.instantaneous + sum(size for size, _ in self.terms)
 
-    def times(self, factor: float) -> "Creep":
+    def scaled(self, factor: float) -> "Creep":
         """Return this creep function times `factor`."""
         terms = tuple((factor * size, duration) for size, duration in self.terms)
         return Creep(factor * self.instantaneous, terms, factor * self.fluidity)

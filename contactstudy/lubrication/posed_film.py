@@ -85,7 +85,7 @@ class Deflection:
         even, odd = by_symmetry(response)
         return cls(
             superposed(even, grid, paddings).scaled(factor, Precision.DOUBLE),
-            odd_convolution(odd, grid, paddings).times(factor) if odd else None,
+            odd_convolution(odd, grid, paddings).scaled(factor) if odd else None,
         )
 
     def __call__(self, pressure: Array) -> Array:

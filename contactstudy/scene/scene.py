@@ -251,7 +251,7 @@ class Scene:
 
     @property
     def reference_load(self) -> float:
-        """Largest load [N/m], or more where the attraction adds to it; the scales follow from it."""
+        """Largest load [N/m], given or estimated from an approach, or more where the attraction adds to it."""
         largest = self.load.largest
         if isinstance(self.load, Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.contact_modulus)
@@ -439,7 +439,7 @@ class Scene:
 
     @property
     def rolls(self) -> bool:
-        """True if the contact rolls, in a way that takes more than one problem."""
+        """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
         return self.rolling is not None or self.rolling_speed is not None
 
     @property
@@ -451,7 +451,7 @@ class Scene:
 
     @property
     def wears_steadily(self) -> bool:
-        """True for a contact that wears and is steady at each instant, rolling, driven, or with a film."""
+        """True for a contact that wears and is steady at each instant, as in rolling, tractive rolling, or a film."""
         steady = self.rolling_speed is not None or getattr(self.friction, "is_steady", False)
         return self.wear is not None and (steady or self.lubrication is not None)
 

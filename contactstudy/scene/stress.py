@@ -50,7 +50,7 @@ class SubsurfaceStress:
     depths
         One or more depths [m] below the surface of the body, at least zero; ``"auto"`` chooses those that show the
         largest von Mises stress to 1 %, which takes some twenty of them.
-    solid
+    body
         Index (0 or 1) of the body in ``Scene.solids``.
 
     Raises
@@ -60,7 +60,7 @@ class SubsurfaceStress:
     """
 
     depths: tuple[Metres, ...] | str = AUTO
-    solid: int = 0
+    body: int = 0
 
     def __post_init__(self) -> None:
         remedy = 'give a list of depths [m], such as [1e-4, 2e-4], or "auto"'
@@ -70,36 +70,35 @@ class SubsurfaceStress:
         depths = each(
             "SubsurfaceStress.depths", given_depths, non_negative, "give a depth of at least 0 m"
         )
-        solid = body_index("SubsurfaceStress.solid", self.solid)
-        set_fields(self, depths=depths or AUTO, solid=solid)
+        set_fields(self, depths=depths or AUTO, body=body_index("SubsurfaceStress.body", self.body))
 
     def check(self, solids: tuple[Body, ...]) -> None:
         """Raise :class:`~contactstudy.InvalidInput` for a rigid body, or one that is no half-space."""
-        body = solids[self.solid]
+        body = solids[self.body]
         if isinstance(body, HasStressModel):
             return
         if not isinstance(body, Homogeneous):
             raise InvalidInput(
-                f"SubsurfaceStress.solid is {self.solid}, a {type(body).__name__}: "
+                f"SubsurfaceStress.body is {self.body}, a {type(body).__name__}: "
                 "stress is known in a homogeneous or a coated half-space only, leave this output out."
             )
         if isinf(body.youngs_modulus):
             raise InvalidInput(
-                f"SubsurfaceStress.solid is {self.solid}, a rigid body: give {1 - self.solid}, the elastic one."
+                f"SubsurfaceStress.body is {self.body}, a rigid body: give {1 - self.body}, the elastic one."
             )
 
     def of(
         self, solids: tuple[Body, ...], grid: Grid, paddings: Paddings
     ) -> "SubsurfaceStressOperator":
         """Return the stress of these bodies on `grid`."""
-        body = solids[self.solid]
+        body = solids[self.body]
         if isinstance(body, HasStressModel):
             medium = body.stress_model
         else:
             assert isinstance(body, Homogeneous)
             medium = HalfSpaceStress(body.poisson_ratio)
         depths = () if isinstance(self.depths, str) else self.depths
-        return SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.solid)
+        return SubsurfaceStressOperator(grid, paddings, medium, depths, 1 - 2 * self.body)
 
 
 @dataclass(frozen=True, eq=False)

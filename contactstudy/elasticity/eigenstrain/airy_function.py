@@ -107,9 +107,9 @@ def stress_means_under_pressure(offsets: Array, edges: Array) -> tuple[Array, Ar
 
 
 def stress_means_under_shear(offsets: Array, edges: Array) -> tuple[Array, Array, Array]:
-    """Return means of the stresses xx, zz and xz over cells under one cell of unit shear along x, each (layers, x).
+    """Return means of the stresses xx, zz and xz over cells by unit tangential traction on one cell, each (layers, x).
 
-    Arguments are those of :func:`stress_means_under_pressure`. Source: the integrals of Johnson (1985), eqs. 2.26, over
+    Arguments are those of :func:`stress_means_under_pressure`. Source: the integrals of Johnson (1985), eqs. 2.23, over
     the cells: zz and xz are xz and xx of a pressed cell, and ``xx + zz = -2 x / (pi r^2)`` below a line of force.
     """
     x, z, squared, log, angle = _from_one_cell(offsets, edges)

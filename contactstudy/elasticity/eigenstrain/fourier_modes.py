@@ -40,15 +40,15 @@ NEAR = 0.6
 
 
 class SurfaceLoad(Enum):
-    """Load on the surface that varies as a wave, and the stress with it."""
+    """Kind of sinusoidal load on the surface."""
 
     #: Pressure.
     PRESSURE = "pressure"
-    #: Shear along x, whose waves' stress is divided by i.
+    #: Tangential traction along x, the stress of whose waves is divided by i.
     SHEAR = "shear"
 
     def stress(self, direction: WaveDirection, top: float, layer: CellLayer, nu: float) -> Tensor:
-        """Return the means of the stress over a `layer`, whose upper side is at the depth `top` [m], by a unit of it."""
+        """Return the means of the stress over a `layer` by a unit load; its upper side is at the depth `top` [m]."""
         depth = direction.q * top
         if self is SurfaceLoad.PRESSURE:
             return stress_under_pressure(depth, layer, nu)
@@ -218,7 +218,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """Waves of some orders along the length and of all orders across one period, as fields (period, orders).
+    """Waves with some orders along the length, each with every wave number across a period: fields (period, orders).
 
     `across` (period,) and `along` (orders,) are wave numbers [1/m].
     """

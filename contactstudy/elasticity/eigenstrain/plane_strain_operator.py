@@ -1,8 +1,8 @@
 """Stress by plastic strain in plane strain, on an infinite axis across the contact.
 
 Fields are convolved across wave by wave, with a real matrix between all layers for each wave: one component is odd in
-x, the others are even, and multiplying the waves of the odd one by -i makes the matrices real. Transforms are padded to
-at least twice the cells, which is exact.
+x, the others are even, and multiplying the waves of the odd one by -i makes the matrices real. Transforms are padded so
+far that nothing wraps around.
 """
 
 from collections.abc import Callable, Iterator
@@ -82,7 +82,7 @@ class PlaneStrainOperator:
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. Strain and stress are means over cells,
     so that the stress relaxed by a piecewise constant strain is the derivative of its elastic energy: a symmetric map in
-    the inner product of cell volumes. Transforms across are padded to at least twice the cells, which is exact.
+    the inner product of cell volumes.
     """
 
     volume: Volume

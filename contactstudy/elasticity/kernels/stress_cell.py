@@ -1,7 +1,7 @@
-"""Stress below a rectangular cell under uniform normal pressure on an elastic half-space.
+"""Stress below a rectangular cell under uniform pressure on an elastic half-space.
 
-Coefficients are stress over pressure, for one component at a time, tension positive. x runs across, y
-along, z into the body, whose surface is free of shear.
+Coefficients are stress over pressure, for one component at a time, tension positive. x runs across, y along, z into the
+body, whose surface is free of tangential traction.
 """
 
 from collections.abc import Callable, Mapping
@@ -69,41 +69,48 @@ class Strip:
         Angle that it subtends.
     pole
         ``z / (a + i z) - z / (b + i z)``, its edges at offsets a and b.
-    edges
-        Offset of its middle, the depth, its width, and the period across, None for a strip by itself.
+    middle
+        Offset of its middle.
+    depth
+        Depth z of the point.
+    width
+        Width of the strip.
+    period
+        Period W across, None for a strip by itself.
     """
 
     angle: Array
     pole: NDArray[np.complex128]
-    edges: tuple[Array, float, float, float | None]
+    middle: Array
+    depth: float
+    width: float
+    period: float | None = None
 
     @property
     def logarithm(self) -> Array:
         """``ln |a + i z| - ln |b + i z|``; with a period, that of ``2 sin(pi (a + i z) / W)``."""
-        x, z, dx, width = self.edges
-        if width is None:
+        x, z, dx, period = self.middle, self.depth, self.width, self.period
+        if period is None:
             return np.asarray(np.log1p(2 * x * dx / ((x - dx / 2) ** 2 + z * z)) / 2)
         # |2 sin(u + i v)|^2 = 4 (sin(u)^2 + sinh(v)^2); at depth both edges are lost in rounding alike
-        deep = np.sinh(min(np.pi * z / width, 300.0)) ** 2
-        ends = (np.sin(np.pi * (x + side * dx / 2) / width) ** 2 + deep for side in (1, -1))
+        deep = np.sinh(min(np.pi * z / period, 300.0)) ** 2
+        ends = (np.sin(np.pi * (x + side * dx / 2) / period) ** 2 + deep for side in (1, -1))
         return np.asarray(np.log(np.divide(*ends)) / 2)
 
     @property
     def sides(self) -> Array:
         """Integral of the sign of the offset, ``|a| - |b|``; with a period, of a sawtooth without mean."""
-        x, _, dx, width = self.edges
-        ends = [x + side * dx / 2 for side in (1, -1)]
-        if width is None:
+        ends, period = [self.middle + side * self.width / 2 for side in (1, -1)], self.period
+        if period is None:
             return np.asarray(np.abs(ends[0]) - np.abs(ends[1]))
-        from_middle = [end - width * np.round(end / width) for end in ends]
-        tops = [np.abs(end) - end**2 / width for end in from_middle]
+        from_middle = [end - period * np.round(end / period) for end in ends]
+        tops = [np.abs(end) - end**2 / period for end in from_middle]
         return np.asarray(tops[0] - tops[1])
 
     @property
-    def breadth(self) -> float:
+    def mean_width(self) -> float:
         """Width of the strip; 0 with a period, where the mean is omitted."""
-        _, _, dx, width = self.edges
-        return dx if width is None else 0.0
+        return self.width if self.period is None else 0.0
 
 
 def _angle(x: Array, y: Array, z: float, r: Array) -> Array:
@@ -301,4 +308,4 @@ def strip(x: Array, z: float, dx: float) -> Strip:
     product = (x - dx / 2) * (x + dx / 2) - z * z + 2j * z * x
     angle = np.arctan2(z * dx, np.real(product) + 2 * z * z)
     pole = np.asarray(-z * dx / product, dtype=np.complex128)
-    return Strip(angle, pole, (x, z, dx, None))
+    return Strip(angle, pole, x, z, dx)

@@ -238,4 +238,4 @@ def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
     # cosh(depth) (cos(cell) - cos(twice)) + ..., by products where the difference would cancel
     angle = np.arctan2(np.sin(cell) * np.sinh(depth), edges * np.cosh(depth) + fading)
     pole = edges - fading + 1j * np.sin(twice) * np.sinh(depth)
-    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / pole, (x, z, dx, width))
+    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / pole, x, z, dx, width)

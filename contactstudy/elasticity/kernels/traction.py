@@ -1,4 +1,4 @@
-"""Displacement and stress by a rectangular cell under uniform shear on an elastic half-space.
+"""Displacement and stress by a uniform tangential traction, called shear here, on a rectangular cell of a half-space.
 
 The same kind of :class:`~contactstudy.elasticity.kernels.stress_cell.CellKernel` as the stress under pressure, so
 that rows and lattices of cells are summed by the same functions. x runs across, y along, z into the body.
@@ -78,7 +78,8 @@ def _zero(strip: Strip, nu: float) -> float:
 
 
 _NORMAL = COMPONENTS
-# Stress under unit shear along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76 and 2.26
+# Stress under unit shear along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76 and sect.
+# 2.5(b)
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
 for _name, _parity, _point, _corner, _plane, _other in (
@@ -133,6 +134,8 @@ def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 # displacement under shear (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
 # displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is 1 / r less x^2 / r^3.
 SURFACE: dict[str, CellKernel] = {}
+# Names of the fields with the axes exchanged.
+SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
 SURFACE["x"] = CellKernel(
     "x / r^2",
     (-1, 1),
@@ -150,7 +153,7 @@ SURFACE["xx"] = CellKernel(
     (1, 1),
     lambda x, y, z, r, nu: x * x / r**3,
     _moment,
-    lambda strip, nu: strip.breadth,
+    lambda strip, nu: strip.mean_width,
     "yy",
     SURFACE,
 )

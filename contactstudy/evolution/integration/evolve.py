@@ -59,7 +59,7 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
         Distance [m] at which the displacement of a body is zero, as in its ``response``.
     """
     scene_variables: list[StateVariable] = [
-        CreepState(body.creep.times(1 / pi), BoussinesqCoefficients(datum))
+        CreepState(body.creep.scaled(1 / pi), BoussinesqCoefficients(datum))
         for body in scene.solids
         if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]
@@ -262,7 +262,7 @@ def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
     """Return the creep of both bodies, which are elastically similar, over their instantaneous response to shear."""
     total = sum(body.compliance for body in scene.solids)
     creeps = [
-        body.creep.times(1 / total)
+        body.creep.scaled(1 / total)
         for body in scene.solids
         if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]

@@ -199,7 +199,7 @@ class ShearState:
             state, carried, step.duration
         )
         carried = (carried + delayed - still_delayed) / (1 + compliance_change)
-        return carried, self.response.times(1 + compliance_change)
+        return carried, self.response.scaled(1 + compliance_change)
 
     def _locked(
         self, shear: Array, before: Array, after: Array, slope: float

@@ -322,7 +322,7 @@ def _of_coating(
 
     Each needs a depth there: down to the thickness, and equal to it.
     """
-    bodies = (scene.solids[output.solid] for output in scene.outputs if hasattr(output, "solid"))
+    bodies = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
     thickness = next((body.thickness for body in bodies if hasattr(body, "thickness")), -1.0)
     depths = derived["z"].values
     in_coating, at_bond = depths <= thickness, depths == thickness

@@ -64,14 +64,14 @@ class Fretting:
         magnitude than the coefficient times the load. See :meth:`cycle`.
     times
         Instants [s] of the forces, which are linear in between; None under a constant load.
-    period
-        Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
-        and wear of one are counted n times (cycle jump). None counts each force once.
     displacements
         Rigid displacements along x [m] of the second against the first body in place of the forces, with `times` and
         under a constant load: a positive one makes a positive shear on the first body. Above a limit the contact slides
         fully (gross slip, ``stick_fraction`` 0). They are relative to a point at the distance of Hertz's half-width (the
         datum).
+    period
+        Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
+        and wear of one are counted n times (cycle jump). None counts each force once.
 
     Raises
     ------

@@ -75,7 +75,7 @@ def dundurs(solids: tuple[Body, ...]) -> float:
 
 
 def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
-    """Return Dundurs' beta of two materials, ``(a1 - a2) / (2 (b1 + b2))`` by (1 - 2 nu) / G and (1 - nu) / G."""
+    """Return Dundurs' beta ``(a1 - a2) / (2 (b1 + b2))`` of two materials, a = (1 - 2 nu) / G and b = (1 - nu) / G."""
     (a1, b1), (a2, b2) = (
         ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
         for solid in (first, second)

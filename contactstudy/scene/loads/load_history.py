@@ -20,8 +20,6 @@ from contactstudy.domain.checks import (
 from contactstudy.domain.units import NewtonsPerMetre, PerSecond, Radians, Seconds
 
 HISTORY_REMEDY = "give a load of at least 0 N/m"
-
-
 # Load over the largest one below which it is zero: its rounding error.
 ZERO_LOAD = 1e-13
 
@@ -218,10 +216,8 @@ class SineLoad:
     phase: Radians = 0.0
 
     def __post_init__(self) -> None:
-        remedy = "give a load of at least 0 N/m"
-        check_fields(
-            self, mean_load=(in_range_from_zero, remedy), amplitude=(in_range_from_zero, remedy)
-        )
+        load = in_range_from_zero, HISTORY_REMEDY
+        check_fields(self, mean_load=load, amplitude=load)
         if self.mean_load == self.amplitude == 0:
             raise InvalidInput("SineLoad.amplitude and mean_load are 0: give a load above 0 N/m.")
         check_fields(

@@ -14,7 +14,13 @@ from contactstudy.domain.checks import (
     up_to_one,
 )
 from contactstudy.domain.fields import Array
-from contactstudy.domain.units import Number, Pascals, PascalSeconds, PressureViscosity
+from contactstudy.domain.units import (
+    Compressibility,
+    Number,
+    Pascals,
+    PascalSeconds,
+    PressureViscosity,
+)
 
 
 @runtime_checkable
@@ -121,8 +127,8 @@ class DowsonHigginson:
         For other values.
     """
 
-    compressibility: PressureViscosity = 0.6e-9
-    saturation: PressureViscosity = 1.7e-9
+    compressibility: Compressibility = 0.6e-9
+    saturation: Compressibility = 1.7e-9
 
     def __post_init__(self) -> None:
         remedy = "give a compressibility of at least 0 1/Pa"

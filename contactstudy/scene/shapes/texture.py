@@ -86,7 +86,7 @@ class Dimple:
     profile: Profile = field(default_factory=Parabolic)
 
     def __post_init__(self) -> None:
-        _is_profile("Dimple.profile", self.profile)
+        _check_profile("Dimple.profile", self.profile)
         check_fields(
             self,
             depth=(in_range_from_zero, DEPTH_REMEDY),
@@ -123,7 +123,7 @@ class Groove:
     profile: Profile = field(default_factory=Cosine)
 
     def __post_init__(self) -> None:
-        _is_profile("Groove.profile", self.profile)
+        _check_profile("Groove.profile", self.profile)
         check_fields(
             self,
             depth=(in_range_from_zero, DEPTH_REMEDY),
@@ -161,7 +161,7 @@ class Texture:
         If features overlap, a pitch is missing, or the pitch along does not divide the grid's period.
     """
 
-    #: Mean curvature [1/m].
+    #: Curvature [1/m]: a texture does not bend the mean cross-section.
     curvature: ClassVar[float] = 0.0
 
     feature: Dimple | Groove
@@ -187,7 +187,7 @@ class Texture:
 
     @classmethod
     def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
-        """Return the texture that covers a fraction `area_density` of the surface, by its pitch across the length.
+        """Return the texture that covers a fraction `area_density` of the surface, by its pitch across the contact.
 
         `along` [m] is the pitch along the length, infinite for grooves.
         """
@@ -243,7 +243,7 @@ def _from_nearest(position: Array, pitch: float) -> Array:
     return np.asarray(position - pitch * np.round(position / pitch))
 
 
-def _is_profile(name: str, profile: object) -> None:
+def _check_profile(name: str, profile: object) -> None:
     """Raise :class:`~contactstudy.InvalidInput` unless `profile` can be called."""
     if isinstance(profile, type) or not callable(profile):
         raise InvalidInput(f"{name} is {profile!r}: give a profile, such as Cosine().")
@@ -272,7 +272,7 @@ class Waviness:
         If a period of the grid does not hold a whole number of waves along.
     """
 
-    #: Mean curvature [1/m].
+    #: Curvature [1/m]: waves do not bend the mean cross-section.
     curvature: ClassVar[float] = 0.0
 
     amplitude: Metres

@@ -67,8 +67,8 @@ class HalfSpace:
         Tensile stress [Pa] at which the material yields, infinite if it is not known. The body stays elastic: the
         largest von Mises stress is compared with it.
     hardness
-        Indentation hardness [Pa], infinite if it is not known: the peak pressure is compared with it. It limits no
-        pressure, as ``Scene.hardness`` does.
+        Indentation hardness [Pa], infinite if it is not known: the peak pressure is compared with it. It does not limit
+        the pressure, which ``Scene.hardness`` does.
 
     Raises
     ------
@@ -220,7 +220,7 @@ class SceneContext(Protocol):
 
     @property
     def rolls(self) -> bool:
-        """True if the contact rolls, in a way that takes more than one problem."""
+        """True for `Rolling`, and for `TractiveRolling` of a body that creeps, which take more than one problem."""
 
     @property
     def time_dependent_field(self) -> str | None:
@@ -246,7 +246,7 @@ def instantaneous(solids: tuple[Body, Body]) -> tuple[Body, Body]:
 
 
 def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -> float:
-    """Return E* [Pa] of the bodies together: compliances add (Johnson 1985, eq. 4.3).
+    """Return E* [Pa] of the bodies together: compliances add (Johnson 1985, sect. 4.2).
 
     A :class:`Layered` body enters with its compliance at `half_width` [m], or without one as its coating alone.
     Raises :class:`~contactstudy.InvalidInput` if all bodies are rigid.

@@ -20,7 +20,7 @@ from contactstudy.scene.solids.bodies import POISSON_RATIO, HalfSpace, SceneCont
 @suggest_fields
 @dataclass(frozen=True)
 class ElasticPlasticHalfSpace:
-    """Half-space that yields after von Mises, with linear hardening.
+    """Half-space that yields by the criterion of von Mises, with linear hardening.
 
     A scene with one has a history: see :func:`~contactstudy.solve`.
 

@@ -59,7 +59,7 @@ class HalfSpaceStress:
 
 @dataclass(frozen=True)
 class StressCoefficients:
-    """Influence coefficients of one stress component at one depth, over pressure or shear.
+    """Influence coefficients of one stress component at one depth, over pressure or tangential traction (shear).
 
     Parameters
     ----------

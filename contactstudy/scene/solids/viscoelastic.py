@@ -78,7 +78,7 @@ class ViscoelasticHalfSpace:
     @cached_property
     def creep(self) -> Creep:
         """Creep function ``(1 - nu^2) J(t)`` [1/Pa], where J is the strain under a unit stress held from t = 0 on."""
-        return creep_from_relaxation(self.equilibrium_modulus, self.relaxation).times(
+        return creep_from_relaxation(self.equilibrium_modulus, self.relaxation).scaled(
             1 - self.poisson_ratio**2
         )
 

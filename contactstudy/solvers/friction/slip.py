@@ -62,7 +62,7 @@ class RollingSlip:
         self._ahead = 1 if step > 0 else -1
         rows = response.xx.padded[0]
         waves = np.exp(2j * np.pi * self._ahead / rows * np.arange(rows))
-        self._slip = response.times((1 - waves)[:, None] / abs(step))
+        self._slip = response.scaled((1 - waves)[:, None] / abs(step))
         self.self_compliance = float(_coefficients(self._slip.xx)[0, 0])
         self._inverse = _inverses(response)
 

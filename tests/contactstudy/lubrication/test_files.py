@@ -123,3 +123,10 @@ def test_a_file_may_carry_a_measured_surface(tmp_path: Path) -> None:
     assert isinstance(carried, cs.MovingShape)
     assert isinstance(carried.shape, cs.MeasuredSurface)
     assert carried.body == 1
+
+
+def test_a_compressibility_in_another_unit_is_named(tmp_path: Path) -> None:
+    density = 'density = {kind = "DowsonHigginson", compressibility = "5 mm"}'
+    (tmp_path / "evolution.toml").write_text(EVOLUTION.replace("[grid]", f"{density}\n[grid]"))
+    with pytest.raises(cs.InvalidInput, match=r"compressibility.*give a compressibility"):
+        cs.read_scene(tmp_path / "evolution.toml")

@@ -201,7 +201,7 @@ def test_numbers_of_a_coating_are_its_von_mises_stress_and_the_shear_at_its_bond
     scene = replace(
         plain,
         solids=(plain.solids[0], cs.CoatedHalfSpace(coating, thickness, STEEL)),
-        outputs=(cs.SubsurfaceStress(depths, solid=1),),
+        outputs=(cs.SubsurfaceStress(depths, body=1),),
     )
     grid = cs.Grid((201, 1), (2.4 * thickness, 1e-3))
     quantities = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
@@ -223,7 +223,7 @@ def test_a_body_without_a_coating_or_depths_at_its_bond_has_no_numbers_of_them()
             cs.LineLoad(1e5),
             (cs.HalfSpace(inf, 0.3), solid),
             (cs.Cylinder(0.01),),
-            outputs=(cs.SubsurfaceStress((2e-5,), solid=1),),
+            outputs=(cs.SubsurfaceStress((2e-5,), body=1),),
         )
         found = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
         assert {"largest_von_mises"} == found.keys() & {

@@ -191,7 +191,7 @@ def test_stress_below_sliding_is_as_in_closed_form(coefficient: float, wanted: f
 def test_the_second_body_feels_the_reaction() -> None:
     stresses = []
     for solid in (0, 1):
-        below = cs.SubsurfaceStress((2e-5,), solid=solid)
+        below = cs.SubsurfaceStress((2e-5,), body=solid)
         stresses.append(
             solved(scene(cs.Sliding(0.3), outputs=(below,)), (64, 1)).to_dataset().stress
         )

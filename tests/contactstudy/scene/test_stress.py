@@ -158,7 +158,7 @@ def test_stress_takes_the_ratio_of_the_body_it_is_in(line_contact: LineContact) 
     rubber = cs.HalfSpace(youngs_modulus=1e9, poisson_ratio=0.5)
     grid = line_contact.grid((15, 1), 1.0)
     for solid, ratio in ((0, 0.3), (1, 0.5)):
-        asked = cs.SubsurfaceStress(depths=(1e-4,), solid=solid)
+        asked = cs.SubsurfaceStress(depths=(1e-4,), body=solid)
         scene = replace(line_contact.scene, solids=(STEEL, rubber), outputs=(asked,))
         dataset = cs.solve(scene.problem(grid, cs.ExactPeriodicity())).to_dataset()
         xx, yy, zz = dataset["stress"].values[:3]
@@ -168,7 +168,7 @@ def test_stress_takes_the_ratio_of_the_body_it_is_in(line_contact: LineContact) 
 @pytest.mark.parametrize(
     ("named", "said"),
     [({"depths": one}, "depths.* is .*: give a ") for one in ((), 1e-4, None, (-1e-5,), (1e-4, float("nan")), ("1 mm",))]
-    + [({"solid": one}, "solid is .*: give 0 or 1") for one in (2, -1, True, 0.5)],
+    + [({"body": one}, "body is .*: give 0 or 1") for one in (2, -1, True, 0.5)],
 )  # fmt: skip
 def test_depths_and_bodies_that_are_none_are_refused(named: dict[str, Any], said: str) -> None:
     with pytest.raises(cs.InvalidInput, match=rf"^SubsurfaceStress\.{said}"):
@@ -176,8 +176,8 @@ def test_depths_and_bodies_that_are_none_are_refused(named: dict[str, Any], said
 
 
 def test_stress_in_a_rigid_body_is_refused(line_contact: LineContact) -> None:
-    asked = cs.SubsurfaceStress(depths=(1e-4,), solid=1)
-    with pytest.raises(cs.InvalidInput, match=r"solid is 1, a rigid body: give 0"):
+    asked = cs.SubsurfaceStress(depths=(1e-4,), body=1)
+    with pytest.raises(cs.InvalidInput, match=r"body is 1, a rigid body: give 0"):
         replace(line_contact.scene, solids=(STEEL, RIGID), outputs=(asked,))
 
 

@@ -16,7 +16,7 @@ from contactstudy.elasticity.kernels.stress_cell import (
     second_derivative_log_point,
     stress_cell,
 )
-from contactstudy.elasticity.kernels.traction import SURFACE
+from contactstudy.elasticity.kernels.traction import SURFACE, SWAPPED
 
 # In a coating thinner than a third of a cell, the neglected aliases are some 1e-3 of the response to single cells.
 MAX_ALIASES = 8
@@ -31,9 +31,6 @@ class Subtracted(Enum):
     FIRST = 1
     #: All three, so that the remainder falls as the fifth power of the distance.
     ALL_THREE = 3
-
-
-SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,8 @@ class StressWaves:
     """Remainder of the stress in a layered body under one wave of a load on its surface.
 
     Its part of a homogeneous body is subtracted, as in
-    :meth:`~contactstudy.elasticity.kernels.layer.stress.LayerStress.remainder`.
+    :meth:`~contactstudy.elasticity.kernels.layer.stress.LayerStress.remainder`. In names of stresses l is the direction
+    of the wave, t that of its crests.
 
     Parameters
     ----------

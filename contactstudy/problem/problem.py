@@ -37,7 +37,7 @@ class Derived(Protocol):
 
 @runtime_checkable
 class DependsOnShear(Protocol):
-    """Derived quantities that also depend on shear on the surface."""
+    """Derived quantities that also depend on tangential traction on the surface."""
 
     def with_shear(self, shear: Array) -> Derived:
         """Return the quantities under `shear` (component, x, y) [Pa] on the first body."""

@@ -111,19 +111,19 @@ def worst(statuses: Sequence[Status]) -> Status:
 
 @dataclass(frozen=True, eq=False)
 class TangentialTraction:
-    """Tangential traction, the shear on the first body.
+    """Tangential (shear) traction on the first body, whose reaction acts on the second one.
 
     Parameters
     ----------
     shear
-        Shear (component, x, y) [Pa] along x and y.
+        Traction (component, x, y) [Pa] along x and y.
     stick
         Cells (x, y) that stick.
     method
         Method, in words.
     iterations
-        Number of applications of the response to shear; where the shear follows from pressures alone, of normal contacts
-        solved.
+        Number of applications of the response to traction; where the traction follows from pressures alone, of normal
+        contacts solved.
     """
 
     shear: Array
@@ -217,7 +217,7 @@ class Solution:
     note
         Empty, or sentences on how the solution was found, such as how the solver went on after a stall.
     traction
-        Shear of a scene with friction; None without.
+        Tangential traction of a scene with friction; None without.
     adhesion
         Adhesive traction of a scene with adhesion; None without.
     """
@@ -256,7 +256,7 @@ class Solution:
 
     @property
     def shear(self) -> Array:
-        """Shear on the first body (component, x, y) [Pa], along x and y.
+        """Tangential traction on the first body (component, x, y) [Pa], along x and y.
 
         Raises
         ------
@@ -278,7 +278,7 @@ class Solution:
 
     @property
     def _traction(self) -> TangentialTraction:
-        """Shear of the solution; raises NotDefined without friction."""
+        """Tangential traction of the solution; raises NotDefined without friction."""
         if self.traction is None:
             raise NotDefined(
                 "This solution has no shear: give Scene.friction, such as Sliding(coefficient=0.1)."

@@ -61,9 +61,9 @@ class SolveOptions:
     tolerance
         Largest dimensionless residual, see :func:`~contactstudy.solve`; above 0.
     max_iterations
-        Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of shear, applications of
-        its response; with adhesion, inner and outer iterations together, and ten times as many for each load of a
-        pull-off but the first.
+        Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of tangential traction,
+        applications of its response; with adhesion, inner and outer iterations together, and ten times as many for each
+        load of a pull-off but the first.
     solver
         The iteration, such as :class:`~contactstudy.PreconditionedCG`.
     precision

@@ -1,1 +1,1 @@
-"""Shear on the surface: sliding, partial slip, fretting, tractive rolling."""
+"""Tangential traction on the surface: sliding, partial slip, fretting, tractive rolling."""

@@ -1,13 +1,13 @@
-"""Newton's method on Coulomb's projection: the shear of a contact that sticks in part and slips in part.
+"""Newton's method on Coulomb's projection: the tangential traction of a contact that sticks in part and slips in part.
 
 With the slip ``s = s0 + D q`` of the first against the second body, Coulomb's law is
 
     ``F(q) = q - Proj(q - rho s) = 0``
 
-with the projection onto the friction set ``|q| <= mu p``, with a given resultant if there is one, and the inverse rho
-of a cell's own slip. The derivative of F is ``1 - P (1 - rho D)`` with that of the projection, P: ``rho D`` in cells
-that stick. Its equations are solved by GMRES. Where no fraction of a Newton step reduces F, extragradient iterations,
-of two projections each, are taken before the next one.
+with the projection onto the friction set ``|q| <= mu p``, with a given resultant if there is one; rho is the inverse of
+the self-compliance of a cell. The derivative of F is ``1 - P (1 - rho D)`` with that of the projection, P: ``rho D`` in
+cells that stick. Its equations are solved by GMRES. Where no fraction of a Newton step reduces F, extragradient
+iterations, of two projections each, are taken before the next one.
 
 Source: semismooth Newton of Alart & Curnier (1991); Saad & Schultz (1986); extragradient of Korpelevich (1976).
 """
@@ -41,13 +41,13 @@ class NewtonConstants:
     max_halvings
         Halvings of a step that does not reduce F before projections take over.
     least_shear
-        Fraction of the largest limit below which shear is not resolved in proportion: where a force returns to zero,
-        what is left may be rounding.
+        Fraction of the largest limit below which tangential traction is not resolved in proportion: where a force
+        returns to zero, what is left may be rounding.
     sticking
-        Fraction of the largest limit by which the trial shear of a cell that sticks is below its own limit.
+        Fraction of the largest limit by which the trial traction of a cell that sticks is below its own limit.
     first_projections
         Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps
-        fail far from the solution alone, where a few projections find most of the cells that stick.
+        fail only far from the solution, where a few projections find most of the cells that stick.
     """
 
     forcing: float = 0.3
@@ -65,7 +65,7 @@ CONSTANTS = NewtonConstants()
 def shear_status(
     residual: float, applications: int, tolerance: float, max_applications: int
 ) -> Status:
-    """Return the status of a shear that was left with a `residual` after so many `applications` of its response."""
+    """Return the status of a tangential traction with this `residual`, after so many `applications` of its response."""
     if residual <= tolerance:
         return Status.CONVERGED
     return Status.ITERATION_LIMIT if applications >= max_applications else Status.STALLED
@@ -73,7 +73,10 @@ def shear_status(
 
 @dataclass(frozen=True, eq=False)
 class _State:
-    """Shear and slip (2, cells), the `projection` of the trial shear, and F (2, cells), `error`, with its `residual`."""
+    """Tangential traction `shear` and `slip` (2, cells), and what follows from them.
+
+    `projection` is that of the trial traction, `error` is F (2, cells), and `residual` its relative size.
+    """
 
     shear: Array
     slip: Array
@@ -83,16 +86,16 @@ class _State:
 
 
 class CoulombNewton:
-    """Newton's method, and its fallback, for the shear (2, cells) of the cells in contact on one grid.
+    """Newton's method, and its fallback, for the tangential traction (2, cells) of the cells in contact on one grid.
 
     Parameters
     ----------
     slip
-        Slip under shear, D.
+        Slip under traction, D.
     limit
-        Largest shear (x, y) [Pa], the coefficient of friction times the pressure.
+        Largest traction (x, y) [Pa], the coefficient of friction times the pressure.
     total
-        Sum of the shear over all cells (2,) [Pa], nan for a component whose rigid slip is given; None where both are.
+        Sum of the traction over all cells (2,) [Pa], nan for a component whose rigid slip is given; None where both are.
     """
 
     def __init__(self, slip: SlipOperator, limit: Array, total: Array | None = None) -> None:
@@ -122,13 +125,14 @@ class CoulombNewton:
         return gathered
 
     def project(self, shear: Array) -> Array:
-        """Return the nearest shear (2, cells) that friction carries, with the given sum if there is one."""
+        """Return the nearest traction (2, cells) that friction can transmit, with the given sum if there is one."""
         return self._set.project(shear).traction
 
     def sticks(self, shear: Array, slip: Array) -> NDArray[np.bool_]:
-        """Return which cells (x, y) stick: whose trial shear, by `shear` and `slip` (2, cells), is below its limit.
+        """Return which cells (x, y) stick under `shear` and `slip` (2, cells): whose trial traction is below its limit.
 
-        The trial shear decides, not the shear, which rounding may leave just inside the disk of a slipping cell.
+        The trial traction decides and not the traction itself, which rounding may leave just inside the disk of a
+        slipping cell.
         """
         radius, stick = self._set.radius, np.zeros(self._shape, dtype=bool)
         trial = np.hypot(*(shear - self._rho * slip))
@@ -138,12 +142,12 @@ class CoulombNewton:
     def solve(
         self, free_slip: Array, shear: Array, tolerance: float, max_applications: int
     ) -> tuple[Array, Array, Array, float]:
-        """Return the shear (2, cells) [Pa], its slip (2, cells), the rigid slip (2,) and the residual.
+        """Return the tangential traction (2, cells) [Pa], its slip (2, cells), the rigid slip (2,) and the residual.
 
         The iteration begins with a first `shear` (2, cells), and ends at a residual of `tolerance` or after
-        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without shear. The rigid slip
-        is the multiplier of the given sum; the slip is without it. The residual is the root mean square of F over the
-        largest shear, or over a ten-thousandth of its largest limit if that is more.
+        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The rigid
+        slip is the multiplier of the given sum; the slip is without it. The residual is the root mean square of F over
+        the largest traction, or over a ten-thousandth of its largest limit if that is more.
         """
         free, max_total = self.gathered(free_slip), max_applications + self.applications
         shear = self.project(shear)
@@ -152,7 +156,7 @@ class CoulombNewton:
         while state.residual > tolerance and self.applications < max_total:
             forcing = _forcing(tolerance, state.residual)
             change, slip_change = self._newton_step(state, forcing, max_total)
-            # slip is linear in the shear: shorter steps cost nothing
+            # slip is linear in the tangential traction: shorter steps cost nothing
             for halving in range(CONSTANTS.max_halvings):
                 part = 0.5**halving
                 trial = self._state(state.shear + part * change, state.slip + part * slip_change)
@@ -179,7 +183,7 @@ class CoulombNewton:
         return _State(shear, slip, projection, error, residual)
 
     def _newton_step(self, state: "_State", forcing: float, max_total: int) -> tuple[Array, Array]:
-        """Return the changes of shear and slip (2, cells) that leave the fraction `forcing` of the linearised F."""
+        """Return the changes of traction and slip (2, cells) that leave the fraction `forcing` of the linearised F."""
         projection = state.projection.derivative()
         steps: list[tuple[Array, Array]] = []
 
@@ -209,7 +213,7 @@ class CoulombNewton:
     def _extragradient(
         self, free: Array, shear: Array, slip: Array, length: float
     ) -> tuple[Array, Array, float]:
-        """Return shear and slip after two projections, and their step length, which is shortened as needed."""
+        """Return traction and slip after two projections, and their step length, which is shortened as needed."""
         while True:
             half = self.project(shear - length * slip)
             half_slip = free + self.slip(half)

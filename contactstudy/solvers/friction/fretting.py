@@ -1,7 +1,7 @@
-"""Fretting: shear under an oscillating tangential force, each step from the shear before it.
+"""Fretting: tangential traction under an oscillating tangential force, each step from the traction before it.
 
-Under a constant pressure a step from one reversal to the next is exact in plane strain, as slip does not turn back in
-it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
+Under a constant pressure a step from one reversal of the force to the next is exact in plane strain, as slip does not
+reverse within it. Source: Mindlin & Deresiewicz (1953), J. Appl. Mech. 20, 327.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 @dataclass(frozen=True, eq=False)
 class FrettingShear:
-    """Shear under successive tangential forces, added to the pressure of a frictionless contact.
+    """Tangential traction under successive tangential forces, added to the pressure of a frictionless contact.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class FrettingShear:
     forces_per_length
         Tangential forces along x [N/m], each less than friction transmits, starting from 0.
     response
-        Displacement under shear, A.
+        Displacement under traction, A.
     """
 
     coefficient: float
@@ -40,7 +40,7 @@ class FrettingShear:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
-        """Return the normal contact with the shear after the last force, and the history of slip."""
+        """Return the normal contact with the tangential traction after the last force, and the history of slip."""
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
         shear, stick = np.zeros((2, *limit.shape)), normal.pressure > 0

@@ -1,4 +1,4 @@
-"""Shear of a contact that frets, with the loop, the slip and the energy that belong to it."""
+"""Tangential traction of a contact that frets, with the loop, the slip and the energy that belong to it."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from contactstudy.solvers.solution import TangentialTraction
 
 @dataclass(frozen=True, eq=False)
 class FrettingTraction(TangentialTraction):
-    """Shear on the first body after the last of several tangential forces, and the slip of the last cycle.
+    """Tangential traction on the first body after the last of several forces, and the slip of the last cycle.
 
     The last cycle begins at the previous occurrence of the last force; the whole history counts if no cycle is complete.
 
@@ -21,13 +21,13 @@ class FrettingTraction(TangentialTraction):
     rigid_displacement
         Rigid displacement along x (steps + 1,) [m] of the second body against the first, from 0 m on.
     shears
-        Shear after each force (step, component, x, y) [Pa].
+        Traction after each force (step, component, x, y) [Pa].
     slip_distance
         Distance slipped in the last cycle (x, y) [m].
     energy
         Energy lost to friction in the last cycle, per area (x, y) [J/m^2].
     cycle_start
-        Index of the first force of the last cycle.
+        Index in `forces` of the force at which the last cycle begins, and in `shears` of its first step.
     """
 
     forces: Array
@@ -39,5 +39,5 @@ class FrettingTraction(TangentialTraction):
 
     @property
     def largest_shear(self) -> float:
-        """Largest shear [Pa] of all steps."""
+        """Largest tangential traction [Pa] of all steps."""
         return float(np.hypot(self.shears[:, 0], self.shears[:, 1]).max(initial=0.0))

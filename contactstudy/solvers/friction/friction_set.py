@@ -1,4 +1,4 @@
-"""Coulomb's limit on the shear of every cell as a convex set, and the projection onto it."""
+"""Coulomb's limit on the tangential traction of every cell as a convex set, and the projection onto it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 
-# Newton's iterations of a projection that meets a resultant; each doubles the digits.
+# Largest number of Newton iterations in a projection with a given resultant.
 MAX_ITERATIONS = 200
 
 
@@ -93,8 +93,7 @@ class FrictionSet:
 class Projection:
     """Projection of a trial traction onto a friction set.
 
-    `shifted` (2, cells) is the trial, shifted by the `multiplier` (2,) to meet the sum, which is zero where any sum is
-    met.
+    `shifted` (2, cells) is the trial plus the `multiplier` (2,) of the given sum, which is zero where none is given.
     """
 
     radius: Array

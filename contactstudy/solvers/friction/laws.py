@@ -1,4 +1,4 @@
-"""Shear on the surface: full sliding, and partial slip under a force below that of full sliding."""
+"""Tangential traction on the surface: full sliding, and partial slip under a force below that of full sliding."""
 
 from dataclasses import dataclass, replace
 
@@ -15,8 +15,8 @@ from contactstudy.solvers.friction.partial_slip import slip_step
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Outer iterations between pressure and shear: errors fall by a factor of at least 1.7 from one to the next where both
-# bodies are elastic and friction is below 1.
+# Outer iterations between pressure and tangential traction: errors fall by a factor of at least 1.7 from one to the
+# next where both bodies are elastic and friction is below 1.
 MAX_SLIDING_ITERATIONS = 200
 
 
@@ -24,8 +24,8 @@ MAX_SLIDING_ITERATIONS = 200
 class FullSliding:
     """Full sliding along x: the traction ``coefficient * pressure`` on the first body, and its reaction on the second.
 
-    `coupling` maps shear [Pa] to normal displacement [m]; None for elastically similar bodies (Dundurs' beta = 0), where
-    shear does not change the pressure.
+    `coupling` maps tangential traction [Pa] to normal displacement [m]; None for elastically similar bodies (Dundurs'
+    beta = 0), where traction does not change the pressure.
     """
 
     coefficient: float
@@ -34,9 +34,9 @@ class FullSliding:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
-        """Return the solution under shear.
+        """Return the solution under tangential traction.
 
-        With a coupling, pressure and shear are solved in turn, until the shear changes the gap by less than the
+        With a coupling, pressure and traction are solved in turn, until the traction changes the gap by less than the
         tolerance. The coupling is odd, so that it has no place in a symmetric operator: its displacement is added to
         the gap.
         """
@@ -69,10 +69,10 @@ class FullSliding:
 
 @dataclass(frozen=True, eq=False)
 class CiavarellaJaeger:
-    """Shear as a difference of two normal contacts: ``q = mu (p(P) - p(P - Q / mu))``.
+    """Tangential traction as a difference of two normal contacts: ``q = mu (p(P) - p(P - Q / mu))``.
 
-    Cells stick where the second contact presses. It is exact where the compliance along x is that along z up
-    to a factor: in plane strain, and where Poisson's ratio is zero. `coefficient` is mu; `fraction` is Q / (mu P),
+    Cells stick where the second contact presses. It is exact where the tangential compliance is in proportion to the
+    normal one: in plane strain, and where Poisson's ratio is zero. `coefficient` is mu; `fraction` is Q / (mu P),
     between -1 and 1. Source: Ciavarella (1998), Int. J. Solids Struct. 35, 2349; Jaeger (1998).
     """
 
@@ -82,7 +82,7 @@ class CiavarellaJaeger:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
-        """Return the solution with its shear from two normal contacts; its status is that of the first that failed."""
+        """Return the solution with its tangential traction from two normal contacts, and the worse status of both."""
         outer = solve_contact(problem, options, start, device)
         if self.fraction == 0:
             shear = np.zeros((2, *outer.pressure.shape))
@@ -103,11 +103,12 @@ class CiavarellaJaeger:
 
 @dataclass(frozen=True, eq=False)
 class PartialSlipShear:
-    """Shear of two components: of least complementary energy among ``|q| <= mu p`` with a given resultant along x.
+    """Tangential traction q of least complementary energy among ``|q| <= mu p`` with a given resultant along x.
 
-    It minimises ``1/2 q A q``: A is symmetric and positive and the set convex, so that there is one answer. Cells within
-    their limit stick, those at it slip against the shear. Loading is monotonic. `coefficient` is mu, `force_per_length`
-    the resultant [N/m], and `response` is A. Source: Kalker (1990), ch. 4.
+    It has two components and minimises ``1/2 q A q``. A is self-adjoint and positive definite and the set convex, so
+    that the minimum is unique. Cells within their limit stick, those at it slip against the traction. Loading is
+    monotonic. `coefficient` is mu,
+    `force_per_length` the resultant [N/m], and `response` is A. Source: Kalker (1990), ch. 4.
     """
 
     coefficient: float
@@ -117,7 +118,7 @@ class PartialSlipShear:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
-        """Return the normal contact with its shear, by one step from no shear."""
+        """Return the normal contact with its tangential traction, by one step from no traction."""
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
         total = self.force_per_length * problem.grid.length / problem.grid.cell_area

@@ -1,9 +1,10 @@
-"""One step of partial slip: the shear of a contact at rest after a change of the tangential force or displacement.
+"""One step of partial slip: the tangential traction after a change of the tangential force or displacement.
 
-A step from the shear r to q on the first body slips by ``s = A (q - r) - d``, the slip of the first against the second
-body, with the displacement ``A q`` under shear and the rigid one d of the second against the first body. Coulomb's law,
-``|q| <= mu p`` with s opposed to q on the rim and 0 inside, makes q the shear of least complementary energy
-``1/2 (q - r) A (q - r)`` among those with the resultant that is asked for, or less ``d sum(q)`` under a given d.
+A step from the traction r to q on the first body slips by ``s = A (q - r) - d``, the slip of the first against the
+second body, with the displacement ``A q`` under traction and the rigid one d of the second against the first body.
+Coulomb's law, ``|q| <= mu p`` with s opposed to q where they are equal and ``s = 0`` elsewhere, makes q the traction of
+least complementary energy ``1/2 (q - r) A (q - r)`` among those with the resultant that is asked for, or less ``d
+sum(q)`` under a given d.
 
 Source: Kalker (1990), ch. 4; Mindlin & Deresiewicz (1953).
 """
@@ -21,23 +22,23 @@ from contactstudy.solvers.friction.slip import QuasiStaticSlip
 
 @dataclass(frozen=True, eq=False)
 class SlipStep:
-    """Shear at the end of a step, and the slip in it.
+    """Tangential traction at the end of a step, and the slip in it.
 
     Parameters
     ----------
     shear
-        Shear (component, x, y) [Pa] on the first body.
+        Traction (component, x, y) [Pa] on the first body.
     slip
         Slip (component, x, y) [m] of the first against the second body in this step, zero outside the contact.
     rigid
         Rigid displacement (2,) [m] of the second against the first body in this step: a positive one makes a positive
-        shear.
+        traction.
     stick
         Cells (x, y) in contact that stick.
     residual
-        Root mean square of the change by one projection, over the largest shear.
+        Root mean square of the change by one projection, over the largest traction.
     applications
-        Number of applications of the response to shear.
+        Number of applications of the response to traction.
     """
 
     shear: Array
@@ -64,29 +65,29 @@ def slip_step(
     rigid: Array | None = None,
     start: Array | None = None,
 ) -> SlipStep:
-    """Return the shear after a step from a `reference`, under a given resultant or a given rigid displacement.
+    """Return the tangential traction after a step from a `reference`, under a given resultant or rigid displacement.
 
     Parameters
     ----------
     response
-        Displacement under shear, A.
+        Displacement under traction, A.
     limit
-        Largest shear (x, y) [Pa] at the end of the step, the coefficient of friction times the pressure.
+        Largest traction (x, y) [Pa] at the end of the step, the coefficient of friction times the pressure.
     reference
-        Shear (component, x, y) [Pa] before the step, and its part that is locked in by a rising pressure, see
+        Traction (component, x, y) [Pa] before the step, and its part that is locked in by a rising pressure, see
         :func:`locked_shear`. It may exceed the limit: what is cut off moves the surface back.
     tolerance
         Largest residual.
     max_applications
         Number of applications of the response after which the step ends.
     total
-        Sum of the shear (2,) [Pa] over all cells, smaller in magnitude than that of the limits. Exactly one of
+        Sum of the traction (2,) [Pa] over all cells, smaller in magnitude than that of the limits. Exactly one of
         `total` and `rigid` is given.
     rigid
         Rigid displacement (2,) [m] of the second against the first body in this step. Above a limit the contact
         slides fully.
     start
-        Shear (component, x, y) [Pa] to begin with; None begins with the reference.
+        Traction (component, x, y) [Pa] to begin with; None begins with the reference.
     """
     if not limit.any():
         zeros, displacement = np.zeros_like(reference), np.zeros(2) if rigid is None else rigid
@@ -113,9 +114,9 @@ def slip_step(
 
 
 def locked_shear(shear: Array, before: Array, after: Array, slope: float) -> Array:
-    """Return the shear (component, x, y) [Pa] that a step under a rising pressure is counted from.
+    """Return the tangential traction (component, x, y) [Pa] that a step under a rising pressure is counted from.
 
-    Every increment of pressure from `before` to `after` (x, y) [Pa] takes a shear of `slope` times itself into the
+    Every increment of pressure from `before` to `after` (x, y) [Pa] takes a traction of `slope` times itself into the
     contact without slip. The slope is the change of the tangential force over that of the load, within plus or minus the
     coefficient of friction, and 0 for a falling load. This is exact in plane strain and for a Poisson's ratio of 0, of
     bodies that are not coated. Source: Jaeger (1998), J. Tribol. 120, 677.

@@ -1,4 +1,4 @@
-"""Shear of steady rolling with the creepage, the slip and the power that belong to it.
+"""Tangential traction of steady rolling with the creepage, the slip and the power that belong to it.
 
 Slip is that of the first body against the second one, as in Coulomb's law; creepage is that of the second body against
 the first one, so that a positive creepage drags the first body to larger x: the rigid slip is minus the creepage.
@@ -63,7 +63,7 @@ UNKNOWN = RollingErrors()
 
 @dataclass(frozen=True, eq=False)
 class RollingTraction(TangentialTraction):
-    """Shear of steady rolling on the first body, with its slip and its power.
+    """Tangential traction of steady rolling on the first body, with its slip and its power.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class RollingTraction(TangentialTraction):
     creepage
         Rigid slip of the second against the first body; found where the tangential force is given.
     power
-        Frictional power per area (x, y) [W/m^2], from the mean of the shear before and after a step of one cell.
+        Frictional power per area (x, y) [W/m^2], from the mean of the traction before and after a step of one cell.
     power_outside_contact
         Fraction of the power outside the contact, an error by the cells that one grid shows. `errors` has the one that
         coarser grids show; the bound of the power is their sum.

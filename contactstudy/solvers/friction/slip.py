@@ -1,4 +1,4 @@
-"""Elastic part of the slip of the first against the second body under shear: linear and monotone in the shear."""
+"""Elastic part of the slip of the first against the second body: a linear, monotone map of the tangential traction."""
 
 from typing import Protocol
 
@@ -12,23 +12,26 @@ from contactstudy.elasticity.transforms import TRANSFORMS
 
 
 class SlipOperator(Protocol):
-    """Linear map D from shear to elastic slip, both (component, x, y); its symmetric part is positive."""
+    """Linear map D from tangential traction to elastic slip, both (component, x, y); its symmetric part is positive."""
 
     @property
     def self_compliance(self) -> float:
-        """Slip of a cell under its own unit shear along x, less the mean slip of all cells; it is above zero."""
+        """Slip of a cell under a unit traction along x on it alone, less the mean slip of all cells; above zero."""
 
     def __call__(self, shear: Array) -> Array:
         """Return the slip under `shear`."""
 
     def approximate_inverse(self, slip: Array) -> Array:
-        """Return about the shear (component, x, y) that makes a `slip` of some cells, zero elsewhere and overwritten."""
+        """Return about the traction (component, x, y) that makes a `slip` of some cells, which is zero elsewhere.
+
+        The given array may be overwritten.
+        """
 
 
 class QuasiStaticSlip:
-    """Elastic slip of a contact at rest: the displacement A q itself, from a state without shear.
+    """Elastic slip of a contact at rest: the displacement A q itself, from a state without tangential traction.
 
-    `response` is the displacement under shear, A.
+    `response` is the displacement under traction, A.
     """
 
     def __init__(self, response: ShearResponse) -> None:
@@ -52,7 +55,7 @@ class RollingSlip:
     Parameters
     ----------
     response
-        Displacement under shear, A.
+        Displacement under tangential traction, A.
     step
         Width of a cell [m], negative where the contact moves to smaller x.
     """

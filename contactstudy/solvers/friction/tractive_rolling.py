@@ -1,13 +1,13 @@
-"""Steady rolling with creepage: shear, stick and slip, their power, and the creepage of a given force.
+"""Steady rolling with creepage: tangential traction, stick and slip, their power, and the creepage of a given force.
 
-The contact moves to larger x, material enters it at the largest x. Under the shear q on the first body its surface is
+The contact moves to larger x, material enters it at the largest x. Under the traction q on the first body its surface is
 displaced by ``A q`` against the second one. The slip of the first against the second body, per distance rolled, is
 
     ``s = -c + D q``,  ``(D q)(x) = [(A q)(x) - (A q)(x + dx)] / dx``,  ``c = (xi - phi y, eta + phi x)``,
 
 with the creepages xi and eta of the second against the first body and the spin phi. Coulomb's law is ``|q| <= mu p``,
-``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is symmetric and positive, and so the
-symmetric part of D is positive too: a monotone variational inequality, which has one answer. It is solved on coarser
+``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is self-adjoint and positive, and so the
+symmetric part of D is positive too: a monotone variational inequality, whose solution is unique. It is solved on coarser
 grids first, each by :class:`~contactstudy.solvers.friction.coulomb_newton.CoulombNewton`.
 
 Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
@@ -42,7 +42,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 COARSEST = 24
 # Residual on coarser grids, whose own error is larger.
 LEVEL_TOLERANCE = 1e-3
-# Outer iterations between pressure and shear of elastically dissimilar bodies.
+# Outer iterations between pressure and tangential traction of elastically dissimilar bodies.
 MAX_COUPLED_ITERATIONS = 60
 # Distance [cells] within which the edge of stick is found: errors were at most 0.96 of the bound in 600 line contacts of
 # 28 to 90 cells, a third of them near full sliding and a third near full stick.
@@ -51,7 +51,7 @@ STICK_EDGE_CELLS = 0.4
 
 @dataclass(frozen=True, eq=False)
 class ShearPressureCoupling:
-    """Normal displacement by shear along both axes [m/Pa], odd in x or y.
+    """Normal displacement by tangential traction along both axes [m/Pa], odd in x or y.
 
     By reciprocity the tangential displacement by pressure is minus this.
     """
@@ -80,7 +80,7 @@ def ahead(field: Array, step: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class TractiveShear:
-    """Shear of steady rolling, added to the pressure of a frictionless contact.
+    """Tangential traction of steady rolling, added to the pressure of a frictionless contact.
 
     Parameters
     ----------
@@ -93,9 +93,9 @@ class TractiveShear:
     speed
         Speed of rolling [m/s], negative to smaller x.
     shear_response
-        Function that returns the response to shear on a grid.
+        Function that returns the response to traction on a grid.
     coupling
-        Of pressure and shear; None for elastically similar bodies (Dundurs' beta = 0).
+        Of pressure and traction; None for elastically similar bodies (Dundurs' beta = 0).
     note
         Sentence on the scene, or empty.
     """
@@ -111,12 +111,12 @@ class TractiveShear:
     def solve(
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
-        """Return the normal contact with its shear; for dissimilar bodies, iterated until neither changes."""
+        """Return the normal contact with its traction; for dissimilar bodies, iterated until neither changes."""
         state: SteadyShear | None = None
         applications, convolutions = 0, 0.0
 
         def gap_change(pressure: Array) -> Array:
-            """Return the change of the gap by the shear that belongs to a pressure."""
+            """Return the change of the gap by the tangential traction that belongs to a pressure."""
             nonlocal state, applications, convolutions
             state = self.steady(problem.grid, pressure, options, state)
             applications += state.applications
@@ -164,7 +164,7 @@ class TractiveShear:
 
     def _power(self, grid: Grid, state: "SteadyShear") -> Array:
         """Return the frictional power per area (x, y) [W/m^2] of a steady state."""
-        # the shear before and after a step: q . s alone misses what the step from cell to cell dissipates
+        # the tangential traction before and after a step: q . s alone misses what the step from cell to cell dissipates
         mean = (state.shear + ahead(state.shear, np.copysign(grid.cell_size[0], self.speed))) / 2
         return np.asarray(-abs(self.speed) * np.einsum("cxy,cxy->xy", mean, state.slip))
 
@@ -242,7 +242,7 @@ class TractiveShear:
 
 @dataclass(frozen=True, eq=False)
 class SteadyShear:
-    """Steady state on one grid: shear and slip (component, x, y), where it sticks, and what it took."""
+    """Steady state on one grid: tangential traction and slip (component, x, y), where it sticks, and what it took."""
 
     shear: Array
     slip: Array
@@ -264,8 +264,8 @@ def _steady(
 ) -> SteadyShear:
     """Return the steady state on one grid, with the longitudinal creepage that a given force asks for.
 
-    `rigid` (component, x, y) is the slip without shear, under the given `creepage`. A force enters the projection as a
-    resultant, whose multiplier is the creepage.
+    `rigid` (component, x, y) is the slip without tangential traction, under the given `creepage`. A force enters the
+    projection as a resultant, whose multiplier is the creepage.
     """
     first = newton.gathered(shear)
     values, _, rigid_slip, residual = newton.solve(rigid, first, tolerance, max_applications)

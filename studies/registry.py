@@ -74,8 +74,8 @@ def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -
 def default_drawing(figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:
     """Return the default drawing, whose figures follow from the varied axes and show the variables `plot`, if any."""
     # imported by name, since pages import this registry
-    drawn = importlib.import_module("studies.report.drawings.default").FIGURES
-    return Drawing(partial(drawn[one_of("figures", figures, drawn)], plot=plot))
+    drawn = importlib.import_module("studies.report.drawings.default")
+    return Drawing(partial(drawn.figures, kind=one_of("figures", figures, drawn.KINDS), plot=plot))
 
 
 def _file_module(name: str) -> ModuleType:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import contactstudy as cs
-from contactstudy.domain.checks import checked_relative_error, positive
+from contactstudy.domain.checks import checked_relative_error
 from studies.cli.options import JSON, out_option
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ ERROR = click.option(
 )
 BUDGET = click.option(
     "--seconds",
-    type=float,
+    type=click.FloatRange(min=0, min_open=True),
     default=60.0,
     show_default=True,
     help="Wall time that a measurement may take.",
@@ -94,7 +94,6 @@ def measured_scene(
     from studies.advice.nested_answers import Budget
     from studies.report.scene_sections import comparison_of
 
-    positive("seconds", seconds, "must be a time above 0 s, such as 60")
     reserved = kept * (perf_counter() - start)
     budget = Budget(max(seconds - reserved, seconds / 4), start)
     described = paper_scene() if scene is None else scene_in(scene)

@@ -4,6 +4,7 @@ import signal
 from dataclasses import dataclass
 
 from contactstudy import InvalidInput
+from contactstudy.domain.checks import whole_number
 from studies.model.axis import MOST_POINTS, one_of
 from studies.model.outcome import CaseStatus
 
@@ -67,6 +68,8 @@ class RunOptions:
             ("table", ("stored", "requested")),
         ):
             one_of(name, getattr(self, name), choices)
+        for name in ("workers", "repeats"):
+            whole_number(name, getattr(self, name), 0, "must be a whole number, at least 0")
         if self.time_limit is not None and not self.time_limit > 0:
             raise InvalidInput(f"time_limit is {self.time_limit!r}: give seconds above 0.")
         if self.time_limit and not (self.workers or self.scheduler or hasattr(signal, "setitimer")):

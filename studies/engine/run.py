@@ -37,8 +37,8 @@ def run(
     study: Study,
     out: Path,
     *,
-    workers: int = 2,
-    repeats: int = 2,
+    workers: int | None = None,
+    repeats: int | None = None,
     log: Log = print,
     options: RunOptions | None = None,
 ) -> xr.Dataset:
@@ -54,18 +54,23 @@ def run(
         Folder of the results, made if need be. The file also holds other stored points of the study, unless
         `options` say otherwise.
     workers, repeats
-        Processes that compute, and timed runs of each case, where no `options` are given.
+        Processes that compute, and timed runs of each case, in place of those of the `options`.
     log
         Takes each message of the run.
     options
-        Options in place of `workers` and `repeats`.
+        Options of the run, by default those of :class:`~studies.RunOptions`.
 
     Raises
     ------
     InvalidInput
         For bad points and for a folder that cannot be written to, before anything runs or is written.
     """
-    chosen = options or RunOptions(workers=workers, repeats=repeats)
+    chosen = options or RunOptions()
+    chosen = replace(
+        chosen,
+        workers=chosen.workers if workers is None else workers,
+        repeats=chosen.repeats if repeats is None else repeats,
+    )
     study.check_size(chosen.most_points)
     named_log = _with_name(study, log)
     request = _request(study, named_log)

@@ -33,7 +33,7 @@ RESERVED_NAMES = frozenset((
 
 @dataclass(frozen=True)
 class Failure:
-    """Error of a case: its type, a sentence, and its stage (setup, solve or measure)."""
+    """Error of a case: its type, a sentence, and its stage (setup, solve, measure or timing; unknown where it died)."""
 
     kind: str
     sentence: str

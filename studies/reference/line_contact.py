@@ -1,7 +1,6 @@
 """The paper's smooth line contact: its scene at a point, and its errors against Hertz."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,7 +12,6 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import on_cells
 from studies.model.axis import one_of
 from studies.model.case import Case, PosedCase, dimensionless_variables, error_estimates
-from studies.model.outcome import CaseStatus
 from studies.model.study import Point
 
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
@@ -98,16 +96,6 @@ def relative_l1(pressure: Array, reference: Array) -> float:
     """
     means = on_cells(reference, (pressure.shape[0], pressure.shape[1]))
     return float(np.abs(pressure - means).sum() / np.abs(means).sum())
-
-
-def has_cases(dataset: xr.Dataset, names: set[str], **values: set[float]) -> bool:
-    """Return whether a sweep has these paddings and values of its axes, and all its cases have numbers.
-
-    Findings are left out otherwise.
-    """
-    needed: dict[str, set[Any]] = {"padding": names, **values}
-    is_there = all(part <= set(dataset[axis].values.tolist()) for axis, part in needed.items())
-    return is_there and bool((dataset["case_status"] == CaseStatus.OK).all())
 
 
 def total_time(dataset: xr.Dataset) -> xr.DataArray:

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from contactstudy.domain.checks import positive
 from studies.advice.compared_scene import SceneText
 from studies.advice.comparison import Comparison
 from studies.advice.measuring import compare_settings
@@ -35,7 +34,6 @@ def comparison_of(
     log
         Takes a sentence on each step.
     """
-    positive("error", error, "must be a relative error above 0, such as 1e-2")
     comparison = stored(described.key, out)
     if comparison is not None:
         verdict = comparison.verdict(error)

@@ -216,7 +216,7 @@ def study_of(
         ``surfaces`` and ``tiles`` vary the measured surface of the scene. Values are a sequence, or a text as on the
         command line. Fields of one mapping in a sequence of mappings change together. None takes what the file says.
     name
-        Name of the study, that of the file if None.
+        Name of the study; if None, that of the file with "-sweep", or "scene" for one that is in no file.
     folder
         Folder at which files of surfaces start.
 

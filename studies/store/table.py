@@ -175,7 +175,7 @@ def _about_cases(
         texts += [
             ("error", sentences, "why the case has no numbers"),
             ("error_type", kinds, "type of the error"),
-            ("error_stage", stages, "whether set-up, solve or measure failed"),
+            ("error_stage", stages, "stage that failed: setup, solve, measure or unknown"),
         ]
     for name, values, long_name in texts:
         column = np.array(values, dtype=object)[index]

@@ -49,16 +49,22 @@ DOUBTFUL: Any = {
 }
 # Axes that number samples.
 SAMPLES = ("seed", "tile")
+KINDS = ("curves", "maps")
 MAX_PANELS, MAX_LINES, MAX_FIGURES = 6, 8, 12
 
 
-def curves(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFigure]:
-    """Draw the measures over the longest numeric axis, a line for each value of another, a figure for a third.
+def figures(
+    dataset: xr.Dataset, kind: str = "curves", plot: Sequence[str] = ()
+) -> Sequence[CaptionedFigure]:
+    """Draw the measures of a stored study over its first two axes, a figure for each point on the others.
 
     Parameters
     ----------
     dataset
         Stored study.
+    kind
+        "curves" over the longest numeric axis, with a line for each value of another, or "maps" over two numeric
+        axes, which are curves where there are not two.
     plot
         Names of the measures to draw; those of a contact if empty.
 
@@ -67,16 +73,6 @@ def curves(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedF
     InvalidInput
         For a name that the study does not have, or a study without numbers.
     """
-    return _figures(dataset, "curves", plot)
-
-
-def maps(dataset: xr.Dataset, plot: Sequence[str] = ()) -> Sequence[CaptionedFigure]:
-    """Draw the measures as maps over two numeric axes; as :func:`curves` where there are none."""
-    return _figures(dataset, "maps", plot)
-
-
-def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[CaptionedFigure]:
-    """Return a figure of the measures for each point on the axes after the first two."""
     axes = _by_length(dataset)
     names = [one_of("plot", name, _numbers(dataset)) for name in plot] or _measures(dataset)
     if not names:
@@ -87,7 +83,7 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
     shown, further = axes[:2], axes[2:]
     is_map = kind == "maps" and len(shown) == 2 and all(_varies(dataset[axis]) for axis in shown)
     stem = "maps" if is_map else "curves"
-    figures = []
+    drawn = []
     points = product(*(dataset[axis].values for axis in further))
     for number, point in enumerate(islice(points, MAX_FIGURES), 1):
         at = dict(zip(further, point, strict=True))
@@ -113,8 +109,8 @@ def _figures(dataset: xr.Dataset, kind: str, plot: Sequence[str]) -> Sequence[Ca
             f"hollow points: {DOUBTFUL['label']}" * is_hollow,
         ]
         caption = f"{'; '.join(part for part in parts if part)}."
-        figures.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
-    return [*figures, *against_reference.figures(dataset, names)]
+        drawn.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
+    return [*drawn, *against_reference.figures(dataset, names)]
 
 
 def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:
@@ -339,6 +335,3 @@ def _name(values: xr.DataArray) -> str:
 def _short(value: Any) -> str:
     """Return a value of an axis in few digits."""
     return f"{value:.3g}" if isinstance(value, int | float | np.number) else str(value)
-
-
-FIGURES = {"curves": curves, "maps": maps}

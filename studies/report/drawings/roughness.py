@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from contactstudy.analytic import image_error
 from studies.model.drawing import CaptionedFigure, Finding
-from studies.reference.line_contact import has_cases, padding_at
+from studies.reference.line_contact import padding_at
 from studies.report.style import (
     COLORS,
     WIDTH,
@@ -106,7 +106,10 @@ def _over_rms(ax: Axes, values: xr.DataArray, label: str, **style: Any) -> None:
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return the effect of roughness on the error of a padding."""
-    is_covered = has_cases(dataset, {"duplicated", "circular", "exact"}, rms={0.0}, images={6})
+    needed: dict[str, set[Any]] = {
+        "padding": {"duplicated", "circular", "exact"}, "rms": {0.0}, "images": {6},
+    }  # fmt: skip
+    is_covered = all(part <= set(dataset[axis].values.tolist()) for axis, part in needed.items())
     if not is_covered or dataset.sizes["rms"] < 2 or not (dataset["converged"] == 1).all():
         return ()
     sweep = dataset.sel(images=6).isel(period=-1, grid=-1)

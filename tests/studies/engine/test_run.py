@@ -191,3 +191,12 @@ def test_a_study_of_scenes_is_expected_to_take_some_time(tmp_path: Path) -> None
 def test_the_time_of_an_evolution_is_estimated_from_its_own_instants(tmp_path: Path) -> None:
     study = load("creep").override({"steps": "10", "grid": "64"})
     assert 0 < estimate_cost(study, tmp_path, options=RunOptions(), log=quiet) < np.inf
+
+
+def test_workers_and_repeats_stand_above_the_options_and_are_whole_numbers(tmp_path: Path) -> None:
+    options = RunOptions(workers=0, repeats=2)
+    dataset = run(trouble.study([1]), tmp_path, options=options, repeats=3, log=quiet)
+    assert dataset.sizes["repeat"] == 3
+    for name in ("workers", "repeats"):
+        with pytest.raises(InvalidInput, match=f"^{name} is -1: must be a whole number"):
+            RunOptions(**{name: -1})

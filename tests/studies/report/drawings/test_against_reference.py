@@ -8,7 +8,7 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.model.outcome import CaseStatus
-from studies.report.drawings.default import curves
+from studies.report.drawings.default import figures
 from tests.studies.cli.conftest import said
 from tests.studies.scene_study.conftest import ROUGH
 
@@ -27,7 +27,7 @@ def axes_text() -> xr.Dataset:
 
 
 def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_reference() -> None:
-    *_, errors, front = curves(axes_text())
+    *_, errors, front = figures(axes_text())
     (ax,) = errors.figure.axes
     # 5 and 10 % of duplicated; an error of nothing has no place on a logarithmic axis
     (line,) = ax.lines

@@ -8,7 +8,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from studies.model.outcome import CaseStatus
-from studies.report.drawings.default import DOUBTFUL, curves, maps
+from studies.report.drawings.default import DOUBTFUL, KINDS, figures
 from tests.studies.report.drawings.drawn import labelled, numbered
 
 LOADS, RMS = [1e4, 2e4, 5e4, 2e5], [1e-7, 2e-7, 3e-7]
@@ -34,7 +34,7 @@ def axes_text(axes: dict[str, Any]) -> xr.Dataset:
 
 def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None:
     dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
-    [drawn] = curves(dataset)
+    [drawn] = figures(dataset)
     fraction, pressure, approach = drawn.figure.axes
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
     # N/mm, and nm in the legend; the largest pressure is 24e6 Pa, the largest approach 3.6e-6 m
@@ -52,18 +52,18 @@ def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_l
     dataset["case_status"] = "angle", np.full(3, CaseStatus.OK)
     dataset["peak_pressure_bound"] = "angle", [0.1, np.inf, np.inf]
     dataset["approach"] = "angle", 2.0 + 1e-9 * np.arange(3)
-    [ax] = curves(dataset)[0].figure.axes
+    [ax] = figures(dataset)[0].figure.axes
     _, hollow = labelled(ax)[DOUBTFUL["label"]]
     np.testing.assert_array_equal(hollow, [np.nan, *dataset["peak_pressure"].values[1:]])
 
 
-@pytest.mark.parametrize("kind", [curves, maps])
-def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(kind: Any) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(kind: str) -> None:
     dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
-    assert "hollow" not in kind(dataset)[0].caption
+    assert "hollow" not in figures(dataset, kind)[0].caption
     dataset["accuracy_met"] = xr.ones_like(dataset["approach"])
     dataset["accuracy_met"][1, 2] = 0
-    [drawn] = kind(dataset)
+    [drawn] = figures(dataset, kind)
     x, y = labelled(drawn.figure.axes[1])[DOUBTFUL["label"]]
     at = np.flatnonzero(np.isfinite(y))
     assert np.asarray(x)[at] == pytest.approx([LOADS[2] / 1e3])
@@ -72,7 +72,7 @@ def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(ki
 
 def test_maps_show_a_measure_over_two_axes() -> None:
     dataset = axes_text({"rms": RMS, "load_per_length": LOADS})
-    [drawn] = maps(dataset)
+    [drawn] = figures(dataset, "maps")
     plane = drawn.figure.axes[1]
     [mesh] = plane.collections
     good = dataset["peak_pressure"].where(dataset["case_status"] == CaseStatus.OK) / 1e6
@@ -80,20 +80,20 @@ def test_maps_show_a_measure_over_two_axes() -> None:
     np.testing.assert_allclose(shown, good.transpose("rms", "load_per_length"))
     # a row of names is no map
     named = axes_text({"padding": ["exact", "zero"], "load_per_length": LOADS})
-    assert maps(named)[0].name == "curves"
+    assert figures(named, "maps")[0].name == "curves"
 
 
 def test_times_are_drawn_where_there_is_nothing_else_and_without_measures_nothing() -> None:
     dataset = axes_text({"load_per_length": LOADS})
     other = dataset.drop_vars(["contact_fraction", "peak_pressure", "approach"])
-    assert curves(other)
+    assert figures(other)
     with pytest.raises(InvalidInput, match="no measure to draw"):
-        curves(other.drop_vars("solve_time"))
+        figures(other.drop_vars("solve_time"))
 
 
 def test_the_measures_that_are_asked_for_are_drawn_alone() -> None:
     dataset = axes_text({"load_per_length": LOADS})
-    [drawn] = curves(dataset, ["approach"])
+    [drawn] = figures(dataset, plot=["approach"])
     assert [ax.get_ylabel() for ax in drawn.figure.axes] == ["approach [µm]"]
     with pytest.raises(InvalidInput, match="did you mean 'approach'"):
-        curves(dataset, ["aproach"])
+        figures(dataset, plot=["aproach"])

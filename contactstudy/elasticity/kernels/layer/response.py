@@ -76,8 +76,11 @@ class LayerResponse:
 
     @property
     def pole_distance_from_zero(self) -> float:
-        """Lower bound of the distance of singularities of `remainder` from k = 0."""
-        return 0.2 / max(self.shear_ratio, 1.0)
+        """Lower bound of the distance of singularities of `remainder` from k = 0.
+
+        The nearest one tends to ``k = i / (4 m (1 - nu2))`` for a stiff layer, with the ratio m of the shear moduli.
+        """
+        return min(0.2, 0.25 / (1 - self.substrate_poisson_ratio)) / max(self.shear_ratio, 1.0)
 
     @property
     def pole_distance_from_real_axis(self) -> float:
@@ -131,17 +134,17 @@ class LayerResponse:
 
     def taylor(self) -> tuple[float, float, float]:
         """Return the coefficients of k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
-        second, fourth, sixth = self.taylor_coefficients(self.remainder)[2:7:2]
+        second, fourth, sixth = self.taylor_coefficients(self.remainder)[2::2]
         return second, fourth, sixth
 
     def taylor_coefficients(
         self, function: Callable[[RealOrComplex], RealOrComplex]
     ) -> list[float]:
-        """Return the Taylor coefficients at k = 0 of a `function` that is as regular there as the response."""
+        """Return the Taylor coefficients up to k^6 of a `function` that is as regular at k = 0 as the response."""
         around = 0.5 * self.pole_distance_from_zero
         turn = np.exp(2j * np.pi * np.arange(64) / 64)
         terms = np.real(np.fft.fft(function(around * turn))) / 64
-        return [float(term / around**n) for n, term in enumerate(terms)]
+        return [float(term / around**n) for n, term in enumerate(terms[:7])]
 
 
 def _sinh_square_less_square(k: RealOrComplex) -> RealOrComplex:

@@ -106,3 +106,14 @@ def test_the_first_order_on_a_rigid_base_is_uniaxial_compression() -> None:
         assert layer.contrast == -1
         # D'(0) = R'(0) - 2 d0
         assert layer.slope + 2 == pytest.approx((1 - 2 * nu) / (2 * (1 - nu) ** 2), abs=1e-14)
+
+
+def test_the_far_field_above_an_auxetic_substrate_is_that_of_long_waves() -> None:
+    """The singularity nearest to zero comes closer as the substrate's Poisson's ratio falls below 0."""
+    layer = LayerResponse(1e4, 0.5, -0.99)
+    # on a circle of half the distance of that singularity, 1 / (4 m (1 - nu2)), 64 points leave 2^-64
+    radius = 0.5 / (4 * 1e4 * 1.99)
+    around = layer.remainder(radius * np.exp(2j * np.pi * np.arange(64) / 64))
+    terms = np.real(np.fft.fft(around)) / 64
+    wanted = [terms[n] / radius**n for n in (2, 4, 6)]
+    assert layer.taylor() == pytest.approx(wanted, rel=1e-10)

@@ -35,7 +35,7 @@ from contactstudy.domain.units import readable
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.solids.bodies import is_layered
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution
 
 SHARP_EDGE = "a sharp edge or corner"
 UNKNOWN_HEIGHTS = (
@@ -336,7 +336,7 @@ def _at_pull_off(solution: Solution, load: float | None) -> ErrorParts | None:
 
 def _cut_off(solution: Solution) -> str:
     """Return a sentence if the contact is cut off at the edge of the grid, else an empty string."""
-    if solution.status is not Status.CONTACT_AT_EDGE:
+    if not solution.problem.is_cut_off(solution.pressure):
         return ""
     return (
         "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."

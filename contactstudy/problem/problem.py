@@ -185,6 +185,11 @@ class Problem:
         approach = self.control.approach
         return float(self.undeformed_gap.min()) if approach is None else approach
 
+    def is_cut_off(self, pressure: Array) -> bool:
+        """Return whether a `pressure` (x, y) acts in boundary cells that contact should not reach."""
+        across = any(pressure[ix].any() for ix in self.open_edges)
+        return across or any(pressure[:, iy].any() for iy in self.open_ends)
+
     def bare(self, precision: Precision = Precision.DOUBLE) -> BareProblem:
         """Return this problem in its own scales, heights counted from its reference height, on the device in use."""
         heights = self.undeformed_gap - self.reference_height

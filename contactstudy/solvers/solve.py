@@ -246,11 +246,7 @@ def _status(bare: BareProblem, last: Iterate, options: SolveOptions, problem: Pr
             return Status.PRECISION_LIMIT
         limited = last.iterations >= options.max_iterations
         return Status.ITERATION_LIMIT if limited else Status.STALLED
-    edges = (last.pressure[ix] for ix in problem.open_edges)
-    ends = (last.pressure[:, iy] for iy in problem.open_ends)
-    if any(pressure.any() for pressure in (*edges, *ends)):
-        return Status.CONTACT_AT_EDGE
-    return Status.CONVERGED
+    return Status.CONTACT_AT_EDGE if problem.is_cut_off(last.pressure) else Status.CONVERGED
 
 
 # Takes the residual and the pressure (x, y), both dimensionless; the array is the solver's own and changes later.

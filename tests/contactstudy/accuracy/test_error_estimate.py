@@ -265,3 +265,13 @@ def test_in_the_limit_of_short_ranges_the_net_traction_and_the_area_are_bounded_
     assert true_l1 <= contact.error.l1.total
     assert abs(area.value - 2 * half) <= area.bound
     assert contact.quantities["peak_pressure"].bound == inf
+
+
+@pytest.mark.parametrize("max_iterations", [1, 2000], ids=["stopped early", "converged"])
+def test_a_contact_cut_off_at_the_edge_has_no_bound(
+    line_contact: LineContact, max_iterations: int
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((64, 1), 1.0, 1.5), cs.ZeroPadding())
+    estimate = error_estimate(cs.solve(problem, max_iterations=max_iterations))
+    assert estimate.l1.total == inf
+    assert "cut off at the edge" in estimate.warnings[0]

@@ -104,8 +104,8 @@ def up_to_one(field: str, value: object, remedy: str) -> float:
 
 def below_one(field: str, value: object, remedy: str) -> float:
     """Return `value` as a float above zero and below one, or raise :class:`InvalidInput` with `field` and `remedy`."""
-    number = in_range(field, value, remedy)
-    if number >= 1:
+    number = up_to_one(field, value, remedy)
+    if number == 1:
         raise InvalidInput(f"{field} is {value!r}: {remedy}.")
     return number
 

@@ -45,14 +45,15 @@ def normal_stiffness(solution: cs.Solution) -> float:
         """Return a field less its mean over the active set, and zero elsewhere."""
         return np.asarray((field - inner(field, active) / count) * active)
 
-    increment = active / count
-    increment += conjugate_gradients(
+    uniform = active / count
+    displacement = problem.operator(uniform)
+    increment = uniform + conjugate_gradients(
         lambda pressure: deviation(problem.operator(pressure)),
         lambda residual: deviation(extension.pressure(extension(residual))),
-        inner, -deviation(problem.operator(increment)), RTOL, MAXITER,
+        inner, -deviation(displacement), RTOL, MAXITER,
     )  # fmt: skip
-    # the energy of a unit of load [m per unit of summed pressure]
-    compliance = inner(increment, problem.operator(increment))
+    # the energy of a unit of load [m per unit of summed pressure]: the residual is orthogonal to the correction
+    compliance = inner(increment, displacement)
     return float(problem.grid.cell_area / problem.grid.length / compliance)
 
 

@@ -28,9 +28,9 @@ from studies.model.case import Case, Computation
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
+from studies.scene_study.values import MAX_VALUES
 from studies.scene_study.variation import Variation, together, variation
 
-MAX_POINTS = 100_000
 # Largest number of points that are planned; the others take the finest cells of these.
 MAX_PLANNED = 8
 # Order in which the keys of a measured surface are applied: it is read before it is cut and turned.
@@ -240,7 +240,7 @@ def study_of(
         if names.count(axis) > 1:
             raise InvalidInput(f"{axis} is varied twice: write all its values in one list.")
     axes.sort(key=lambda varied: varied.is_load)
-    check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MAX_POINTS)
+    check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MAX_VALUES)
     points = list(product(*(varied.axis.values for varied in axes)))
     files = [_file_at(described, axes, point) for point in points]
     placed, notes = posed(files)

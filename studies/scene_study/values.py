@@ -15,7 +15,7 @@ FORMS = (
     "give values separated by commas, such as 50 N/mm,100 N/mm, or a range with its number of values, such "
     "as 50:400:8 N/mm or, in equal ratios, 50:400:8:log N/mm"
 )
-MAX_VALUES = 100_000
+MAX_VALUES = 100_000  # of an axis, and points of all axes together
 OPEN, CLOSED = "[{", "]}"
 
 

@@ -156,11 +156,11 @@ def bounded(solution: Solution, coarser: Sequence[Solution]) -> BoundedSolution:
 def error_by_change(fine: BoundedSolution, coarser: Sequence[Solution]) -> float:
     """Return the relative L1 error of the finest grid, estimated from the changes of the pressure from coarser grids.
 
-    The error of the coarse grid is taken as the orthogonal sum of the fine grid's error and of the change between them,
-    with errors ``s_x h_x^r + s_y h_y^r`` on each grid. The order r is the larger of those of the changes from two grids
-    and of the errors that the cells show, within the limits of smooth edges and of steps. The finest of the `coarser`
-    grids counts of whose error at most ``BoundConstants.max_remaining_error`` remains; without one, that with the
-    smallest error, which is infinite where no grid is coarser.
+    The square of the coarse grid's error is taken as that of the fine grid's error plus that of the change between
+    them, with errors ``s_x h_x^r + s_y h_y^r`` on each grid. The order r is the larger of those of the changes from two
+    grids and of the errors that the cells show, within the limits of smooth edges and of steps. The grid taken is the
+    finest of the `coarser` ones of whose error at most ``BoundConstants.max_remaining_error`` remains; without one,
+    that which gives the smallest error. The error is infinite where no grid is coarser.
     """
     errors: list[tuple[float, float]] = []
     for number in reversed(range(len(coarser))):

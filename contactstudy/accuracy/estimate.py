@@ -1,4 +1,4 @@
-"""Estimated errors of a solution, by cause: missing images, discretisation, and the solver's residual."""
+"""Estimated errors of a solution, by cause: images left out, cells, the solver's residual, a range of attraction."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation.cells import (
     around_contact,
-    contact_area,
+    contact_area_error,
     discretisation_errors,
     relative_loss,
 )
@@ -108,9 +108,9 @@ def error_estimate(
     heights: SubgridHeights | None = None,
     confidence: float = CONFIDENCE,
 ) -> ErrorEstimate:
-    """Estimate the errors of `solution`.
+    """Return the estimated errors of `solution`, by quantity and by cause.
 
-    By cause: images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
+    The causes are images that the padding leaves out (:mod:`~contactstudy.accuracy.image_errors`), the solver's residual
     (:mod:`~contactstudy.accuracy.residual_errors`), and the cells (:mod:`~contactstudy.accuracy.discretisation`), to
     which the edges of a stiff coating add. Adhesion in the JKR limit adds its range
     (:mod:`~contactstudy.accuracy.range_errors`).
@@ -234,7 +234,7 @@ def _cells(
     if inside.protrudes:
         return DiscretisationErrors.unbounded(PROTRUDING)
     peak, l1 = discretisation_errors(pressure, wraps)
-    area = contact_area(pressure, wraps)
+    area = contact_area_error(pressure, wraps)
     at_hardness = _at_hardness(solution)
     ends = problem.source is not None and problem.source.ends_along
     regular = (
@@ -276,9 +276,10 @@ def _cells(
 
 
 def _edge_rise(problem: Problem) -> tuple[float, float, str]:
-    """Return the pressure [Pa] at the edges of a contact through a coating of few cells, its width [m], and a sentence.
+    """Return the pressure [Pa] at the edges of a contact on a coating of few cells, its width [m], and a sentence.
 
-    They are 0, and the sentence empty, where no coating is stiffer than its substrate, or the cells show it.
+    Both are 0, and the sentence is empty, where no coating is much stiffer than its substrate or the cells resolve the
+    rise.
     """
     pressure, width, reason = 0.0, 0.0, ""
     if not isinstance(problem.description, PosedScene):
@@ -301,7 +302,7 @@ def _edge_rise(problem: Problem) -> tuple[float, float, str]:
 
 
 def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> float:
-    """Return the relative error of the mean gap; infinite where that is no more than the residual of the iteration.
+    """Return the relative error of the mean gap; infinite where the gap is of the size of the iteration's residual.
 
     Parameters
     ----------

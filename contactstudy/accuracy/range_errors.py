@@ -38,10 +38,9 @@ TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 def range_errors(solution: Solution) -> tuple[float, float] | None:
     """Return the relative errors of the L1 pressure and of the contact area by a range that was chosen for the grid.
 
-    None for a range that is given.
-
-    In the JKR limit the traction has a root singularity at the edge of the contact, which a range r replaces by a
-    cohesive zone. That moves the force E* r per length of edge, and the edge by at most the zone (Maugis 1992). There
+    It is None for a range that is given. In the JKR limit the traction has an inverse square-root singularity at the
+    edge of the contact, which a range r replaces by a cohesive zone. That moves a force E* r per length of edge, and the
+    edge by at most the length of the zone (Maugis 1992). There
     pressure and attraction grow without limit, and only their difference, the net traction, converges: the L1 error is
     its error, and the peak pressure has no bound.
     """

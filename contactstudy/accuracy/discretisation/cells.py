@@ -41,7 +41,7 @@ CONSTANTS = DiscretisationConstants()
 
 
 def with_ends(field: Array, count: int, *, wraps: bool) -> Array:
-    """Return `field` (n, ...) with `count` more rows at either end: those of a closed axis, or the last one."""
+    """Return `field` (n, ...) with `count` more rows at either end: periodic ones where it wraps, else the last one."""
     before, after = (field[-count:], field[:count]) if wraps else (field[:1], field[-1:])
     repeats = 1 if wraps else count
     return np.concatenate([*[before] * repeats, field, *[after] * repeats])
@@ -70,12 +70,12 @@ def around_contact(pressure: Array) -> slice:
 def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
     """Return the relative errors of the peak pressure and of the pressure in L1 that the cells cause.
 
-    The maximum is off a cell's centre, above it by the parabola through three cells, and the cell's pressure is a
-    24th of the second difference too high; the edges move both. In L1 each end of a row of touching cells adds its
-    :func:`~contactstudy.accuracy.discretisation.contact_edge.edge_error`, and each cell within adds a 12th of its
-    second difference: for a wave q the cells' pressure is ``1 / sinc(q dx / 2)`` times its value at the centre, and the
-    mean in the cell sinc times it. Both axes are added, since an edge that crosses the cells has ends on both. Heights
-    between the cell centres are not included.
+    The maximum lies beside a cell's centre, above its pressure by the parabola through three cells, and that pressure
+    is a 24th of the second difference too high; where the edges lie in their cells changes both. In L1 each end of a
+    row of touching cells adds its :func:`~contactstudy.accuracy.discretisation.contact_edge.edge_error`, and each cell
+    within adds a 12th of its second difference: for a wave number q the pressure of a cell is ``1 / sinc(q dx / 2)``
+    times the true one at its centre, and the true mean in the cell is ``sinc(q dx / 2)`` times that. Both axes are
+    added, since an edge that crosses the cells has ends on both. Heights between the cell centres are not included.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def _ends(padded: Array, touching: NDArray[np.bool_]) -> tuple[Array, Array]:
     return ends, np.concatenate([after[first], before[last]])
 
 
-def contact_area(pressure: Array, wraps: tuple[bool, bool]) -> float:
+def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
     """Return the relative error of the contact area, counted in touching cells, by where its edges lie in their cells.
 
     A cell counts as a whole; the pressures of the last two of a row give the edge of the smooth contact

@@ -12,7 +12,7 @@ from contactstudy.problem.problem import Problem, Source
 from contactstudy.solvers.solution import Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Tolerance of the coarse solution, whose difference needs two digits.
+# Tolerance of the coarse solution, whose difference from the fine one needs two digits.
 COARSE_TOLERANCE = 1e-4
 # That of one with adhesion, whose states near separation differ by slow changes alone.
 ADHESIVE_TOLERANCE = 1e-7
@@ -90,8 +90,8 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
 def compare_grids(solution: Solution, coarse: Solution | None) -> DiscretisationErrors:
     """Return the errors of `solution`, with adhesion or at a given approach, by its change from cells of twice the size.
 
-    `coarse` is the solution on those; None solves for it. The errors are infinite where there is none, or where its
-    bodies do not touch.
+    `coarse` is the solution on those; None solves for it. The errors are infinite where that fails, or where the bodies
+    do not touch on those cells.
     """
     attraction = None if solution.adhesion is None else solution.adhesion.attraction
     coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
@@ -114,18 +114,18 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
 def coarse_solution(
     problem: Problem, pressure: Array | None = None, attraction: Array | None = None
 ) -> Solution | None:
-    """Return the solution on cells of twice the size, as accurate as its difference needs; None where there is none.
+    """Return the solution on cells of twice the size, as accurate as a comparison with it needs; None where it fails.
 
     It begins with the means of a `pressure` and an `attraction` (x, y) [Pa] on the grid of `problem`, if they are given.
-    There is none without a source of the heights, nor where the solve on those cells fails.
+    It also is None without a source of the heights.
     """
     coarse = coarser_problem(problem)
     if coarse is None:
         return None
     start = None if pressure is None else on_cells(pressure, coarse.grid.cells)
     if coarse.adhesion is not None and attraction is not None:
-        law = coarse.adhesion.continued(on_cells(attraction, coarse.grid.cells))
-        coarse = replace(coarse, adhesion=law)
+        adhesion = coarse.adhesion.continued(on_cells(attraction, coarse.grid.cells))
+        coarse = replace(coarse, adhesion=adhesion)
     tolerance = COARSE_TOLERANCE if coarse.adhesion is None else ADHESIVE_TOLERANCE
     solution = solve_contact(coarse, SolveOptions(tolerance), start)
     return None if solution.status.is_failure else solution

@@ -153,8 +153,7 @@ def edge_error(last: Array, inner: Array) -> Array:
 def edge_error_of_means(last: Array, inner: Array) -> Array:
     """Return the L1 error at an edge of a smooth contact against the means in the cells, from the two cells next to it.
 
-    Other than :func:`edge_error`, which bounds a single edge, it is expected to hold
-    in the mean over many edges.
+    Unlike :func:`edge_error`, which bounds a single edge, it is expected to hold in the mean over many edges.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ class SampledHeights:
     slope_changes
         Change of the slope at each point (n points, ...), above zero where it points out of the body.
     wraps
-        Whether the axis wraps.
+        Whether the axis is periodic.
     padded
         Heights at the centres, and at two more at either end (n + 4, ...) [m].
     heights
@@ -169,7 +169,7 @@ def _weights(position: float) -> tuple[float, ...]:
 
 
 def extended_by_two(centres: Array, *, wraps: bool) -> Array:
-    """Return `centres` (n, lines) with two more at either end: those of a closed axis, or of the last cubic."""
+    """Return `centres` (n, lines) with two more at either end: periodic ones where it wraps, else of the last cubic."""
     padded = with_ends(centres, 2, wraps=wraps)
     if not wraps:
         for side in (padded, padded[::-1]):

@@ -265,12 +265,13 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
 
 
 def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
-    """Return interpolation errors of cubics off their lines [m], the protrusion [m], its width in cells, and the
-    hidden heights.
+    """Return four fields of the points off the lines: what cubics miss [m], protrusion [m], width in cells, and hidden
+    [m].
 
-    The width is that of a round bump ``exp(-r^2 / s^2)`` with as large a mean square in the cell. With the probability
-    ``(1 - q)^k`` none of k random points in a cell hits a feature over the fraction q of it; points of low discrepancy
-    leave smaller holes. Each point is examined in all cells at once.
+    The last is what they miss beyond what the centres may resolve. The width is that of a round bump ``exp(-r^2 /
+    s^2)`` with as large a mean square in the cell. With the probability ``(1 - q)^k`` none of k random points in a cell
+    hits a feature over the fraction q of it; points of low discrepancy leave smaller holes. Each point is examined in
+    all cells at once.
     """
     from scipy import ndimage  # imported late, since it is slow
 

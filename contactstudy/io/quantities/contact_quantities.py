@@ -179,15 +179,19 @@ def _of_traction(
     load = pressed - attracted
     force = float(np.hypot(*traction.shear.sum(axis=(1, 2))))
     coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
-    if isinstance(traction, RollingTraction) and isfinite(traction.errors.force):
+    # at a given approach the load is a result
+    load_error = 0.0 if estimate.load is None else estimate.load.total
+    if isinstance(traction, RollingTraction) and isfinite(traction.errors.force + load_error):
         by_cells = traction.errors.force * pressed / abs(load) if load else 0.0
-        bound = by_cells + solution.residual * coefficient.value
+        bound = by_cells + (solution.residual + load_error) * coefficient.value
         coefficient = replace(coefficient, bound=bound, reason="")
     friction = getattr(scene_of(solution), "friction", None)
     displacement_given = getattr(friction, "displacements", None) is not None
     if not (isinstance(traction, RollingTraction) or friction is None or displacement_given):
-        # the force is given
-        coefficient = with_bound(coefficient, ErrorParts(residual=solution.residual))
+        # the force is given, or in full sliding that over the load
+        force_is_given = getattr(friction, "sticks", False)
+        parts = estimate.load if force_is_given else None
+        coefficient = with_bound(coefficient, parts or ErrorParts(residual=solution.residual))
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
     stick = Quantity(sticking, "1", "fraction of the contact that sticks")
     area = estimate.contact_area

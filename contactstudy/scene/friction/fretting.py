@@ -26,6 +26,7 @@ from contactstudy.scene.friction.friction_law import (
     check_static,
     check_tangential_response,
     sheared,
+    transmitted_force,
 )
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, checked_times
 from contactstudy.scene.solids.bodies import SceneContext
@@ -148,7 +149,7 @@ class Fretting:
         if self.times is not None:
             self._check_forces(scene)
             return
-        limit = self.coefficient * scene.load.largest
+        limit = transmitted_force(scene, self.coefficient, scene.load.largest)
         for number, force in enumerate(self.forces or ()):
             if not abs(force) < limit:
                 raise InvalidInput(

@@ -1,6 +1,7 @@
 """What laws of friction share: their protocol, the checks of a scene, and the response of its bodies to shear."""
 
 from itertools import product
+from math import inf
 from typing import Literal, Protocol, runtime_checkable
 
 from contactstudy.domain.checks import InvalidInput, below_one
@@ -9,6 +10,7 @@ from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import WEIGHT_ROUNDING, ShearableBody, normal_displacement
 from contactstudy.problem.problem import FrictionSolver
+from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.solids.bodies import (
     Body,
     HalfSpace,
@@ -150,6 +152,16 @@ def check_similar(scene: SceneContext, name: str, alternative: str = "") -> None
             f"Scene.solids are elastically dissimilar (Dundurs' beta {dundurs(scene.solids):.3g}) together with {name}: "
             f"they slip under the normal load alone, give bodies of one material{alternative}."
         )
+
+
+def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> float:
+    """Return the tangential force [N/m] that friction transmits under a `load` [N/m].
+
+    It is infinite where it is known only with the pressure, at a given approach or beside an attraction; the law then
+    refuses a larger force once the normal contact is solved.
+    """
+    follows = scene.adhesion is not None or isinstance(scene.load, Approach)
+    return inf if follows else coefficient * load
 
 
 def check_static(scene: SceneContext, name: str, remedy: str = "") -> None:

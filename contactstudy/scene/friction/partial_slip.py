@@ -16,7 +16,9 @@ from contactstudy.scene.friction.friction_law import (
     check_tangential_response,
     has_proportional_compliances,
     sheared,
+    transmitted_force,
 )
+from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.solids.bodies import SceneContext, is_layered
 from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShear
 
@@ -27,15 +29,16 @@ class PartialSlip:
     """Partial slip under a tangential force that friction holds back.
 
     The bodies are pressed first, sheared after, and never unloaded. Shear is found by Ciavarella and Jaeger's
-    superposition where that is exact: for half-spaces without adhesion or a hardness where nothing varies along the
-    exact period, or where Poisson's ratio is 0. Else both components of shear are solved for.
+    superposition where that is exact: under a load on half-spaces without adhesion or a hardness, where nothing varies
+    along the exact period or Poisson's ratio is 0. Else both components of shear are solved for.
 
     Parameters
     ----------
     coefficient
         Coefficient of friction, above 0 and below 1.
     tangential
-        Force along x on the first body [N/m], of either sign, less than the coefficient times the load.
+        Force along x on the first body [N/m], of either sign, less than the coefficient times the load, and beside
+        adhesion times the sum of the load and of the attraction.
 
     Raises
     ------
@@ -60,7 +63,7 @@ class PartialSlip:
         check_static(scene, "PartialSlip")
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
         check_similar(scene, "PartialSlip", ", or Sliding")
-        limit = self.coefficient * scene.load.largest
+        limit = transmitted_force(scene, self.coefficient, scene.load.largest)
         if not abs(self.tangential) < limit:
             raise InvalidInput(
                 f"PartialSlip.tangential is {self.tangential!r}: friction transmits less than "
@@ -92,6 +95,8 @@ class PartialSlip:
                 if scene.hardness != inf
                 else "adhesion adds to the pressure;"
                 if scene.adhesion is not None
+                else "an approach is given in place of a load;"
+                if isinstance(scene.load, Approach)
                 else "the tangential compliance of a coating differs from its normal one;"
                 if any(map(is_layered, scene.solids))
                 else "something varies along the length, or is not periodic along it, and Poisson's ratio is not 0;"
@@ -102,8 +107,11 @@ class PartialSlip:
     @staticmethod
     def superposes(scene: SceneContext, *, varies: bool, paddings: Paddings) -> bool:
         """Return whether two normal contacts make up the shear exactly."""
-        # a pressure that is capped or attracted is no difference of two contacts
+        # a pressure that is capped or attracted is no difference of two contacts, and the second needs a load
         is_elastic = scene.hardness == inf and scene.adhesion is None
-        return is_elastic and has_proportional_compliances(
-            scene.solids, varies=varies, paddings=paddings
+        is_loaded = not isinstance(scene.load, Approach)
+        return (
+            is_elastic
+            and is_loaded
+            and has_proportional_compliances(scene.solids, varies=varies, paddings=paddings)
         )

@@ -18,6 +18,7 @@ from contactstudy.scene.friction.friction_law import (
     check_tangential_response,
     shear_coupling,
     sheared,
+    transmitted_force,
 )
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.rolling import check_slow, check_standing
@@ -113,7 +114,7 @@ class TractiveRolling:
         if isinstance(scene.load, ChangingLoad):
             check_slow("TractiveRolling", self.speed, scene.load, scene.hertz)
         check_standing("TractiveRolling", scene.shapes)
-        limit = self.coefficient * _least(scene.load)
+        limit = transmitted_force(scene, self.coefficient, _least(scene.load))
         if self.tangential is not None and not abs(self.tangential) < limit:
             raise InvalidInput(
                 f"TractiveRolling.tangential is {self.tangential!r}: friction transmits less than "

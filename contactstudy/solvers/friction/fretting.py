@@ -14,7 +14,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.fretting_traction import FrettingTraction
-from contactstudy.solvers.friction.partial_slip import slip_step
+from contactstudy.solvers.friction.partial_slip import check_transmitted, slip_step
 from contactstudy.solvers.solution import Solution, Status, with_traction, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -52,6 +52,7 @@ class FrettingShear:
         # without a load there is no tangential force
         forces = self.forces_per_length if limit.any() else ()
         for force in forces:
+            check_transmitted(force, limit, problem.grid)
             total = np.array([force * problem.grid.length / problem.grid.cell_area, 0.0])
             step = slip_step(self.response, limit, shear, *limits, total=total)
             sliding.append(np.hypot(*step.slip))

@@ -11,7 +11,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import shear_status
-from contactstudy.solvers.friction.partial_slip import slip_step
+from contactstudy.solvers.friction.partial_slip import check_transmitted, slip_step
 from contactstudy.solvers.solution import Solution, TangentialTraction, with_traction
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -121,6 +121,7 @@ class PartialSlipShear:
         """Return the normal contact with its tangential traction, by one step from no traction."""
         normal = solve_contact(problem, options, start, device)
         limit = self.coefficient * normal.pressure
+        check_transmitted(self.force_per_length, limit, problem.grid)
         total = self.force_per_length * problem.grid.length / problem.grid.cell_area
         limits = options.tolerance, options.max_iterations
         unloaded, sums = np.zeros((2, *limit.shape)), np.array([total, 0.0])

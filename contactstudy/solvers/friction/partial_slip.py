@@ -14,10 +14,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Grid
+from contactstudy.domain.units import readable
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton
 from contactstudy.solvers.friction.slip import QuasiStaticSlip
+
+# Fraction by which a force may exceed what friction transmits: the load of a solution is exact to rounding.
+ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +58,19 @@ class SlipStep:
     def slides(self) -> bool:
         """True for gross slip: no cell sticks."""
         return not self.stick.any()
+
+
+def check_transmitted(force: float, limit: Array, grid: Grid) -> None:
+    """Raise InvalidInput if friction does not transmit a tangential `force` along x [N/m] of the length of `grid`.
+
+    `limit` (x, y) [Pa] is the coefficient of friction times the pressure.
+    """
+    largest = float(limit.sum()) * grid.cell_area / grid.length
+    if abs(force) > (1 + ROUNDING) * largest > 0:
+        raise InvalidInput(
+            f"The tangential force of Scene.friction is {readable(force, 'N m-1')}: friction transmits less than "
+            f"{readable(largest, 'N m-1')} under the pressure of this contact, give a smaller force."
+        )
 
 
 def slip_step(

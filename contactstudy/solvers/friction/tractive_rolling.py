@@ -28,6 +28,7 @@ from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction.coulomb_newton import CoulombNewton, shear_status
+from contactstudy.solvers.friction.partial_slip import check_transmitted
 from contactstudy.solvers.friction.rolling_traction import (
     UNKNOWN,
     Creepage,
@@ -172,6 +173,8 @@ class TractiveShear:
         self, grid: Grid, pressure: Array, options: SolveOptions, last: "SteadyShear | None" = None
     ) -> "SteadyShear":
         """Return the steady state under `pressure` (x, y), from the `last` one or from those on coarser grids."""
+        if self.force_per_length is not None:
+            check_transmitted(self.force_per_length, self.coefficient * pressure, grid)
         creepage, work, steady = self.creepage, 0.0, None
         levels: list[list[float]] = []
         shear: Array = np.zeros((2, *grid.cells)) if last is None else last.shear

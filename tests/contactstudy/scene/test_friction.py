@@ -157,6 +157,63 @@ def test_a_gap_that_does_not_vary_takes_the_superposition_and_disks_agree() -> N
     np.testing.assert_allclose(both[1], both[0], atol=1e-7 * both[0].max())
 
 
+def test_a_force_is_limited_by_the_pressure_beside_an_attraction() -> None:
+    """Friction acts on the load and the attraction together, which is known once the contact is solved."""
+    soft, load, mu = (cs.HalfSpace(3e6, 0.5), RIGID), 50.0, 0.3
+    grid = cs.Grid((64, 1), (3e-3, 1e-3))
+
+    def pulled(force: float) -> cs.Solution:
+        return cs.solve(
+            cs.Scene(
+                cs.LineLoad(load),
+                soft,
+                (cs.Cylinder(0.01),),
+                friction=cs.PartialSlip(mu, force),
+                adhesion=cs.Adhesion(0.1, range=4e-6),
+            ).problem(grid, cs.ExactPeriodicity()),
+        )
+
+    force = 1.2 * mu * load
+    held = pulled(force)
+    assert held.shear is not None
+    per_length = grid.cell_area / grid.length
+    assert held.shear[0].sum() * per_length == pytest.approx(force, rel=1e-9)
+    assert held.traction.stick.any()
+    transmitted = mu * held.pressure.sum() * per_length
+    with pytest.raises(cs.InvalidInput, match=r"Scene\.friction .* transmits less than .* N/m"):
+        pulled(1.001 * transmitted)
+
+
+@pytest.mark.parametrize("friction", [cs.PartialSlip(0.3, 1.5e4), cs.Fretting(0.3, (1.5e4, -1e4))])
+def test_bodies_at_an_approach_slip_as_under_its_load(
+    friction: cs.PartialSlip | cs.Fretting,
+) -> None:
+    at_approach = replace(scene(friction), load=cs.Approach(2e-6))
+    grid = cs.Grid((64, 1), (4e-4, 1e-3))
+    found = cs.solve(at_approach.problem(grid, cs.ExactPeriodicity()), tolerance=1e-10)
+    load = found.pressure.sum() * grid.cell_area / grid.length
+    loaded = replace(at_approach, load=cs.LineLoad(load))
+    wanted = cs.solve(loaded.problem(grid, cs.ExactPeriodicity()), tolerance=1e-10)
+    np.testing.assert_allclose(found.shear, wanted.shear, atol=1e-6 * np.abs(wanted.shear).max())
+    too_much = replace(
+        friction, **{"tangential": 1e6} if hasattr(friction, "tangential") else {"forces": (1e6,)}
+    )
+    with pytest.raises(cs.InvalidInput, match="transmits less than"):
+        cs.solve(replace(at_approach, friction=too_much).problem(grid, cs.ExactPeriodicity()))
+
+
+def test_a_force_over_the_load_of_an_approach_is_as_known_as_that_load() -> None:
+    at_approach = replace(scene(cs.PartialSlip(0.3, 1.5e4)), load=cs.Approach(2e-6))
+    coarse, fine = (
+        cs.solve(at_approach, cs.Grid((cells, 1), (4e-4, 1e-3)), cs.ExactPeriodicity()).quantities[
+            "traction_coefficient"
+        ]
+        for cells in (32, 512)
+    )
+    difference = abs(coarse.value - fine.value)
+    assert 1e-6 * fine.value < difference <= coarse.bound + fine.bound
+
+
 def test_superposition_says_why_it_is_exact() -> None:
     one = replace(scene(cs.PartialSlip(0.3, 1.5e4)), solids=(cs.HalfSpace(2e11, 0.0),) * 2)
     slip = cs.PartialSlip(0.3, 1.5e4)

@@ -124,7 +124,7 @@ def non_negative(field: str, value: object, remedy: str) -> float:
 
 
 def in_range_or_zero(field: str, value: object, remedy: str) -> float:
-    """Return `value` as a float that is zero or of a size within the limits, or raise :class:`InvalidInput`."""
+    """Return `value` as a float that is zero or whose absolute value is in range, or raise :class:`InvalidInput`."""
     number = finite(field, value, remedy)
     if number and not MIN_SIZE <= abs(number) <= MAX_SIZE:
         raise InvalidInput(
@@ -213,7 +213,7 @@ def check_fields(
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return a suggestion for an unknown `name`: the `known` one that it begins, the most similar one, or the list."""
+    """Return a suggestion for an unknown `name`: a `known` one that begins so, the most similar one, or all of them."""
     choices = list(known)
     begun = [choice for choice in choices if len(name) > 3 and choice.startswith(name)]
     close = begun or get_close_matches(name, choices, n=1)

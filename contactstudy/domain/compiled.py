@@ -16,7 +16,7 @@ from contactstudy.domain.device import Array
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
 
-# Reordered sums; nan and inf keep their meaning.
+# Sums may be reordered and the sign of a zero may be lost; nan and inf keep their meaning.
 REASSOCIATED = {"reassoc", "nsz"}
 
 
@@ -152,14 +152,14 @@ def conjugacy_sums(
 
 @summing
 def trial(
-    pressure: Array, height: Array, preconditioned: Array, cells: Array, shift: float, beta: float,
+    pressure: Array, height: Array, preconditioned: Array, active: Array, shift: float, beta: float,
     step_length: float, limit: float, step: Array, results: Array,
 ) -> None:  # fmt: skip
     """Write the pressure one step ahead, without tension, over the pressure before the last `step`.
 
     The direction is `shift` less the `preconditioned` residual, plus `beta` times the last step; it is zero outside the
-    `cells`. Each row gets the number of cells that were beyond a limit, the load, the number of cells with pressure and
-    the slope of the energy along the step; the first row also gets the largest pressure of all rows.
+    `active` set. Each row gets the number of cells that were beyond a limit, the load, the number of cells with
+    pressure and the slope of the energy along the step; the first row also gets the largest pressure of all rows.
     """
     columns = pressure.shape[1]
     largest = np.zeros(columns)
@@ -169,7 +169,7 @@ def trial(
             direction = shift - preconditioned[i, j]
             if beta != 0:
                 direction += beta * (pressure[i, j] - step[i, j])
-            change = direction * cells[i, j] * step_length
+            change = direction * active[i, j] * step_length
             after = pressure[i, j] + change
             slope += height[i, j] * change
             cut += 1.0 if (after < 0) | (after > limit) else 0.0

@@ -16,7 +16,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from contactstudy.domain.checks import InvalidInput, set_fields, whole_number
 
-# During a solve these are arrays of the device's library: of floats, of any numbers, of one element.
+# During a solve these are arrays of the device's library: of floats, of numbers of any type, and with one element.
 Array = NDArray[np.floating[Any]]
 AnyArray = Any
 Scalar = Any
@@ -121,7 +121,7 @@ Numbers = NDArray[Any]
 
 @runtime_checkable
 class Device(Protocol):
-    """Array library that follows the array API standard, and the way to its arrays and back."""
+    """Device with an array library that follows the array API standard, and copies of arrays to it and back."""
 
     @property
     def arrays(self) -> Namespace:
@@ -180,7 +180,7 @@ class Cpu:
         return field
 
 
-# The methods of an array do what numpy's functions of the same names do, in half the time on a small field.
+# Methods of an array return what numpy's functions of the same names do, in half the time on a small field.
 _METHODS = "all", "any", "astype", "max", "min", "repeat", "reshape", "sum", "take"
 _NUMPY = cast(
     Namespace, SimpleNamespace(**vars(np) | {name: getattr(np.ndarray, name) for name in _METHODS})
@@ -188,15 +188,13 @@ _NUMPY = cast(
 ONE_THREAD = Cpu()
 _DEVICE: ContextVar[Device] = ContextVar("device", default=ONE_THREAD)
 _ARRAYS: ContextVar[Namespace] = ContextVar("arrays", default=_NUMPY)
-# Return the functions of the array library of the device in use; a call costs as little as this.
+# Returns the functions of the array library of the device in use, without the cost of a function of Python.
 arrays = _ARRAYS.get
 
 
 def checked(chosen: Device, field: str) -> Device:
     """Return `chosen` if it is a device, else raise InvalidInput that names the `field`."""
-    if isinstance(
-        chosen, Cpu
-    ):  # to see whether it has all of a device's properties takes as long as a small solve
+    if isinstance(chosen, Cpu):  # a check of its protocol takes as long as a small solve
         return chosen
     if isinstance(chosen, type) or not isinstance(chosen, Device):
         raise InvalidInput(f"{field} is {chosen!r}: give Cpu(threads=2) or Gpu(), or leave it out.")

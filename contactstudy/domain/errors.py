@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 
 @dataclass(frozen=True)
 class ErrorParts:
-    """Upper estimate of a relative error by cause; a part is None where its cause does not apply.
+    """Estimated bounds of a relative error by cause; a part is None where its cause does not apply.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class ErrorParts:
 
     @property
     def total(self) -> float:
-        """Sum of the parts, the error if all of them have the same sign."""
+        """Sum of the parts: the error where all causes act in the same direction."""
         return sum(self.by_cause.values())
 
     def scaled(self, factor: float) -> "ErrorParts":
@@ -53,10 +53,10 @@ class ErrorParts:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """Relative errors of an answer, as upper estimates by quantity and cause.
+    """Relative errors of an answer, as estimated bounds by quantity and cause.
 
-    The pressure in L1 is judged against the cell means of the true pressure, relative to its L1 norm: the pressure
-    of a cell is such a mean.
+    The L1 error of the pressure is against the cell means of the true pressure, relative to its L1 norm: the pressure of
+    a cell is such a mean.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Operations on fields (x, y) by blocks of rows that fit into the cache, shared among threads, and sums of fields."""
+"""Operations on fields (x, y) in blocks of rows that fit into the cache, shared among threads, and sums of fields."""
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -59,8 +59,8 @@ def equal(first: Array, second: Array) -> bool:
 def in_threads(work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
     """Call `work` on one part of the rows of a field of that `shape` in each thread.
 
-    Every part but the last has an even number of rows. The part of this thread is larger, by its
-    work while the others wake. `work` may only use compiled loops, since no device is set in other threads.
+    Every part but the last has an even number of rows. The part of this thread is larger by what it does while the
+    others wake. `work` may only use compiled loops, since no device is set in other threads.
     """
     rows, columns = shape
     count = min(threads(), rows * columns // CELLS_PER_THREAD)
@@ -140,7 +140,7 @@ def _pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="contactstudy")
 
 
-# Up to this many cells BLAS starts no threads, and single precision needs no sums by rows.
+# Up to this many cells BLAS starts no threads, and sums in single precision need not be taken by rows.
 MAX_FLAT_CELLS = 1024
 
 
@@ -173,9 +173,9 @@ def max_abs(field: Array) -> float:
     return nan if isnan(sum(sizes)) else max(sizes)
 
 
-def mean_over(cells: Array, field: Array) -> float:
-    """Return the mean of `field` over the cells where `cells` is 1; it is 0 elsewhere."""
-    return inner(field, cells) / total(cells)
+def mean_over(active: Array, field: Array) -> float:
+    """Return the mean of `field` over the cells in which `active` is 1; in the others it is 0."""
+    return inner(field, active) / total(active)
 
 
 def matrix_product(a: Array, b: Array) -> Array:

@@ -1,8 +1,8 @@
 """The grid of cells over the width and one period of the length, and its padding along both axes.
 
-For one axis a padding defines the ``window`` of periods whose pressure acts on a point, and whether the
-convolution is circular (``wraps``, n points) or padded with zeros (2 n points). A line contact is usually free along x
-and periodic along y; either axis may take any padding.
+For one axis a padding defines the ``window`` of periods whose pressure acts on a point, and whether the convolution is
+circular (``wraps``, n points) or padded with zeros (2 n points). A line contact is usually unbounded along x and
+periodic along y; either axis may take any padding.
 """
 
 from dataclasses import dataclass
@@ -103,7 +103,7 @@ def _centres(count: int, step: float) -> Array:
 
 
 class Padding(Protocol):
-    """Representation of one axis: which images of the pressure act on a point, and whether the axis is a circle."""
+    """Boundary condition of one axis: which images of the pressure act on a point, and whether the axis is periodic."""
 
     @property
     def wraps(self) -> bool:
@@ -152,7 +152,7 @@ class DuplicatedPadding:
 
 @dataclass(frozen=True)
 class _Counted:
-    """Padding with a number of images on each side; the subclass defines from where they count."""
+    """Padding with a number of images on each side; the subclass says whether of the domain or of each point."""
 
     images: int
 
@@ -167,7 +167,7 @@ class _Counted:
         return range(-self.images, self.images + 1)
 
     def reach(self, period: float) -> float:
-        """Return half a period and `images` more."""
+        """Return half a period and `images` whole ones more."""
         return (self.images + 0.5) * period
 
 
@@ -191,7 +191,7 @@ class Superposition(_Counted):
 @suggest_fields
 @dataclass(frozen=True)
 class CircularSuperposition(_Counted):
-    """Circular axis with coefficients summed over images on each side of the observer.
+    """Periodic axis with coefficients summed over images on each side of the observer.
 
     The pressure within ``images + 1/2`` periods to either side acts on every point, so a uniform contact stays uniform,
     with a transform of half the size of :class:`Superposition`. This is how semi-periodic contacts are computed in
@@ -209,11 +209,11 @@ class CircularSuperposition(_Counted):
 @suggest_fields
 @dataclass(frozen=True)
 class ExactPeriodicity:
-    """Circular axis with the sum over infinitely many images, in closed form.
+    """Periodic axis with the sum over infinitely many images, in closed form.
 
-    The displacement under infinitely many loads is bounded only up to a rigid shift. Along one axis it is relative to a
-    point at the scene's length scale (for a cylinder, the Hertz half-width) from the axis, under the mean line load
-    concentrated on the axis; along both axes it is relative to its mean.
+    The displacement under infinitely many loads is finite only up to a rigid displacement. Along one axis it is
+    relative to a point at the scene's length scale (for a cylinder, the Hertz half-width) from the axis, under the mean
+    line load concentrated on the axis; along both axes it is relative to its mean.
     """
 
     wraps: ClassVar[bool] = True

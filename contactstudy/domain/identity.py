@@ -24,7 +24,7 @@ DEFAULTS = "="
 
 @dataclass(eq=False)
 class CanonicalMemo:
-    """Record of the cases of one request: dataclasses that they share, and classes by their names."""
+    """Memo of the cases of one request: the trees of dataclasses that they share, and classes by their names."""
 
     records: dict[int, tuple[object, Tree]] = field(default_factory=dict)
     kinds: dict[str, type] = field(default_factory=dict)

@@ -265,13 +265,12 @@ def _hidden_heights(problem: Problem, axis: int, points_each: int) -> _HiddenHei
 
 
 def _between_lines(problem: Problem, confidence: float) -> tuple[Array, Array, Array, Array]:
-    """Return four fields of the points off the lines: what cubics miss [m], protrusion [m], width in cells, and hidden
-    [m].
+    """Return (missed [m], protrusion [m], width [cells], hidden [m]), fields (x, y) of the heights off the lines.
 
-    The last is what they miss beyond what the centres may resolve. The width is that of a round bump ``exp(-r^2 /
-    s^2)`` with as large a mean square in the cell. With the probability ``(1 - q)^k`` none of k random points in a cell
-    hits a feature over the fraction q of it; points of low discrepancy leave smaller holes. Each point is examined in
-    all cells at once.
+    `missed` is the largest interpolation error of cubics through the centres, `width` that of a round bump
+    ``exp(-r^2 / s^2)`` whose mean square in the cell is as large, and `hidden` the error beyond that of a feature which
+    the centres resolve. With the probability ``(1 - q)^k`` none of k random points in a cell hits a feature over the
+    fraction q of it; points of low discrepancy leave smaller holes. Each point is examined in all cells at once.
     """
     from scipy import ndimage  # imported late, since it is slow
 

@@ -37,11 +37,13 @@ class ShearState:
 
     Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the shear before it and what
     a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953), with a
-    mean p of the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy. The mean
-    weights both alike. Where that would be unstable, because the depth worn in a step per pressure exceeds the smallest
-    eigenvalue of the influence matrix, the pressure at the start has less weight: a theta method. The implicit part
-    enters the contact as a local compliance; slip and contact are iterated to a fixed point. A force step that lasts n
-    half periods counts its slip n times (cycle jump).
+    mean p of the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy: a theta
+    method. With the depth per pressure w worn in a step and the weight e of the pressure at its start, a pressure
+    pattern of the eigenvalue lambda of the influence matrix becomes ``(lambda - e w) / (lambda + (1 - e) w)`` of it. The
+    weight is a half, the second-order scheme, where w is twice the smallest eigenvalue at most; above, it is that
+    eigenvalue over w, so that no pattern changes its sign from step to step. The implicit part enters the contact as a
+    local compliance; slip and contact are iterated to a fixed point. A step within a segment of the tangential history
+    that lasts n half periods counts its slip n times (cycle jump).
 
     Attributes
     ----------
@@ -236,7 +238,7 @@ class ShearState:
         return total_shear, relative * entered / all_gained * sizes
 
     def _half_cycles(self, step: Step) -> float:
-        """Return the number of half cycles that a step stands for, at least 1."""
+        """Return the number of half cycles that a step stands for: those in its segment of the history, at least 1."""
         history = self.forces if self.forces is not None else self.displacements
         assert history is not None
         times = history.times
@@ -245,9 +247,9 @@ class ShearState:
         return max(1.0, 2 * (later - earlier) / self.period)
 
     def _fraction_at_start(self, worn: Array) -> Array:
-        """Return the part of the pressure at the start in its mean over a step, where a pressure wears `worn` [m/Pa].
+        """Return the weight of the pressure at the start in its mean over a step that wears `worn` [m/Pa] per pressure.
 
-        It is a half, and less where the step would be unstable with a half.
+        It is a half, and less where a pressure pattern would change its sign from step to step with a half.
         """
         return np.asarray(np.minimum(0.5, self.least_eigenvalue / np.maximum(worn, TINY)))
 

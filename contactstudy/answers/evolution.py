@@ -252,8 +252,9 @@ def evolution_answer(trajectory: "Trajectory", requested: float | None = None) -
 def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     """Return a recorded frame as an answer; its gap includes the worn depth and the residual displacement."""
     if frame.solution is not None:
+        solution = replace(frame.solution, status=frame.status)
         contact = contact_answer(
-            frame.solution, time=frame.time, state=frame.fields, rolling=frame.rolling
+            solution, time=frame.time, state=frame.fields, rolling=frame.rolling
         )
         return _with_steps(contact, frame.step_error) if frame.step_error else contact
     problem = trajectory.problem

@@ -31,7 +31,7 @@ from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.adhesion import AdhesiveSolver
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Turns of the load below this fraction of the largest one are rounding.
@@ -90,11 +90,16 @@ def follow_load(
     assert law is None or isinstance(law, AdhesiveSolver)
     largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
+    since_recorded: list[Frame] = []
     last: Solution | None = None
     for point in breakpoints:
-        loads = (point.before, point.after) if point.jumps and last is not None else (point.after,)
-        # a jump that is recorded once is recorded after it
+        jumps = point.jumps and point is not breakpoints[0]
+        loads = (point.before, point.after) if jumps else (point.after,)
         for number, value in enumerate(loads):
+            # a jump that is recorded once is recorded after it
+            is_recorded = number >= len(loads) - point.times_recorded
+            if law is None and not is_recorded:
+                continue  # without adhesion the contact does not depend on those before
             rolling = None
             if value == 0 and law is None:
                 last = unloaded(largest)
@@ -103,8 +108,10 @@ def follow_load(
                 last = rolling.solution
             else:
                 last = _next_solution(_problem_under(largest, elastic, value, law), last, options)
-            if number >= len(loads) - point.times_recorded:
-                frames.append(frame_in_equilibrium(point.time, value, last, rolling))
+            since_recorded.append(frame_in_equilibrium(point.time, value, last, rolling))
+            if is_recorded:
+                frames.append(_with_work_of(since_recorded))
+                since_recorded = []
         if progress is not None:
             progress(point.time, breakpoints[-1].time)
     return Trajectory(largest, tuple(frames), 0, 0, PosedScene(scene, grid, padding))
@@ -147,7 +154,8 @@ def frame_in_equilibrium(
 ) -> Frame:
     """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its rolling where it rolls."""
     fields = {}
-    solves, adhesion = 1, solution.adhesion
+    solves = 1 if rolling is None else rolling.lagged.outer_iterations
+    adhesion = solution.adhesion
     if adhesion is not None:
         name, solves = "attraction between the bodies", adhesion.outer_iterations
         fields = {"attraction": Field(("x", "y"), adhesion.attraction, "Pa", name)}
@@ -166,6 +174,22 @@ def frame_in_equilibrium(
         convolutions=solution.convolutions,
         solution=solution,
         rolling=rolling,
+    )
+
+
+def _with_work_of(contacts: Sequence[Frame]) -> Frame:
+    """Return the last of successive contacts with the work of all and their worst status.
+
+    That the bodies do not touch is said of the last contact alone.
+    """
+    *earlier, last = contacts
+    statuses = [frame.status for frame in earlier if frame.status is not Status.DETACHED]
+    return replace(
+        last,
+        status=worst([*statuses, last.status]),
+        solves=sum(frame.solves for frame in contacts),
+        iterations=sum(frame.iterations for frame in contacts),
+        convolutions=sum(frame.convolutions for frame in contacts),
     )
 
 

@@ -30,7 +30,7 @@ from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.scene.wear import Wear
 from contactstudy.solvers.friction.rolling_traction import RollingTraction
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Largest depth of the first step, over the unit of the gap or the boundary film: if it is too long, it is rejected.
@@ -88,6 +88,8 @@ class _Instant(Generic[Contact]):
         Depth (x, y) [m] worn until then.
     coarse
         The same of the integration with steps twice as long; None where it is not at hand.
+    status
+        The worst status of the accepted steps, each with its predictor, since the instant before.
     work
         Steps, solves, two counts of their iterations, and rejected pairs of steps, since the instant before.
     largest_change
@@ -97,6 +99,7 @@ class _Instant(Generic[Contact]):
     time: float
     contact: Contact
     depth: Array
+    status: Status
     coarse: "_Instant[Contact] | None" = None
     work: Array = field(default_factory=NO_WORK.copy)
     largest_change: float = 0.0
@@ -112,15 +115,15 @@ class _WearingContact(Generic[Contact]):
         Solves the contact with a worn depth (x, y) [m], from the one before if there is one.
     rate
         Wear rate (x, y) [m/s] of a contact.
-    iterations
-        Two counts of the iterations of a contact.
+    solves_and_iterations
+        Number of solves of a contact, and two counts of their iterations.
     first_depth
         Largest depth [m] of the first step.
     """
 
     solved: Callable[[Array, Contact | None], Contact]
     rate: Callable[[Contact], Array]
-    iterations: Callable[[Contact], tuple[float, float]]
+    solves_and_iterations: Callable[[Contact], tuple[float, float, float]]
     first_depth: float
 
     def step(self, now: _Instant[Contact], duration: float) -> _Instant[Contact]:
@@ -131,12 +134,13 @@ class _WearingContact(Generic[Contact]):
         after = self.solved(depth, predicted)
         change = np.abs(after.pressure - predicted.pressure).sum() / now.contact.pressure.sum()
         failed = after.status.is_failure or predicted.status.is_failure
-        first, second = np.add(self.iterations(predicted), self.iterations(after))
+        solves = np.add(self.solves_and_iterations(predicted), self.solves_and_iterations(after))
         return _Instant(
             now.time + duration,
             after,
             depth,
-            work=np.array((1.0, 2.0, first, second, 0.0)),
+            worst((predicted.status, after.status)),
+            work=np.array((1.0, *solves, 0.0)),
             largest_change=inf if failed else float(change),
         )
 
@@ -149,11 +153,12 @@ class _WearingContact(Generic[Contact]):
     ) -> list[_Instant[Contact]]:
         """Return the contact at each of `times`, by pairs of steps of an `error` each, beside one of both at once."""
         start, depth = min(0.0, times[0]), np.zeros(cells)
-        fine = coarse = _Instant(start, self.solved(depth, None), depth)
+        first = self.solved(depth, None)
+        fine = coarse = _Instant(start, first, depth, first.status)
         rate = float(self.rate(fine.contact).max())
         length = self.first_depth / rate if rate else inf
-        work, largest = np.array((0.0, 1.0, *self.iterations(fine.contact), 0.0)), 0.0
-        instants = []
+        work, largest = np.array((0.0, *self.solves_and_iterations(first), 0.0)), 0.0
+        instants, status = [], first.status
         for target in times:
             span = target - fine.time
             while (remaining := target - fine.time) > SHORTEST * span:
@@ -170,14 +175,14 @@ class _WearingContact(Generic[Contact]):
                     work, length = work + REJECTED, next_length
                     continue
                 fine, coarse, largest = end, double, max(largest, change)
+                status = worst((status, middle.status, end.status, double.status))
                 # a step shortened to end at an instant does not limit the next one
                 length = max(next_length, length if duration < length else 0.0)
                 if progress is not None:
                     progress(fine.time, times[-1])
-            instants.append(
-                replace(fine, time=target, coarse=coarse, work=work, largest_change=largest)
-            )
-            work = NO_WORK
+            at_target = replace(fine, time=target, status=status, coarse=coarse)
+            instants.append(replace(at_target, work=work, largest_change=largest))
+            work, status = NO_WORK, fine.contact.status
         return instants
 
 
@@ -239,10 +244,11 @@ def follow_wear(
             return _wear_rate(wear, pressed, grid)
         return _wear_rate(wear, wear.speed * contact.pressure, grid)
 
-    def iterations(contact: _DryContact) -> tuple[float, float]:
-        return contact.solution.iterations, contact.solution.convolutions
+    def solves_and_iterations(contact: _DryContact) -> tuple[float, float, float]:
+        solves = 1 if contact.rolling is None else contact.rolling.lagged.outer_iterations
+        return solves, contact.solution.iterations, contact.solution.convolutions
 
-    contact = _WearingContact(solved, rate, iterations, FIRST_DEPTH * problem.scales.gap)
+    contact = _WearingContact(solved, rate, solves_and_iterations, FIRST_DEPTH * problem.scales.gap)
     instants = contact.integrate(grid.cells, *_instants(times, error), progress)
     frames = []
     for instant in instants:
@@ -261,6 +267,7 @@ def follow_wear(
                     solution,
                     instant.contact.rolling,
                 ),
+                status=instant.status,
                 fields={"worn_depth": worn_depth},
                 step_error=float(change),
                 solves=int(instant.work[1]),
@@ -307,15 +314,17 @@ def follow_film_wear(
         assert film.contact_pressure is not None
         return _wear_rate(wear, abs(film.sliding_speed) * film.contact_pressure, grid)
 
-    def iterations(film: FilmSolution) -> tuple[float, float]:
-        return film.iterations, film.linear_iterations
+    def solves_and_iterations(film: FilmSolution) -> tuple[float, float, float]:
+        return 1, film.iterations, film.linear_iterations
 
-    contact = _WearingContact(solved, rate, iterations, FIRST_DEPTH * lubrication.boundary.film)
+    contact = _WearingContact(
+        solved, rate, solves_and_iterations, FIRST_DEPTH * lubrication.boundary.film
+    )
     instants = contact.integrate(grid.cells, *_instants(times, error), progress)
     steps, _, first, second, _ = np.sum([instant.work for instant in instants], axis=0)
     films = FilmTrajectory(
         tuple(instant.time for instant in instants),
-        tuple(instant.contact for instant in instants),
+        tuple(replace(instant.contact, status=instant.status) for instant in instants),
         int(steps),
         int(first),
         int(second),

@@ -212,7 +212,16 @@ def solve_rolling(
         with_shear = replace(last.problem, friction=law)
         sheared = solve_contact(with_shear, options, last.pressure)
         status = worst([last.status, sheared.status])
-        lagged = replace(lagged, solution=replace(sheared, status=status))
+        lagged = replace(
+            lagged,
+            solution=replace(sheared, status=status),
+            outer_iterations=lagged.outer_iterations + 1,
+            iterations=lagged.iterations + sheared.iterations,
+            convolutions=lagged.convolutions + sheared.convolutions,
+        )
+    iterations, convolutions = lagged.iterations, lagged.convolutions
+    counted = replace(lagged.solution, iterations=iterations, convolutions=convolutions)
+    lagged = replace(lagged, solution=counted)
     coarse = replace(options, tolerance=COARSE_CHANGE / 10)
     solve_on = partial(
         solve_rolling,

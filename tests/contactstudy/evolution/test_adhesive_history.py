@@ -193,6 +193,30 @@ def test_the_bound_of_a_pull_off_holds_where_the_load_turns_between_two_instants
     assert abs(pull_off.value - 1.14064 * pi) < pull_off.bound == pytest.approx(9.0)
 
 
+def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is() -> None:
+    """The same contacts are solved, whether the load at its turn is recorded or not."""
+    all_recorded, one_missing = (
+        follow_load(SCENE, GRID, LINE, times=times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0))
+    )
+    for name in ("solves", "iterations", "convolutions"):
+        total = getattr(all_recorded, name)
+        assert getattr(one_missing, name) == total > getattr(all_recorded.frames[-1], name)
+    last = one_missing.frames[-1].solution
+    assert last is not None
+    assert last.adhesion is not None
+    assert one_missing.frames[-1].solves > last.adhesion.outer_iterations
+
+
+def test_a_limit_that_stops_a_contact_between_two_instants_is_said_of_the_next() -> None:
+    loaded = cs.LoadHistory((0.0, 1.0, 2.0), (pi, 20 * pi, pi))
+    found = cs.solve(
+        replace(SCENE, load=loaded), cs.Grid((96, 1), (14.0, 1.0)), LINE, times=(0.0, 2.0)
+    )
+    alone = cs.solve(replace(SCENE, load=cs.LineLoad(20 * pi)), cs.Grid((96, 1), (14.0, 1.0)), LINE)
+    assert found.frames[0].status is cs.Status.CONVERGED
+    assert found.frames[1].status is alone.status is not cs.Status.CONVERGED
+
+
 def test_contact_that_is_made_again_has_a_load_at_which_it_jumps_in() -> None:
     history = cs.LoadHistory((0.0, 1.0, 2.0, 3.0), (1.0, 1.0, -8.0, 1.0))
     again = cs.solve(replace(SCENE, load=history), GRID, LINE, times=(0.0, 2.0, 2.5, 3.0))

@@ -50,6 +50,15 @@ def test_at_no_speed_and_at_an_infinite_one_bodies_are_elastic(speed: float, pea
     assert abs(found.shift) < 1e-6 * A
 
 
+def test_the_work_of_all_outer_iterations_is_counted() -> None:
+    answer = cs.solve(rolling(SOLID, A), cs.Grid((50, 1), (0.6, 1.0)), EXACT)
+    assert isinstance(answer, cs.Contact)
+    assert answer.rolling is not None
+    lagged = answer.rolling.lagged
+    assert answer.counts["iterations"][0] == lagged.iterations > lagged.outer_iterations > 1
+    assert answer.counts["convolutions"][0] == lagged.convolutions
+
+
 def test_a_soft_body_far_from_elastic_settles_by_mixing() -> None:
     """J1 / J0 = 9, where a plain lag diverges."""
     body = cs.ViscoelasticHalfSpace(0.1, 0.0, ((0.9, 0.1),))

@@ -44,7 +44,7 @@ NO_BOUND_OF_STATES = (
     "No bound: area, gap, approach and stress of a contact that has crept, worn or yielded "
     "are not estimated."
 )
-NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of the numbers count that of all steps."
+NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of quantities count that of all steps."
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
 )
@@ -263,7 +263,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     steps = replace(frame.grid_error_parts, steps=frame.step_error)
     reason = next(iter(frame.warnings), "")
     if frame.step_error == inf:
-        reason = reason or "No bound: the time-step error was not estimated."
+        reason = reason or "No bound: the time-discretisation error was not estimated."
     l1 = replace(steps, reason=reason)
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     area = unknown if frame.pressure.any() else l1  # separated bodies have no area
@@ -289,7 +289,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
 
 
 def _with_steps(contact: Contact, error: float) -> Contact:
-    """Return a contact with the relative L1 error by the steps in time added to its errors."""
+    """Return a contact with a relative L1 time-discretisation error added to its errors."""
     estimate = contact.error
     with_steps: dict[str, Any] = {
         name: replace(parts, steps=error)
@@ -320,7 +320,7 @@ def films_answer(films: "FilmTrajectory", requested: float | None = None) -> Evo
     for number, (contact, time) in enumerate(zip(films.contacts, films.times, strict=True)):
         errors = {
             name: replace(parts, steps=float(by_steps[number]))
-            for name, by_steps in films.errors_by_steps.items()
+            for name, by_steps in films.time_discretisation_errors.items()
         }
         estimate = ErrorEstimate(
             errors["pressure"], errors["peak_pressure"], central_film=errors["central_film"],

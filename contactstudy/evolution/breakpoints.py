@@ -26,7 +26,7 @@ class Breakpoint:
     times_recorded
         Number of times that the contact is recorded: 0, 1, or 2 for before and after a jump.
     is_discontinuity
-        Whether the load or its rate jumps there.
+        Whether the load, its rate or another history may jump or turn at this instant.
     """
 
     time: float
@@ -54,8 +54,8 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
     Raises
     ------
     InvalidInput
-        If times decrease, are not finite, begin before the load or stand there three times; if they are None and the
-        load has no end.
+        If times decrease, are not finite, begin before the load or name an instant three times; if they are None and
+        the load has no end.
     """
     recorded = None if times is None else _checked(times, load)
     end = load.end if recorded is None else recorded[-1]

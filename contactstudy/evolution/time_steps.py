@@ -1,4 +1,4 @@
-"""Settings of the steps in time: instants to record, stages of a step, and how the error of the steps is estimated."""
+"""Settings of the steps in time: instants to record, stages of a step, and the estimate of their error."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -21,8 +21,8 @@ SDIRK_GAMMA = 1 - 1 / sqrt(2)
 class Scheme(Enum):
     """Stages of a step: for each, its fraction of the duration, and the fraction of the stage that is explicit.
 
-    The scheme matters to wear only; creep is exact for a pressure that is linear in each stage. Every scheme keeps the
-    worn volume.
+    The scheme is that of sliding wear, ``Wear(speed=...)`` of a dry contact that does not roll; creep is exact for a
+    pressure that is linear in each stage. Every scheme keeps the worn volume.
     """
 
     #: Second order, L-stable, two solves.
@@ -42,7 +42,7 @@ class Scheme(Enum):
 
 
 class StepError(Enum):
-    """Choice of how the error by the steps in time is estimated."""
+    """Choice of how the time-discretisation error is estimated."""
 
     #: By step doubling: a second integration with steps twice as long, at half the cost of the first.
     STEP_DOUBLING = "step doubling"
@@ -61,18 +61,22 @@ class TimeSteps:
         The instants [s], which do not decrease; None for evenly spaced ones. A time given twice is recorded before and
         after a jump of the load.
     end
-        Last instant [s], that of the load and the speed if None.
+        Last instant [s]; None for the last one that a history of load, speed or friction names.
     instants
-        Number of instants, evenly spaced but for those moved to where a history bends or turns; None for 41, or, where
-        `error` is given and `end` is not, for every step, and of elastic bodies for the start, the end and where the
-        load turns or jumps.
+        Number of instants, evenly spaced but for those moved to where a history bends or turns. None for 41, or, where
+        `error` is given and `end` is not, for every step; of elastic bodies, which take no steps, for the start, the
+        end and where the load turns or jumps.
     error
-        Largest relative L1 error by the steps (of a film: of its thickness in one step). None takes a fraction of the
-        error requested of the solve; without one, one step from each instant to the next.
+        Largest relative time-discretisation error, in L1, of the pressure and in fretting of the tangential traction.
+        Where a contact wears that rolls, is driven or has a film, it is the largest change of the pressure by the
+        correction of a step; of other films, the largest error of their thickness in one step. None takes a fraction of
+        the error requested of the solve. Without that, there is one step from each instant to the next; steady wear and
+        films take 1e-3.
     scheme
-        How wear is stepped.
+        How sliding wear is stepped; other wear has a method of its own.
     step_error
-        How the error by the steps of a dry contact is estimated.
+        How the time-discretisation error is estimated of a dry contact that keeps creep, sliding wear, plastic strain
+        or a tangential traction from one instant to the next.
     step
         Length [s] of all steps of a film, in place of an error.
 
@@ -104,10 +108,11 @@ class TimeSteps:
         return self.end if self.times is None else float(np.max(self.times))
 
     def instants_of(self, *values: object) -> ArrayLike | None:
-        """Return the instants [s], up to the last end of the histories in `values`; None if the error alone decides.
+        """Return the instants [s] to record; None where steps are chosen for an error, and all are recorded.
 
-        Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to where a
-        history bends or turns.
+        They are `times`, if these are given, else evenly spaced up to `end`, or up to the last end of the histories in
+        `values`. Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to
+        where a history bends or turns.
 
         Raises
         ------

@@ -31,9 +31,9 @@ UNKNOWN = ErrorParts(0.0, inf, 0.0)
 class Frame:
     """A contact at one recorded instant.
 
-    Solves, iterations and convolutions are counted since the previous frame, and include rejected steps and the doubled
-    step integration. Errors are relative L1 errors of the pressure, infinite where there is no estimate, and relative
-    to the pressure of the largest load where bodies yield.
+    Solves, iterations and convolutions are counted since the previous frame, and include rejected steps and the
+    integration with doubled steps. Errors are relative L1 errors of the pressure, infinite where there is no estimate,
+    and relative to the pressure under the largest load where bodies yield.
 
     Attributes
     ----------
@@ -50,13 +50,13 @@ class Frame:
     fields
         Fields (x, y) of the state variables, such as the worn depth, by name.
     status
-        The worst status of the steps since the previous frame.
+        The worst status of the contacts solved since the previous frame.
     residual
         Residual of the last solve.
     step_error
-        Estimated error by the steps in time.
+        Estimated time-discretisation error; in fretting the larger one of the pressure and of the tangential traction.
     solves
-        Number of contact solves, of which a step in time may take several.
+        Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
     iterations
         Number of iterations.
     convolutions
@@ -70,7 +70,7 @@ class Frame:
     rolling
         Rolling resistance and centroid of a steadily rolling contact; None for others.
     grid_error_parts
-        Estimated error of the contact on this grid by cause, see
+        Estimated error of the contact on this grid by cause, without that by the steps, see
         :func:`~contactstudy.accuracy.estimate.error_estimate`.
     warnings
         A sentence for each error that has no bound.
@@ -97,7 +97,7 @@ class Frame:
 
     @property
     def grid_error(self) -> float:
-        """Estimated error of the contact on this grid."""
+        """Estimated error of the contact on this grid, without that by the steps."""
         return self.grid_error_parts.total
 
     @property
@@ -123,9 +123,9 @@ class Trajectory:
     frames
         The recorded instants, in the order of time.
     rejected
-        Number of pairs of steps that were rejected as too long.
+        Number of pairs of steps that were rejected as too long, and of load jumps repeated with more increments.
     restarts
-        Number of restarts, because the errors of the steps accumulated beyond the allowed one.
+        Number of restarts, because the time-discretisation error grew beyond the allowed one.
     description
         The scene, grid and padding.
     coupled
@@ -145,7 +145,7 @@ class Trajectory:
         return self.problem.grid
 
     def traction(self, frame: Frame) -> TangentialTraction | None:
-        """Return the shear at the instant of `frame`; None without friction."""
+        """Return the tangential traction at the instant of `frame`; None without friction."""
         if frame.solution is not None:
             return frame.solution.traction
         if "shear_x" in frame.fields:
@@ -155,7 +155,7 @@ class Trajectory:
         return law.traction(frame.pressure) if isinstance(law, FullSliding) else None
 
     def derived(self, frame: Frame, output: Derived) -> Derived:
-        """Return an output of the scene beside the residual stress and under the shear at the instant of `frame`."""
+        """Return `output` with the residual stress and the tangential traction at the instant of `frame`."""
         if self.coupled is not None and isinstance(output, DependsOnStrain):
             output = output.with_residual_stress(
                 partial(self.coupled.residual_stress, frame.coupled_state)
@@ -188,7 +188,7 @@ class Trajectory:
 
     @property
     def solves(self) -> int:
-        """Number of contact solves, of which a step may take several, including rejected and doubled steps."""
+        """Number of contacts solved, see :class:`Frame`."""
         return sum(frame.solves for frame in self.frames)
 
     @property
@@ -208,5 +208,5 @@ class Trajectory:
 
     @property
     def step_error(self) -> float:
-        """The largest estimated relative L1 error of the pressure by the steps in time."""
+        """The largest time-discretisation error of all frames, see :class:`Frame`."""
         return max(frame.step_error for frame in self.frames)

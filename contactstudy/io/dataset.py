@@ -206,8 +206,10 @@ def _traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Var
         return {}
     (across, along), stick = traction.shear, traction.stick.astype(np.int8)
     variables = {
-        "shear_x": _plane(across, "Pa", "shear across the contact, on the first body"),
-        "shear_y": _plane(along, "Pa", "shear along the contact, on the first body"),
+        "shear_x": _plane(
+            across, "Pa", "tangential traction across the contact, on the first body"
+        ),
+        "shear_y": _plane(along, "Pa", "tangential traction along the contact, on the first body"),
         "stick": _plane(stick, "1", "1 where the bodies stick, 0 elsewhere"),
     }
     if isinstance(traction, FrettingTraction):

@@ -16,7 +16,11 @@ from contactstudy.domain.checks import InvalidInput, finite, positive
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 from contactstudy.lubrication.film_equation import Film, SqueezeTerm
-from contactstudy.lubrication.film_trajectory import Difference, FilmTrajectory, errors_by_steps
+from contactstudy.lubrication.film_trajectory import (
+    Difference,
+    FilmTrajectory,
+    time_discretisation_errors,
+)
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
 from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
@@ -210,7 +214,9 @@ def _integrate(
         linear_iterations,
         largest_error,
     )
-    return replace(films, errors_by_steps=errors_by_steps(films, double.compared))
+    return replace(
+        films, time_discretisation_errors=time_discretisation_errors(films, double.compared)
+    )
 
 
 class _DoubleSteps:

@@ -35,7 +35,7 @@ class FilmTrajectory:
     step_error
         Largest error of one step, of the film in the Hertzian zone, in L1 over its mean; infinite where it was not
         estimated.
-    errors_by_steps
+    time_discretisation_errors
         Estimates (time,) of the relative time-discretisation errors of :data:`NUMBERS`, of the peak pressure and of the
         pressure in L1, of all steps together, from a second evolution with steps twice as long; infinite if one of the
         two failed.
@@ -47,7 +47,7 @@ class FilmTrajectory:
     iterations: int
     linear_iterations: int
     step_error: float = inf
-    errors_by_steps: Mapping[str, Array] = field(default_factory=dict)
+    time_discretisation_errors: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def status(self) -> Status:
@@ -98,7 +98,9 @@ def _values(film: FilmSolution) -> Array:
     return np.array([*numbers, film.pressure.max(), film.pressure.sum()], dtype=float)
 
 
-def errors_by_steps(films: FilmTrajectory, compared: list[Difference]) -> Mapping[str, Array]:
+def time_discretisation_errors(
+    films: FilmTrajectory, compared: list[Difference]
+) -> Mapping[str, Array]:
     """Return estimates (time,) of relative errors by name, from differences at ascending times.
 
     They are infinite without any difference, and where a film has not converged. The error at an instant is estimated
@@ -126,7 +128,9 @@ def _not_zero(values: list[Array]) -> Array:
     return np.where(sizes == 0, 1, sizes)
 
 
-def errors_beside(films: FilmTrajectory, coarse: tuple[FilmSolution, ...]) -> Mapping[str, Array]:
+def errors_from_longer_steps(
+    films: FilmTrajectory, coarse: tuple[FilmSolution, ...]
+) -> Mapping[str, Array]:
     """Return estimates (time,) of relative errors from films after longer steps, one an instant or fewer."""
     pairs = zip(films.times, films.contacts, coarse, strict=False)
-    return errors_by_steps(films, [Difference.of(*pair) for pair in pairs])
+    return time_discretisation_errors(films, [Difference.of(*pair) for pair in pairs])

@@ -1,8 +1,9 @@
 """Contacts in equilibrium under a load that changes: adhesive bodies, and steady rolling.
 
 An adhesive contact begins with the state before it. Between two turning points of the load the state does not depend on
-the number of recorded instants, because the fixed-point map is monotone: a larger initial traction gives a larger final
-one. Rolling is steady at each instant. Recorded instants therefore add no error to each other.
+the number of instants, because the fixed-point map is monotone: a larger initial traction gives a larger final one. It
+is therefore solved at all turning points, recorded or not. Rolling is steady at each instant and depends on its load
+alone. So there is no time-discretisation error.
 """
 
 from collections.abc import Callable, Sequence
@@ -47,7 +48,7 @@ def follow_load(
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     progress: Callable[[float, float], None] | None = None,
 ) -> Trajectory:
-    """Follow `scene`, whose load changes in time, from its first load on.
+    """Follow `scene`, whose load changes in time, through contacts in equilibrium from its first load on.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from contactstudy.evolution.equilibrium.quasi_static import frame_in_equilibrium
 from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
 from contactstudy.evolution.rolling.steady_rolling import SteadyRolling, solve_rolling
 from contactstudy.evolution.trajectory import Trajectory
-from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_beside
+from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_from_longer_steps
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from contactstudy.problem.problem import Field
@@ -47,7 +47,7 @@ NO_WORK, REJECTED = np.zeros(5), np.array((0.0, 0.0, 0.0, 0.0, 1.0))
 
 @dataclass(frozen=True, eq=False)
 class _DryContact:
-    """A dry contact, with its rolling where it rolls."""
+    """A dry contact, with its rolling resistance where it rolls."""
 
     solution: Solution
     rolling: SteadyRolling | None
@@ -127,7 +127,10 @@ class _WearingContact(Generic[Contact]):
     first_depth: float
 
     def step(self, now: _Instant[Contact], duration: float) -> _Instant[Contact]:
-        """Return the contact after one of Heun's steps [s], with the change of the pressure from its predictor to it."""
+        """Return the contact after a step of Heun's method of that `duration` [s], and the pressure's change by it.
+
+        The change is that from Euler's predictor to the corrected step, relative in L1.
+        """
         rate = self.rate(now.contact)
         predicted = self.solved(now.depth + duration * rate, now.contact)
         depth = now.depth + duration / 2 * (rate + self.rate(predicted))
@@ -151,7 +154,19 @@ class _WearingContact(Generic[Contact]):
         error: float,
         progress: Callable[[float, float], None] | None = None,
     ) -> list[_Instant[Contact]]:
-        """Return the contact at each of `times`, by pairs of steps of an `error` each, beside one of both at once."""
+        """Return the contact at each of `times`, by pairs of steps beside one of twice the length.
+
+        Parameters
+        ----------
+        cells
+            Number of cells (x, y).
+        times
+            Times [s], ascending.
+        error
+            Largest relative L1 change of the pressure by the correction of a step.
+        progress
+            Called with time and end [s] after each pair of steps.
+        """
         start, depth = min(0.0, times[0]), np.zeros(cells)
         first = self.solved(depth, None)
         fine = coarse = _Instant(start, first, depth, first.status)
@@ -216,7 +231,7 @@ def follow_wear(
     Returns
     -------
     Trajectory
-        The recorded frames. Their error by the steps is the change from an evolution with steps twice as long.
+        The recorded frames. Their time-discretisation error is the change from an evolution with steps twice as long.
 
     Raises
     ------
@@ -330,7 +345,7 @@ def follow_film_wear(
         int(second),
     )
     coarse = tuple(instant.coarse.contact for instant in instants if instant.coarse is not None)
-    return replace(films, errors_by_steps=errors_beside(films, coarse))
+    return replace(films, time_discretisation_errors=errors_from_longer_steps(films, coarse))
 
 
 def _wear_rate(wear: Wear, pressed: Array, grid: Grid) -> Array:
@@ -342,7 +357,7 @@ def _wear_rate(wear: Wear, pressed: Array, grid: Grid) -> Array:
 
 
 def _instants(times: ArrayLike | None, error: float | None) -> tuple[list[float], float]:
-    """Return the instants to record, once they are checked, and the error of a step."""
+    """Return the instants [s] to record, once they are checked, and the error of a step."""
     if times is None:
         raise InvalidInput("solve.times is None, and wear has no end: give times [s].")
     instants = [finite("solve.times", time, "give times in s") for time in np.ravel(times).tolist()]

@@ -20,7 +20,7 @@ from contactstudy.evolution.states.plastic import PlasticState, YieldingBody
 from contactstudy.evolution.states.state_variables import State
 from contactstudy.evolution.warm_started import with_added_gap
 from contactstudy.lubrication.evolve_lubricated import check_loaded, instants_of
-from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_beside
+from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_from_longer_steps
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_on
@@ -33,8 +33,8 @@ from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# Increments of the largest load, at least, in the run that estimates the error by the steps; the other has twice as
-# many. The error of the peak pressure was .9 of its estimate with 4, and 1.8 times the estimate with 2.
+# Increments of the largest load, at least, in the run that estimates the time-discretisation error; the other has twice
+# as many. The error of the peak pressure was .9 of its estimate with 4, and 1.8 times the estimate with 2.
 INCREMENTS = 4
 # Fraction of the highest pressure above which a cell counts as loaded in the derivative of the pressure.
 LOADED = 0.02
@@ -44,7 +44,15 @@ STRAIN_TOLERANCE = 10.0
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class YieldingFilms(FilmTrajectory):
-    """Films over a body that yields, with its `plastic` strain and the `states` (time,) of it."""
+    """Films over a body that yields.
+
+    Attributes
+    ----------
+    plastic
+        State variable of the plastic strain.
+    states
+        Its state (time,) at each instant.
+    """
 
     plastic: PlasticState
     states: tuple[State, ...]
@@ -115,10 +123,11 @@ def follow_yielding_film(
     options: SolveOptions,
     progress: Callable[[float, float], None] | None = None,
 ) -> YieldingFilms:
-    """Follow the steady film of a scene whose body yields under a load that changes slowly, or is applied at first.
+    """Follow the film of a scene whose body yields, steady at each instant, under a constant load or one that changes.
 
-    The load goes from one instant to the next in two or more equal increments, each an implicit step for the plastic
-    strain. A second run with half as many estimates the errors by the steps: one and a half times the difference.
+    The load goes from one instant to the next, and to the first one from zero, in two or more equal increments, each an
+    implicit step for the plastic strain. A second run with half as many gives the time-discretisation errors, see
+    :func:`~contactstudy.lubrication.film_trajectory.time_discretisation_errors`.
 
     Parameters
     ----------
@@ -139,7 +148,7 @@ def follow_yielding_film(
         _with_increments(scene, grid, padding, instants, factor, options, report)
         for factor, report in ((2, progress), (1, None))
     )
-    return replace(fine, errors_by_steps=errors_beside(fine, coarse.contacts))
+    return replace(fine, time_discretisation_errors=errors_from_longer_steps(fine, coarse.contacts))
 
 
 def _with_increments(

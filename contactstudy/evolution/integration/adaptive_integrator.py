@@ -25,11 +25,12 @@ from contactstudy.solvers.solution import Solution, Status, worst
 
 # A pair of steps shorter than this, over the duration of the integration, is never rejected.
 SHORTEST = 1e-12
-# Load increments of a jump where a state depends on its path, in the doubled step: at first and at most.
+# Load increments of a jump where a state depends on the path of the load: at first in the doubled step, of which the
+# short steps have two each, and at most in the short steps.
 INCREMENTS, MAX_INCREMENTS = 4, 2**12
 # Largest number of halvings of a step in which bodies start to yield.
 MAX_HALVINGS = 6
-# Halving the steps leaves 0.5 to 0.6 of errors of first order, so that a difference is up to 1.5 times too small.
+# Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
 FIRST_ORDER_FACTOR = 1.5
 # Errors of wear are of order 1/2 where it begins, since the pressure changes at once: halving the steps leaves 2^-1/2 of
 # them, and a difference is 2^1/2 - 1 of the error.
@@ -54,11 +55,11 @@ class _Outcome(Enum):
 
 @dataclass(eq=False)
 class AdaptiveIntegrator:
-    """Integration of a scene in time by pairs of steps, each checked by one step of twice the length.
+    """Integration of a scene in time by pairs of steps, each checked by one step of twice the length (step doubling).
 
-    The two integrations run beside each other, and are not joined after a pair. Their difference estimates the error; a
-    pair that adds too much is rejected, and the next one is as long as the estimate allows. Source: Hairer, Norsett &
-    Wanner (1993), sect. II.4, eqs. 4.4 and 4.13, there with the error of one pair alone.
+    The two integrations run beside each other: a doubled step goes on from the doubled one before. Their difference
+    estimates the error; a pair that adds too much is rejected, and the next one is as long as the estimate allows.
+    Source: Hairer, Norsett & Wanner (1993), sect. II.4, eqs. 4.4 and 4.13, there with the error of one pair alone.
 
     Attributes
     ----------
@@ -69,9 +70,10 @@ class AdaptiveIntegrator:
     control
         Control of the step length; None steps from one breakpoint to the next.
     step_doubling
-        Whether a second integration with steps twice as long estimates the error of the steps.
+        Whether a second integration with steps twice as long estimates the time-discretisation error.
     records_all
-        Whether every pair of steps is recorded.
+        Whether every pair of steps is recorded, and the contact after each jump of the load; a scene without a state
+        variable takes no pairs of steps.
     checkpoint
         Folder that frames and states are written to; None writes none.
     progress
@@ -89,7 +91,7 @@ class AdaptiveIntegrator:
     def __post_init__(self) -> None:
         self.frames: list[Frame] = []
 
-        # frames whose step error is known once the doubled step reaches their time
+        # frames whose time-discretisation error is known once the doubled step reaches their time
         self.waiting: list[Frame] = []
         self.rejected = self.restarts = 0
         self._reset_counts()
@@ -211,7 +213,7 @@ class AdaptiveIntegrator:
         return _Outcome.REACHED
 
     def _error_increment(self, fine: Instant, coarse: Instant) -> float:
-        """Return the increment of the estimated relative L1 error by a pair of steps."""
+        """Return by how much a pair of steps raises the estimated relative L1 error."""
         before, after = self.fine.pressure - self.coarse.pressure, fine.pressure - coarse.pressure
         grown = self._state_error(fine, coarse) - self._state_error(self.fine, self.coarse)
         return max(self._relative(after - before, fine, self.fine), grown)
@@ -225,8 +227,8 @@ class AdaptiveIntegrator:
     def _jump(self, load: float) -> bool:
         """Change the load of both integrations at once; return False if there is no solution to go on from.
 
-        Where a state depends on the path of the load, it is applied in increments: twice as many as in the doubled
-        steps, and as many as the allowed error requires.
+        Where a state depends on the path of the load, it is applied in as many increments as the allowed error
+        requires, twice as many as in the doubled steps.
         """
         increments = 1 if self.stepper.coupled is None else 2 * INCREMENTS
         max_halvings = MAX_HALVINGS if self.step_doubling else 0
@@ -270,18 +272,18 @@ class AdaptiveIntegrator:
         return after, solutions[-1]
 
     def _record_failure(self, solution: Solution) -> None:
-        """Record the frame at which the integration has to stop, without a bound of its error."""
+        """Record the frame at which the integration has to stop, with an infinite error."""
         self.solution, self.step_error = solution, inf
         self._record()
         self._finish_frames()
 
     def _difference(self, fine: Instant, coarse: Instant) -> float:
-        """Return the estimated error of `fine` by its steps, of the pressure or of the states: the larger one."""
+        """Return the time-discretisation error of `fine`, of the pressure or of the states: the larger one."""
         pressure = self._relative(fine.pressure - coarse.pressure, fine)
         return max(pressure, self._state_error(fine, coarse))
 
     def _state_error(self, fine: Instant, coarse: Instant) -> float:
-        """Return the largest error of two instants' state variables that have one of their own."""
+        """Return the largest error of the state variables that have an estimate of their own; 0 if none has."""
         variables = zip(self.stepper.all_state_variables, fine.states, coarse.states, strict=True)
         return max(
             (
@@ -293,7 +295,7 @@ class AdaptiveIntegrator:
         )
 
     def _common_error(self) -> float:
-        """Return the error by the steps that both integrations have in common; infinite where only one is made."""
+        """Return the time-discretisation error that both integrations have in common; infinite if one is not made."""
         variables = self.stepper.all_state_variables
         if variables and not self.step_doubling:
             return inf
@@ -302,10 +304,11 @@ class AdaptiveIntegrator:
         return max(common, default=0.0)
 
     def _relative(self, difference: Array, *instants: Instant) -> float:
-        """Return the L1 norm of a pressure difference, relative to the largest pressure of `instants`.
+        """Return the L1 norm of a pressure difference over the largest L1 norm of the pressures of `instants`.
 
-        With a coupled state variable it is relative to the pressure of the largest load, and scaled up: its steps are
-        of first order, so that the difference of two integrations is the error of the finer one, or a little less.
+        It is multiplied by what the error is of the difference of two integrations, at most: 2.41 where the order may
+        be 1/2, 1.5 beside a coupled state variable, whose steps are of first order. There it is relative to the
+        pressure under the largest load.
         """
         norm = float(np.abs(difference).sum())
         if self.stepper.coupled is not None:
@@ -321,9 +324,9 @@ class AdaptiveIntegrator:
         return SubgridHeights.from_problem(self.stepper.problem)
 
     def _grid_error(self, solution: Solution) -> tuple[ErrorParts, tuple[str, ...]]:
-        """Estimate the error by the grid of this instant's contact, and give the reasons for what has no bound.
+        """Return the error of a contact on this grid by cause, and the reasons for what has no bound.
 
-        It is relative to the same pressure as the error by the steps.
+        It is relative to the same pressure as the time-discretisation error.
         """
         pressure = solution.pressure
         if not np.isfinite(solution.residual):
@@ -395,7 +398,7 @@ class AdaptiveIntegrator:
             self._finish_frames()
 
     def _finish_frames(self, step_error: float | None = None) -> None:
-        """Set a step error, by default the present one, in the waiting frames, and write them to the checkpoint."""
+        """Add a step error, by default the present one, to the waiting frames, and write them to the checkpoint."""
         error = self.step_error if step_error is None else step_error
         for frame in self.waiting:
             finished = replace(frame, step_error=error + frame.step_error)

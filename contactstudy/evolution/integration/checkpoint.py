@@ -33,11 +33,18 @@ class Checkpoint:
     """Folder of one integration: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
 
     Each file has a checksum and is replaced in one step, so that a killed integration leaves the previous one and
-    damage is detected. Each names the request that it belongs to.
+    damage is detected. Each names the hash of the request that it belongs to.
+
+    Attributes
+    ----------
+    folder
+        The folder.
+    request_hash
+        Hash of the request and of this program, which :meth:`open` sets.
     """
 
     folder: Path
-    request: str = ""
+    request_hash: str = ""
 
     @contextmanager
     def open(self, request: object) -> Iterator[None]:
@@ -56,7 +63,7 @@ class Checkpoint:
         """
         self.folder.mkdir(parents=True, exist_ok=True)
         identity = {"request": canonical(request), "version": VERSION, "source": source_hash()}
-        self.request = key(identity)
+        self.request_hash = key(identity)
 
         def refuse(holder: str) -> None:
             raise InvalidInput(
@@ -117,7 +124,7 @@ class Checkpoint:
         progress
             Counts and flags of the integration, as JSON holds them.
         instants
-            The instants of fine and doubled steps, by name.
+            The last instant of the short and of the doubled steps, by name.
         """
         self._write(self.folder / "state.npz", IntegrationState(progress, instants))
 
@@ -137,7 +144,7 @@ class Checkpoint:
         """Replace a file by one with `value`: its arrays beside all else as JSON."""
         arrays: dict[str, Array] = {}
         tree = _converter(arrays).unstructure(value)
-        header = json.dumps({"request": self.request, "file": path.name, "value": tree})
+        header = json.dumps({"request": self.request_hash, "file": path.name, "value": tree})
         content = BytesIO()
         np.savez(content, header=np.array(header), **arrays)  # type: ignore[arg-type]
         write_with_checksum(path, content.getvalue())
@@ -147,7 +154,7 @@ class Checkpoint:
         with self._report_damage(), np.load(BytesIO(read_verified(path) or b"")) as file:
             arrays = {name: file[name] for name in file.files}
             header = json.loads(str(arrays.pop("header")))
-            if (header["request"], header["file"]) != (self.request, path.name):
+            if (header["request"], header["file"]) != (self.request_hash, path.name):
                 raise ValueError("a file of another integration")
             value: T = _converter(arrays).structure(header["value"], kind)
             return value
@@ -155,7 +162,7 @@ class Checkpoint:
 
 @dataclass(frozen=True)
 class IntegrationState:
-    """State of an integration: its `progress`, and the `instants` of fine and doubled steps by name."""
+    """State of an integration: its `progress`, and the last `instants` of short and doubled steps by name."""
 
     progress: Mapping[str, Any]
     instants: Mapping[str, Instant]

@@ -114,12 +114,13 @@ def evolve(
 ) -> Trajectory:
     """Follow `scene` through time, from the start of its load.
 
-    The error by the steps follows from the difference of two integrations, one with steps twice as long. Of a method of
-    order p the difference is ``2^p - 1`` times the error of the shorter steps, which are recorded: an upper estimate for
-    order 2, the error itself for order 1. It is multiplied by 2.41 where wear in one stage or fretting is stepped (order
-    1/2 at the onset of wear), by 1.5 where bodies yield (first order). It is relative to the pressure at the same
-    instant; where bodies yield, to the pressure under the largest load, as is the error by the grid, and a load jump is
-    applied in increments.
+    The time-discretisation error follows from the difference of two integrations, one with steps twice as long. Of a
+    method of order p the difference is ``2^p - 1`` times the error of the shorter steps, which are recorded: an upper
+    estimate for order 2, the error itself for order 1. It is multiplied by 1.5 where bodies yield (first order), else
+    by 2.41 where wear in one stage or fretting is stepped (order 1/2 at the onset of wear). It is relative to the
+    pressure at the same instant; where bodies yield, to the pressure under the largest load, as is the error of the
+    contact on its grid, and a load jump is applied in increments. In fretting it is the larger one of the pressure and
+    of the tangential traction.
 
     Parameters
     ----------
@@ -133,12 +134,12 @@ def evolve(
         given twice is recorded before and after a jump of the load. None records every pair of steps; without a state
         variable, the start, the end and the instants at which the load turns or jumps.
     error
-        Allowed relative L1 error of the pressure by the steps, which are chosen for it. None steps from one of `times`
+        Allowed relative L1 time-discretisation error, for which steps are chosen. None steps from one of `times`
         to the next, at most a quarter of the load's period at a time.
     step_error
-        How the error by the steps is estimated.
+        How the time-discretisation error is estimated.
     scheme
-        How wear is stepped.
+        How sliding wear is stepped.
     options
         How each contact is solved.
     folder
@@ -219,7 +220,7 @@ def _time_stepper(
     solved = partial(solved_or_unloaded, options)
     variables = state_variables(scene, datum)
     if frets:
-        variables = (*variables, _shear_state(scene, problem, options))
+        variables = (*variables, _fretting_state(scene, problem, options))
     return TimeStepper(
         problem=problem,
         load=load,
@@ -231,15 +232,17 @@ def _time_stepper(
     )
 
 
-def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> StateVariable:
-    """Return the shear of a scene that frets."""
-    from contactstudy.evolution.states.shear_state import ShearState  # only where something frets
+def _fretting_state(scene: Scene, problem: Problem, options: SolveOptions) -> StateVariable:
+    """Return the tangential traction of a scene that frets, as a state variable."""
+    from contactstudy.evolution.states.fretting_state import (
+        FrettingState,
+    )  # only where something frets
 
     fretting, paddings = scene.friction, problem.paddings
     assert isinstance(fretting, Fretting)
     assert paddings is not None
     gap = problem.undeformed_gap
-    return ShearState(
+    return FrettingState(
         coefficient=fretting.coefficient,
         wear=0.0 if scene.wear is None else scene.wear.coefficient,
         response=fretting.response(scene, problem.grid, paddings, problem.scales.length),
@@ -259,7 +262,10 @@ def _shear_state(scene: Scene, problem: Problem, options: SolveOptions) -> State
 
 
 def _relative_creep(scene: Scene, datum: float) -> CreepState | None:
-    """Return the creep of both bodies, which are elastically similar, over their instantaneous response to shear."""
+    """Return the creep of both bodies, which are elastically similar, over their instantaneous compliance.
+
+    None if neither creeps.
+    """
     total = sum(body.compliance for body in scene.solids)
     creeps = [
         body.creep.scaled(1 / total)

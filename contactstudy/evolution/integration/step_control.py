@@ -21,7 +21,7 @@ MIN_ERROR_OVER_TOLERANCE = 100
 
 @dataclass(frozen=True)
 class StepControl:
-    """Control of the step length by the error increment, by which a pair of steps raises the error estimate.
+    """Control of the step length by the error increment: by how much a pair of steps raises the error estimate.
 
     How far later steps damp that error is not known in advance: if the accumulated error exceeds the allowed one, the
     integration restarts with a :meth:`stricter` control.
@@ -29,7 +29,7 @@ class StepControl:
     Attributes
     ----------
     error
-        Allowed relative L1 error of the pressure.
+        Allowed relative L1 time-discretisation error.
     local_tolerance
         Allowed error increment of a pair of steps.
     """
@@ -44,7 +44,7 @@ class StepControl:
         Parameters
         ----------
         error
-            Allowed relative L1 error of the pressure.
+            Allowed relative L1 time-discretisation error.
         tolerance
             Tolerance of the solver.
 

@@ -164,7 +164,7 @@ class RepeatedRolling:
         return np.diff(kept, axis=0, prepend=np.zeros_like(kept[:1]))
 
 
-# Depth of the first layers, in lengths of the contact; they are made deeper where the last one yields.
+# Depth of the first layers, in length scales of the contact; more are added where the last one yields.
 INITIAL_DEPTH = 2.0
 # The longest pass, in widths of the window.
 MAX_PASS_WIDTHS = 20
@@ -209,8 +209,8 @@ def roll_repeatedly(
     Raises
     ------
     InvalidInput
-        Unless exactly one body yields and the other is elastic; for a load that changes, wear, more than one cell along
-        the length, or a surface that ends or wraps across.
+        Unless exactly one body yields and the other is elastic or rigid; for a load that changes, wear, more than one
+        cell along the length, or a surface that ends or wraps across.
     """
     rolling = scene.rolling
     assert rolling is not None
@@ -265,7 +265,7 @@ class _Rolling:
     tolerance
         Largest relative residual.
     length
-        Length of the contact [m].
+        Length scale of the contact [m].
     lag
         The same length in cells, over which changes of the plastic strain are judged.
     max_steps
@@ -329,7 +329,7 @@ class _Rolling:
         )
 
     def step(self, track: Track) -> tuple[Track, SolvedStep]:
-        """Return the track after the contact and its plastic strain are solved, and that contact."""
+        """Return the track after a step, with the contact at its end and the iterations of Newton's method."""
         after, step = track.solve_step(self.contact, self.tolerance, self.length)
         solution = step_solution(step, self.tolerance)
         return after, (solution, step.iterations)
@@ -341,7 +341,7 @@ def _strain_change(before: Array, after: Array) -> float:
 
 
 def _single_yielding_body(scene: Scene) -> YieldingBody:
-    """Return the one yielding body of `scene`; refuse scenes with another state variable."""
+    """Return the one yielding body of `scene`; refuse a load that changes, wear, and none or two bodies that yield."""
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(

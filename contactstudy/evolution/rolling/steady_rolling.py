@@ -23,7 +23,8 @@ from contactstudy.solvers.anderson import LaggedSolution, solve_with_mixing
 from contactstudy.solvers.solution import Solution, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Fine cells per cell, and the largest number of fine cells, for the retarded displacement under the pressure.
+# Fine cells per cell across, at least 2, and the largest number of fine cells beyond that, for the retarded displacement
+# under the pressure.
 REFINEMENT, MAX_FINE_CELLS = 8, 2**17
 # Factors of the upper estimate of the resistance's error: on its change from cells of twice the size, and on the
 # pressure's error, measured on smooth, wavy and rough cylinders against cells of an eighth of the size. On coarse cells,
@@ -33,7 +34,7 @@ CHANGE_FACTOR, PRESSURE_FACTOR, COARSE_CHANGE = 2.0, 0.15, 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SteadyRolling:
-    """A contact that rolls steadily, with its rolling resistance, apart from what shear loses.
+    """A contact that rolls steadily, with its rolling resistance, which leaves out losses by the tangential traction.
 
     Attributes
     ----------
@@ -92,7 +93,7 @@ class SteadyRolling:
 
     @cached_property
     def coarse(self) -> "SteadyRolling | None":
-        """This contact on cells of twice the size; None where the scene has no such grid, or the attraction none."""
+        """This contact on cells of twice the size; None with adhesion, or where the scene has no such grid."""
         if self.solution.adhesion is not None:  # whose range may belong to the grid
             return None
         try:
@@ -102,10 +103,10 @@ class SteadyRolling:
 
     @property
     def resistance_error(self) -> float:
-        """Upper estimate of its relative error; 0 for elastic bodies, infinite without a coarser grid to compare with.
+        """Upper estimate of the relative error of :attr:`resistance`.
 
-        It is the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the change
-        may be small by chance.
+        It is twice the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the
+        change may be small by chance. It is 0 for elastic bodies, and infinite without a coarser grid to compare with.
         """
         if not self.antisymmetric_weights:
             return 0.0
@@ -170,7 +171,7 @@ def solve_rolling(
     Raises
     ------
     InvalidInput
-        If the scene has a load that changes, or a fluid.
+        If the scene has a load that changes, or a viscoelastic body without an equilibrium modulus, which flows.
     """
     speed = scene.rolling_speed
     assert speed is not None

@@ -55,7 +55,7 @@ class FixedContact:
     solution: Solution
 
     def __call__(self, added_gap: Array) -> Solution:
-        """Return the same pressure with `added_gap` (x, y) [m] added to the gap."""
+        """Return `solution` with `added_gap` (x, y) [m] added to the undeformed gap of its problem."""
         return replace(self.solution, problem=with_added_gap(self.solution.problem, added_gap))
 
     def tangent(self, _: Solution) -> None:
@@ -192,7 +192,7 @@ class Track:
         tolerance
             Largest relative residual.
         length
-            Length of the contact [m], for which layers are made.
+            Length scale of the contact [m], for which layers are made.
 
         Returns
         -------

@@ -1,1 +1,1 @@
-"""State variables of bodies and interfaces: creep, wear, plastic strain, shear."""
+"""State variables of bodies and interfaces: creep, wear, plastic strain, tangential traction."""

@@ -107,7 +107,7 @@ class PlasticState:
                 operator = operator_on(volume, body.moduli)
                 stress = operator.stress_of_pressure(pressure)
                 if self._slides:
-                    stress = stress + self._stress_of_shear(body, operator, self.elastic)
+                    stress = stress + self._stress_of_traction(body, operator, self.elastic)
                 size = np.sqrt((stress**2).sum(axis=0))
                 return np.asarray(size / (SQRT_TWO_THIRDS * body.hardening.yield_stress))
 
@@ -174,7 +174,7 @@ class PlasticState:
         for body, operator, strain, hardened in parts:
             after |= _body_state(body, strain, hardened, operator.volume)
         solution = step_solution(step, tolerance)
-        if np.abs(_shear(solution)).max() > self._shear_limit:
+        if np.abs(_traction_x(solution)).max() > self._traction_limit:
             solution = replace(solution, status=Status.SHEAR_BEYOND_YIELD)
         yielded = zip(self.operators, equivalents, strict=True)
         if solution.status is Status.CONVERGED and any(
@@ -198,12 +198,12 @@ class PlasticState:
         [Pa] is the stress by an attraction.
         """
         contacts = [first]
-        shear, outer_iterations = self._stress_of_friction(bodies, first), 0
+        stress, outer_iterations = self._stress_of_friction(bodies, first), 0
         while True:
-            step = solve_under(pulled + shear)
+            step = solve_under(pulled + stress)
             contacts += step.contacts
-            last, shear = shear, self._stress_of_friction(bodies, step.solution)
-            change = float((np.abs(shear - last) / bodies.law.yield_stress).max(initial=0.0))
+            last, stress = stress, self._stress_of_friction(bodies, step.solution)
+            change = float((np.abs(stress - last) / bodies.law.yield_stress).max(initial=0.0))
             outer_iterations += 1
             is_last = outer_iterations == MAX_OUTER_ITERATIONS or not np.isfinite(change)
             if change <= tolerance or is_last:
@@ -212,24 +212,27 @@ class PlasticState:
         return replace(step, contacts=tuple(contacts), residual=residual)
 
     def _stress_of_friction(self, bodies: YieldingBodies, solution: Solution) -> Array:
-        """Return the stress (C, cells) [Pa] by the shear of a contact."""
+        """Return the stress (C, cells) [Pa] by the tangential traction of a contact."""
         parts = zip(self.bodies, self.operators, strict=True)
-        stresses = [self._stress_of_shear(body, part, solution) for body, part in parts]
+        stresses = [self._stress_of_traction(body, part, solution) for body, part in parts]
         return bodies.concatenated(stresses)
 
-    def _stress_of_shear(
+    def _stress_of_traction(
         self, body: YieldingBody, operator: EigenstrainOperator, solution: Solution
     ) -> Array:
-        """Return the stress (C, layers, x, y) [Pa] in one body by the shear along x, which is reversed on the second."""
-        return operator.stress_of_shear((1 - 2 * body.place) * _shear(solution))
+        """Return the stress (C, layers, x, y) [Pa] in one body by the tangential traction along x.
+
+        The traction of the `solution` is that on the first body; on the second it is reversed.
+        """
+        return operator.stress_of_shear((1 - 2 * body.place) * _traction_x(solution))
 
     @property
     def _slides(self) -> bool:
         """True if the bodies slide with friction."""
-        return bool(_shear(self.elastic).any())
+        return bool(_traction_x(self.elastic).any())
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """Return the residual displacement (x, y) [m] of both surfaces together, positive into the bodies."""
+        """Return the residual displacement (x, y) [m], the sum over both surfaces, positive into the bodies."""
         strains, _ = self._in_volumes(state)
         parts = zip(self.operators, strains, strict=True)
         # of the surface, into the bodies
@@ -237,7 +240,10 @@ class PlasticState:
         return {"residual_displacement": Field(("x", "y"), sunk, "m", "residual displacement")}
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
-        """Return whether a step multiplied the plastic strain since the last step without plastic flow."""
+        """Return whether a step added much more plastic strain than all since the last step without plastic flow.
+
+        It is so where the sum after the step is more than 1 + ABRUPT times that before, as where none was before.
+        """
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
     def residual_stress(self, state: State, place: int, deepest: float) -> ResidualStress | None:
@@ -265,7 +271,8 @@ class PlasticState:
     def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
         """Return strain and residual stress of each body over (time, component, z, x, y), across the whole grid.
 
-        The depths are called ``z``; where outputs have depths of that name, ``z_0`` and ``z_1`` after the bodies.
+        The depths are called ``z``; with two yielding bodies or outputs of the scene, ``z_0`` and ``z_1`` after the
+        bodies.
         """
         for state in states:
             self._in_volumes(state)  # volumes grow to hold every state
@@ -301,15 +308,18 @@ class PlasticState:
         return fields
 
     @property
-    def _shear_limit(self) -> float:
-        """Largest shear [Pa] on the surfaces: the yield stress in shear of a body that does not harden."""
+    def _traction_limit(self) -> float:
+        """Largest tangential traction [Pa] that the surfaces sustain: the yield stress in shear without hardening.
+
+        Infinite if every body hardens.
+        """
         laws = (body.hardening for body in self.bodies)
         limits = (law.yield_stress for law in laws if law.isotropic == law.kinematic == 0)
         return min(limits, default=inf) / 3**0.5
 
     @property
     def _length(self) -> float:
-        """Length of the contact [m], for which layers are made."""
+        """Length scale of the contact [m], for which layers are made."""
         return self.elastic.problem.scales.length
 
     def _tangent(self, solution: Solution) -> ContactTangent:
@@ -365,8 +375,8 @@ def operator_on(volume: Volume, moduli: Moduli) -> EigenstrainOperator:
     return PeriodicOperator(volume, moduli)
 
 
-def _shear(solution: Solution) -> Array:
-    """Return the shear along x on the first body (x, y) [Pa]; zero without friction."""
+def _traction_x(solution: Solution) -> Array:
+    """Return the tangential traction along x on the first body (x, y) [Pa]; zero without friction."""
     traction = solution.traction
     return np.zeros_like(solution.pressure) if traction is None else traction.shear[0]
 

@@ -10,8 +10,8 @@ from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
 from contactstudy.elasticity.eigenstrain.volume import Volume
 
-# The first volume holds the cells whose elastic von Mises stress is above NEAR_YIELD of the yield stress,
-# and a MARGIN of their width on both sides.
+# The first volume holds the columns of cells in contact, those whose elastic von Mises stress is anywhere above
+# NEAR_YIELD of the yield stress, and a MARGIN of their width on both sides.
 NEAR_YIELD, MARGIN = 0.9, 0.15
 # Fraction of its width by which a volume grows on a side where plastic flow reaches its edge.
 GROWTH = 0.3
@@ -29,7 +29,7 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
     grid
         Grid of the surface.
     length
-        Length of the contact [m], such as its half-width.
+        Length scale of the contact [m], such as its half-width.
     depth
         Depth that the layers cover [m].
     """
@@ -44,18 +44,21 @@ def layers(grid: Grid, length: float, depth: float) -> tuple[float, ...]:
 def first_volume(
     grid: Grid, length: float, pressure: Array, yield_ratio: Callable[[Volume], Array]
 ) -> Volume:
-    """Return the cells below an elastic contact that may yield, down to where von Mises' stress is small.
+    """Return the cells below an elastic contact that may yield.
+
+    They reach down to a layer in which the von Mises stress is below 0.9 of the yield stress, or, if it is so
+    everywhere, below its maximum.
 
     Parameters
     ----------
     grid
         Grid of the surface.
     length
-        Length of the contact [m].
+        Length scale of the contact [m], for which layers are made.
     pressure
         Elastic pressure (x, y) [Pa] under the largest load.
     yield_ratio
-        Returns von Mises' stress over the yield stress (layers, x, y) in a volume.
+        Returns the von Mises stress over the yield stress (layers, x, y) in a volume.
     """
     loaded = np.flatnonzero(pressure.any(axis=1))
     first, last = (int(loaded[0]), int(loaded[-1]) + 1) if loaded.size else (0, grid.cells[0])
@@ -81,7 +84,7 @@ def enlarged(volume: Volume, length: float, yielded: NDArray[np.bool_]) -> Volum
     volume
         Cells that could yield.
     length
-        Length of the contact [m], for which layers are made.
+        Length scale of the contact [m], for which layers are made.
     yielded
         Whether a cell yielded (layers, x, y).
     """

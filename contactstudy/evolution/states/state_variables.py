@@ -13,7 +13,7 @@ from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.problem.problem import Field, ResidualStress
 from contactstudy.solvers.solution import CoupledSolution, Solution, Status
 
-# The fields (x, y) that a state variable keeps, by name: all that a checkpoint needs of it.
+# The arrays that a state variable keeps, by name: all that a checkpoint needs of it.
 State = Mapping[str, Array]
 # From a field (x, y) [m] added to the gap to the contact with it.
 Contact = Callable[[Array], Solution]
@@ -90,10 +90,10 @@ class AnyStateVariable(Protocol):
 
 @runtime_checkable
 class HasStepError(Protocol):
-    """Protocol of a state variable whose own error by the steps is estimated, beside that of the pressure."""
+    """Protocol of a state variable whose own time-discretisation error is estimated, beside that of the pressure."""
 
     def step_error(self, state: State, other: State) -> float:
-        """Return the relative error by the steps that the difference of two states estimates."""
+        """Return the relative time-discretisation error that the difference of two states estimates."""
 
     def common_error(self, state: State) -> float:
         """Return the relative error that two integrations have in common, so that their difference does not show it."""

@@ -335,7 +335,7 @@ def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant(
     assert isinstance(found, cs.Evolution)
     assert found.counts["solves"][0] == 3
     assert found.error.l1.steps == np.inf
-    assert "time-step error was not estimated" in found.accuracy
+    assert "time-discretisation error was not estimated" in found.accuracy
 
 
 def test_an_error_by_which_steps_are_chosen_is_estimated() -> None:

@@ -130,7 +130,7 @@ def test_the_verb_marches_a_film_that_changes_and_bounds_its_steps() -> None:
     last = evolution.frames[-1]
     assert last.central_film == same.contacts[-1].central_film
     parts = last.error.central_film
-    assert parts.steps == same.errors_by_steps["central_film"][-1]
+    assert parts.steps == same.time_discretisation_errors["central_film"][-1]
 
 
 def test_without_times_every_step_is_recorded_up_to_the_end_of_the_histories() -> None:
@@ -198,7 +198,7 @@ def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
         for steps in (12, 96)
     )
     error = np.abs(coarse.central_film - fine.central_film) / fine.central_film
-    bound = coarse.errors_by_steps["central_film"]
+    bound = coarse.time_discretisation_errors["central_film"]
     assert error.max() > 1e-4
     assert (error <= bound + 1e-6).all()
 
@@ -215,10 +215,10 @@ def test_the_error_by_the_steps_does_not_depend_on_the_instants_recorded(recorde
     exact = evolve_lubricated(
         from_rest(scene, end, 0.1), grid(96, 3.0), times=[0.0, end], error=1e-5, tolerance=1e-8
     )
-    for name, bounds in evolution.errors_by_steps.items():
+    for name, bounds in evolution.time_discretisation_errors.items():
         value, reference = (getattr(one.contacts[-1], name) for one in (evolution, exact))
         error = np.sum(np.abs(value - reference)) / np.sum(reference)
-        assert 0 < error < bounds[-1] + exact.errors_by_steps[name][-1], name
+        assert 0 < error < bounds[-1] + exact.time_discretisation_errors[name][-1], name
 
 
 @pytest.mark.whole

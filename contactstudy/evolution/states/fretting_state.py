@@ -1,4 +1,4 @@
-"""Shear of a contact that frets as a state variable, and the wear by its slip."""
+"""Tangential traction of a contact that frets as a state variable, and the wear by its slip."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,34 +16,34 @@ from contactstudy.solvers.friction.coulomb_newton import shear_status
 from contactstudy.solvers.friction.partial_slip import SlipStep, locked_shear, slip_step
 from contactstudy.solvers.solution import Status
 
-# Error of the shear over the difference of two integrations where slip wears: at most 2.4 in twelve contacts, whose
-# errors fall as the steps do or more slowly.
+# Error of the tangential traction over the difference of two integrations where slip wears: at most 2.4 in twelve
+# contacts, whose errors are of first order in the step or of less.
 ERROR_OVER_DIFFERENCE = 4.0
-# Error of the shear locked in by cells that enter contact, relative to it, over the relative deviation of the locked-in
-# shear from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts, smooth, rough and
-# finite, in 1 to 16 steps.
+# Error of the traction locked in by cells that enter contact, relative to it, over the relative deviation of the
+# locked-in traction from `slope` times the pressure increment in neighbouring cells: at most 2.4 in 30 contacts, smooth,
+# rough and finite, in 1 to 16 steps.
 ERROR_OVER_DEVIATION = 3.0
-# Shear limit that is never reached, over the increment of a step.
+# Limit of the traction that is never reached, over the increment of a step.
 UNLIMITED = 1e3
-# Fields of the shear.
+# Components of the tangential traction.
 SHEARS = "shear_x", "shear_y"
 # Absolute sums below this are zero.
 TINY = 1e-300
 
 
 @dataclass(frozen=True)
-class ShearState:
-    """Shear between bodies that stick in part, the distance slipped, and the depth worn by it.
+class FrettingState:
+    """Tangential traction between bodies that stick in part, the distance slipped, and the depth worn by it.
 
-    Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the shear before it and what
-    a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953), with a
-    mean p of the pressures at its start and its end, so that the worn volume is ``k / mu`` times the energy: a theta
-    method. With the depth per pressure w worn in a step and the weight e of the pressure at its start, a pressure
-    pattern of the eigenvalue lambda of the influence matrix becomes ``(lambda - e w) / (lambda + (1 - e) w)`` of it. The
-    weight is a half, the second-order scheme, where w is twice the smallest eigenvalue at most; above, it is that
-    eigenvalue over w, so that no pattern changes its sign from step to step. The implicit part enters the contact as a
-    local compliance; slip and contact are iterated to a fixed point. A step within a segment of the tangential history
-    that lasts n half periods counts its slip n times (cycle jump).
+    Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the traction before it and
+    what a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953),
+    with a mean p of the pressures at its start and its end (a theta method), so that the worn volume is ``k / mu``
+    times the energy. With the depth per pressure w worn in a step and the weight e of the pressure at its start, a
+    pressure pattern of the eigenvalue lambda of the influence matrix becomes ``(lambda - e w) / (lambda + (1 - e) w)``
+    of it. The weight is a half, the second-order scheme, where w is at most twice the smallest eigenvalue; above, it is
+    that eigenvalue over w, so that no pattern changes its sign from step to step. The implicit part enters the contact
+    as a local compliance; slip and contact are iterated to a fixed point. A step within a segment of the tangential
+    history that lasts n half periods counts its slip n times (cycle jump).
 
     Attributes
     ----------
@@ -52,10 +52,10 @@ class ShearState:
     wear
         Specific wear rate k [1/Pa], the wear coefficient over the hardness; 0 wears nothing.
     response
-        Displacement under shear.
+        Tangential displacement under a tangential traction.
     forces, displacements
-        Tangential force [N/m] on the first body, or rigid displacement [m] of the second against the first, over time
-        and along x; the other one is None.
+        Tangential force [N/m] on the first body, or rigid-body displacement [m] of the second against the first, over
+        time and along x; the other one is None.
     period
         Duration of a cycle [s]; infinite if each force is followed once.
     least_eigenvalue
@@ -63,8 +63,8 @@ class ShearState:
     gap_scale
         Scale of the gap [m], to which its errors are relative.
     creep
-        Creep of the surface under shear over its instantaneous response; None of elastic bodies. It also keeps the
-        delayed pressure, under which a rising one locks shear in.
+        Creep of the surfaces over their instantaneous compliance; None of elastic bodies. Its state also keeps the
+        retarded pressure, beside which a rising one locks traction in.
     compliances_proportional
         Whether the tangential compliance is proportional to the normal one.
     grid
@@ -90,7 +90,7 @@ class ShearState:
     has_stages: ClassVar[bool] = False
 
     def start(self, shape: tuple[int, int]) -> State:
-        """Return no shear, slip or wear on `shape` cells (x, y)."""
+        """Return a state without traction, slip or wear on `shape` cells (x, y)."""
         names = ["shear_x", "shear_y", "stick", "slip_distance", "energy", "shear_error"]
         names += ["worn_depth", "slip_iterate"] * (self.wear > 0)
         numbers = ["residual", "applications", *["slip_change"] * (self.wear > 0)]
@@ -115,18 +115,18 @@ class ShearState:
         return dict(state) | {"slip_iterate": found["slip_iterate"]}
 
     def outcome(self, state: State) -> tuple[Status, float]:
-        """Return how the solution for the shear of the last step ended, and its relative residual."""
+        """Return how the solution for the traction of the last step ended, and its relative residual."""
         residual, applications = float(state["residual"][0]), int(state["applications"][0])
         status = shear_status(residual, applications, self.tolerance, self.max_applications)
         return status, residual
 
     def update(self, state: State, before: Array, after: Array, step: Step) -> State:
-        """Return shear, slip, energy and worn depth at the end of the step.
+        """Return traction, slip, energy and worn depth at the end of the step.
 
-        1. Take the force or the rigid displacement at the end of the step.
-        2. Let the shear creep, with the delayed pressure.
-        3. Add the shear that a rising pressure locks in.
-        4. Solve for shear and slip under the pressure at the end.
+        1. Take the force at the end of the step, or the rigid-body displacement in it.
+        2. Let the surfaces creep under the traction and the pressure before.
+        3. Add the traction that a rising pressure locks in.
+        4. Solve for traction and slip under the pressure at the end.
         5. Add the slip of all half cycles that the step stands for, its energy and its wear.
         """
         slope, total, rigid = self._driving(before, step)
@@ -171,10 +171,11 @@ class ShearState:
         return end
 
     def _driving(self, before: Array, step: Step) -> tuple[float, Array | None, Array | None]:
-        """Return what drives a step: force over load where both rise, and the total shear or the rigid displacement.
+        """Return what drives a step: the rise of force over that of load, and the total traction or the displacement.
 
-        The total (2,) [Pa] is the sum of the shear of all cells at the end of the step, the displacement (2,) [m] that
-        of the second body in the step; one of them is None. The first load is applied before the shear.
+        The ratio is 0 where the load does not rise, or jumps. The total (2,) [Pa] is the sum of the traction of all
+        cells at the end of the step, the displacement (2,) [m] that of the second body in the step; one of them is None.
+        The first load is applied before the traction.
         """
         loaded = bool(before.any())
         if self.forces is None:
@@ -189,10 +190,10 @@ class ShearState:
         return slope, np.array([last * self.grid.length / self.grid.cell_area, 0.0]), None
 
     def _crept(self, state: State, carried: Array, step: Step) -> tuple[Array, ShearResponse]:
-        """Return shear and pressure (3, x, y) [Pa] that give the displacement after creep, and the response then.
+        """Return traction and pressure (3, x, y) [Pa] that give the displacement after creep, and the response then.
 
-        Over the response before the step, the displacement is q + delayed before it, and q (1 + compliance_change) +
-        still_delayed at its end.
+        Over the instantaneous response, the displacement under `carried` is ``carried + delayed`` before the step. A
+        traction q after creep gives ``q (1 + compliance_change) + still_delayed`` at its end.
         """
         if self.creep is None:
             return carried, self.response
@@ -206,11 +207,11 @@ class ShearState:
     def _locked(
         self, shear: Array, before: Array, after: Array, slope: float
     ) -> tuple[Array, Array]:
-        """Return the shear that the step is counted from, with what a rising pressure locks in, and its error (x, y).
+        """Return the traction (2, x, y) [Pa] that slip is counted from, with what is locked in, and its error (x, y).
 
-        Unless tangential and normal compliances are proportional, the locked-in shear is not proportional to the
-        increment of the pressure: cells in contact throughout the step have one rigid displacement, cells that enter
-        contact take `slope` times their pressure. The error of the latter is estimated from the deviation in
+        Unless tangential and normal compliances are proportional, the locked-in traction is not proportional to the
+        increment of the pressure: cells in contact throughout the step have one rigid-body displacement, cells that
+        enter contact take `slope` times their pressure. The error of the latter is estimated from the deviation in
         neighbouring cells.
         """
         reference, in_contact = locked_shear(shear, before, after, slope), before > 0
@@ -254,11 +255,21 @@ class ShearState:
         return np.asarray(np.minimum(0.5, self.least_eigenvalue / np.maximum(worn, TINY)))
 
     def fields(self, state: State) -> Mapping[str, Field]:
-        """Return shear, stick, slip, energy and worn depth (x, y)."""
+        """Return traction, stick, slip, energy and worn depth (x, y)."""
         plane = ("x", "y")
         fields = {
-            "shear_x": Field(plane, state["shear_x"], "Pa", "shear across, on the first body"),
-            "shear_y": Field(plane, state["shear_y"], "Pa", "shear along, on the first body"),
+            "shear_x": Field(
+                plane,
+                state["shear_x"],
+                "Pa",
+                "tangential traction across the contact, on the first body",
+            ),
+            "shear_y": Field(
+                plane,
+                state["shear_y"],
+                "Pa",
+                "tangential traction along the contact, on the first body",
+            ),
             "stick": Field(plane, state["stick"], "1", "1 where the bodies stick, 0 elsewhere"),
             "slip_distance": Field(plane, state["slip_distance"], "m", "distance slipped so far"),
             "friction_energy": Field(
@@ -270,24 +281,24 @@ class ShearState:
         return fields
 
     def step_error(self, state: State, other: State) -> float:
-        """Return the L1 error of the shear that the difference of two states estimates, relative to the first."""
+        """Return the L1 error of the traction that the difference of two states estimates, relative to the first."""
         size = self._size(state)
         changed = sum(float(np.abs(state[name] - other[name]).sum()) for name in SHEARS)
         factor = ERROR_OVER_DIFFERENCE if self.wear else 1.0
         return factor * changed / size if size > TINY else 0.0
 
     def common_error(self, state: State) -> float:
-        """Return the L1 error of the shear, relative to it, that longer steps have in common with shorter ones.
+        """Return the L1 error of the traction, relative to it, that longer steps have in common with shorter ones.
 
-        It is that of the shear locked in by a rising pressure, and of the shear along y in cells that begin to slip in a
-        step, whose direction follows the slip of the whole step.
+        It is that of the traction locked in by a rising pressure, and of the traction along y in cells that begin to
+        slip in a step, whose direction follows the slip of the whole step.
         """
         size = self._size(state)
         return float(state["shear_error"].sum()) / size if size > TINY else 0.0
 
     @staticmethod
     def _size(state: State) -> float:
-        """Return the L1 norm of the shear of a state."""
+        """Return the sum of the components of the traction [Pa] over all cells, by their sizes."""
         return sum(float(np.abs(state[name]).sum()) for name in SHEARS)
 
 

@@ -24,7 +24,7 @@ from contactstudy.evolution.states.plastic_volume import embedded, layers
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import PosedScene, Scene
-from contactstudy.scene.solids.bodies import instantaneous
+from contactstudy.scene.solids.bodies import creeps, instantaneous
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions
 
@@ -341,14 +341,14 @@ def _strain_change(before: Array, after: Array) -> float:
 
 
 def _single_yielding_body(scene: Scene) -> YieldingBody:
-    """Return the one yielding body of `scene`; refuse a load that changes, wear, and none or two bodies that yield."""
+    """Return the one yielding body of `scene`; refuse a load that changes, wear, creep, and none or two such bodies."""
     if scene.wear is not None or not isinstance(scene.load, ConstantLoad):
         field = "Scene.load" if scene.wear is None else "Scene.wear"
         raise InvalidInput(
             f"{field} changes in time together with repeated rolling: leave it out or give a LineLoad."
         )
     bodies = YieldingBody.in_scene(scene)
-    if len(bodies) != 1:
+    if len(bodies) != 1 or any(map(creeps, scene.solids)):
         raise InvalidInput(
             f"Scene.solids are {scene.solids!r}: give one body that yields, an ElasticPlasticHalfSpace, and an "
             "elastic or rigid HalfSpace that rolls on it."

@@ -154,9 +154,18 @@ def test_a_dataset_holds_passes_depths_and_the_window() -> None:
     ("changes", "match"),
     [
         ({"solids": (cs.HalfSpace(E, NU), RIGID)}, r"give one body that yields"),
+        (
+            {
+                "solids": (
+                    cs.ElasticPlasticHalfSpace(E, NU, Y, 0.0),
+                    cs.ViscoelasticHalfSpace(E, NU, ((E, 1.0),)),
+                )
+            },
+            r"give one body that yields, .* elastic or rigid HalfSpace",
+        ),
         ({"load": cs.SineLoad(1.0, 0.1, 1.0)}, r"^Scene\.load changes in time"),
     ],
-    ids=["no yielding body", "load"],
+    ids=["no yielding body", "a creeping body", "load"],
 )
 def test_what_does_not_roll_in_passes_is_refused(changes: dict[str, object], match: str) -> None:
     with pytest.raises(cs.InvalidInput, match=match):

@@ -122,7 +122,7 @@ def checked_times(name: str, times: tuple[Seconds, ...]) -> tuple[float, ...]:
     """Return `times` [s] that do not decrease; raise :class:`~contactstudy.InvalidInput` for others, by their `name`."""
     checked = each(name, times, finite, "give a time [s]")
     for number, (before, after) in enumerate(pairwise(checked), start=1):
-        if after < before or checked.count(after) > 2:
+        if after < before or checked[: number + 1].count(after) > 2:
             raise InvalidInput(
                 f"{name}[{number}] is {after!r}: give times that do not decrease, the same one twice at the most."
             )

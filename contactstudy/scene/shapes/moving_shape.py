@@ -29,7 +29,8 @@ class ShiftedGrid(Grid):
 class MovingShape:
     """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.
 
-    At time zero it is not shifted. Heights of a measured surface repeat across with the width of the grid.
+    At time zero it is not shifted. In a contact without a film it stays there; one that rolls refuses it. Heights of a
+    measured surface repeat across with the width of the grid.
 
     Parameters
     ----------

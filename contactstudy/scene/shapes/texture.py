@@ -189,13 +189,17 @@ class Texture:
     def of_density(cls, feature: Dimple | Groove, area_density: float, along: float = inf) -> Self:
         """Return the texture that covers a fraction `area_density` of the surface, by its pitch across the contact.
 
-        `along` [m] is the pitch along the length, infinite for grooves.
+        `along` [m] is the pitch of dimples along the length; grooves run along it and have none.
         """
         remedy = "give a fraction of the surface above 0 and below 1"
         density = below_one("Texture area_density", area_density, remedy)
         if isinstance(feature, Dimple):
             in_range(
                 "Texture along", along, "give the pitch of the dimples along the length, above 0 m"
+            )
+        elif along != inf:
+            raise InvalidInput(
+                f"Texture along is {along!r}: give it for dimples only, grooves of a given density run along the length."
             )
         return cls(feature, (feature.density((1.0, along)) / density, along))
 

@@ -291,7 +291,7 @@ def test_evolve_says_what_is_wrong(named: dict[str, object], match: str) -> None
     [
         ((0.0, 1.0), (1.0,), "per_length has 1 loads"),
         ((1.0, 0.0), (1.0, 1.0), r"times\[1\]"),
-        ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), r"times\[1\]"),
+        ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), r"times\[2\]"),
         ((0.0, 1.0), (0.0, 0.0), "is 0 throughout"),
         ((), (), "times"),
     ],

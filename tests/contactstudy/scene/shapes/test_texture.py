@@ -86,6 +86,7 @@ def test_grooves_run_along_or_across_the_length() -> None:
         (lambda: cs.Texture(GROOVE, (1e-4, 1e-4)), r"Texture\.pitch"),
         (lambda: cs.Texture.of_density(DIMPLE, 1.0, 2e-4), "Texture area_density"),
         (lambda: cs.Texture.of_density(DIMPLE, 0.1), "Texture along"),
+        (lambda: cs.Texture.of_density(GROOVE, 0.1, 2e-4), "Texture along"),
         (lambda: replace(DIMPLES, pitch=(2e-4, 2e-4)).gap(grid(8, 8)), r"Texture\.pitch\[1\]"),
     ],
 )

@@ -79,9 +79,6 @@ class EstimateConstants:
     edge_rise
         Largest rise there over the pressure of a plate bent over the radius R, ``E t / R``, over the cube root of the
         ratio of stiffness.
-    change_of_attraction
-        Largest relative change of the attraction in the last outer iteration over the residual of a contact with
-        adhesion.
     """
 
     smooth_ratio: float = 0.25
@@ -95,7 +92,6 @@ class EstimateConstants:
     stiff_coating: float = 2.0
     cells_in_coating: int = 2
     edge_rise: float = 2 / 3
-    change_of_attraction: float = 1e3
 
 
 CONSTANTS = EstimateConstants()
@@ -167,9 +163,13 @@ def error_estimate(
     if problem.source is None or not problem.source.ends_along:
         peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings)
     peak_residual, l1_residual = residual_errors(solution)
-    # the change of the attraction that counts as much as this residual
     if solution.adhesion is not None:
-        l1_residual += CONSTANTS.change_of_attraction * solution.residual
+        from contactstudy.solvers.adhesion import (
+            CONSTANTS as OUTER,
+        )  # imported only where it is named
+
+        # the change of the attraction that counts as much as this residual
+        l1_residual += OUTER.change_in_tolerances * solution.residual
     # the heights on several grids have the same waves
     with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
         cells = _cells(solution, coarse, heights, confidence)

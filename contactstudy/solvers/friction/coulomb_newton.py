@@ -228,7 +228,8 @@ class CoulombNewton:
 def _forcing(tolerance: float, residual: float) -> float:
     """Return the fraction of F that a Newton step may leave.
 
-    It is less where few cells change between stick and slip; the last steps end at the tolerance, not far below it.
+    It is less where few cells change between stick and slip, as in inexact Newton methods (Eisenstat & Walker 1996); the
+    last steps end at the tolerance, not far below it.
     """
     forcing = min(CONSTANTS.forcing, CONSTANTS.forcing_by_residual * sqrt(residual))
     last = 0.5 * tolerance / residual

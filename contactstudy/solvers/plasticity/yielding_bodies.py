@@ -86,7 +86,7 @@ class ReturnMapping:
         return np.asarray(self.size / np.where(self.flows, self.multiplier, np.inf))
 
     def inverse_tangent(self, strain: Array) -> Array:
-        """Return the inverse derivative of the return times `strain` (C, cells) [Pa]; 0 for cells that do not flow."""
+        """Return the inverse derivative of the return mapping times `strain` (C, cells) [Pa]; 0 where nothing flows."""
         law, transverse = self.law, self._transverse
         along = np.einsum("ck,ck->k", self.direction, strain) * self.direction
         return np.asarray(
@@ -95,9 +95,9 @@ class ReturnMapping:
 
     @property
     def stiffness(self) -> Array:
-        """Inverse derivative of the return less 2G, as matrices of the cells that flow (flowing cells, C, C) [Pa].
+        """Inverse derivative of the return mapping less 2G, as matrices (flowing cells, C, C) [Pa].
 
-        The matrices are positive semidefinite.
+        They are positive semidefinite. The derivative is that of the plastic strain by the trial stress.
         """
         flows, direction = self.flows, self.direction[:, self.flows]
         transverse = (self._transverse - self.law.twice_shear)[flows][:, None, None]

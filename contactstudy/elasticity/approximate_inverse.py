@@ -311,7 +311,7 @@ def hole_width(active: Array) -> float:
 def at_unpadded_waves(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
     """Return the spectrum of a padded grid at the wave numbers nearest to those of the unpadded one, bounded from below.
 
-    The bound is a thousandth of the smallest magnitude beside the mean across.
+    The bound is a thousandth of the smallest magnitude among waves that vary across.
     """
     xp, put = arrays(), device().to_device
     (nx, ny), (px, py) = cells, padded

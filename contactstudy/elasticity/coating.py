@@ -1,4 +1,4 @@
-"""Influence coefficients that a bonded layer adds, under pressure and shear, to those of its own half-space."""
+"""Influence coefficients that a bonded layer adds, under pressure and tangential traction, to those of its material."""
 
 from dataclasses import dataclass
 from math import log
@@ -85,7 +85,7 @@ class CoatingCoefficients:
 
 @dataclass(frozen=True)
 class CoatingShearCoefficients:
-    """Influence coefficients [m] that a bonded layer adds under shear to those of a half-space of its own material.
+    """Influence coefficients [m] under tangential traction that a bonded layer adds to those of its own half-space.
 
     They are those of :class:`~contactstudy.elasticity.kernels.layer.shear.ShearWaves`: under long waves the
     displacement along the surface is that of a half-space of the substrate. A row's mean and a cell alone have long
@@ -98,8 +98,8 @@ class CoatingShearCoefficients:
     thickness
         Thickness of the layer [m].
     name
-        "xx", "xy" or "yy" for displacement along one axis under shear along another, "x" or "y" for displacement along
-        the normal under shear along that axis.
+        "xx", "xy" or "yy" for displacement along one axis under traction along another, "x" or "y" for displacement
+        along the normal under traction along that axis.
     datum
         Distance [m] as in :class:`~contactstudy.elasticity.coefficients.BoussinesqCoefficients`.
     """

@@ -25,12 +25,12 @@ WEIGHT_ROUNDING = 1e-14
 
 @dataclass(frozen=True)
 class CerrutiCoefficients:
-    """Influence coefficients of a field on the surface under shear, integrated over a cell (Cerruti).
+    """Influence coefficients of a field on the surface under tangential traction, integrated over a cell (Cerruti).
 
     Parameters
     ----------
     name
-        Displacement by shear: along the surface "xx", "xy" or "yy" (``x^2 / r^3``, ``x y / r^3`` and ``y^2 / r^3``),
+        Displacement by traction: along the surface "xx", "xy" or "yy" (``x^2 / r^3``, ``x y / r^3`` and ``y^2 / r^3``),
         or along the normal "x" or "y" (``x / r^2`` and ``y / r^2``), as in Johnson (1985), eqs. 3.75.
     datum
         Distance [m] from which displacement of a row is counted, for "xx" and "yy", as in
@@ -139,7 +139,7 @@ class ShearResponse:
         return float((sums + np.abs(self.xy.spectrum)).max())
 
 
-# Compliance under shear by component of :class:`ShearResponse`, and "x" and "y" along the normal by shear along each
+# Compliance under traction by component of :class:`ShearResponse`, and "x" and "y" along the normal by it along each
 # axis: coefficients [m] with their weights [1/Pa].
 ShearCompliance = Mapping[str, Mapping[Coefficients, float]]
 
@@ -148,13 +148,13 @@ class ShearableBody(Protocol):
     """Body whose response to shear is known."""
 
     def shear_compliance(self, datum: float) -> ShearCompliance:
-        """Return the compliance under shear, with the `datum` [m] of the response to pressure."""
+        """Return the compliance under tangential traction, with the `datum` [m] of the response to pressure."""
 
 
 def half_space_shear_compliance(
     compliance: float, poisson_ratio: float, datum: float
 ) -> ShearCompliance:
-    """Return the compliance under shear of a half-space, whose compliance under pressure is (1 - nu^2) / E [1/Pa]."""
+    """Return the compliance under traction of a half-space, whose compliance under pressure is (1 - nu^2) / E [1/Pa]."""
     isotropic = compliance / np.pi
     by_poisson = isotropic * poisson_ratio / (1 - poisson_ratio)
     normal = compliance * (1 - 2 * poisson_ratio) / (2 * np.pi * (1 - poisson_ratio))
@@ -171,7 +171,7 @@ def half_space_shear_compliance(
 def shear_response(
     bodies: Iterable[ShearableBody], grid: Grid, paddings: Paddings, datum: float
 ) -> ShearResponse:
-    """Return the displacement of `bodies` together under shear."""
+    """Return the displacement of `bodies` together under tangential traction."""
     shears = [body.shear_compliance(datum) for body in bodies]
     weights = {
         name: summed_responses(1, *(shear[name] for shear in shears)) for name in ("xx", "yy", "xy")
@@ -187,7 +187,7 @@ def normal_displacement(
     paddings: Paddings,
     datum: float,
 ) -> list[GeneralConvolution]:
-    """Return the change of the gap by shear along each of the `axes`; none for elastically similar bodies.
+    """Return the change of the gap by traction along each of the `axes`; none for elastically similar bodies.
 
     Bodies are similar where the weights of the first one's coefficients are those of the second one's.
     """

@@ -178,7 +178,7 @@ def stress_under_pressure(top: Array, layer: CellLayer, nu: float) -> Tensor:
 def stress_under_shear(
     top: Array, layer: CellLayer, nu: float, direction: tuple[Array, Array]
 ) -> Tensor:
-    """Return the means of the stress over a `layer` under a wave of unit shear along x (waves,), divided by i.
+    """Return the means of the stress over a `layer` under a wave of unit traction along x (waves,), divided by i.
 
     `top` is q times the depth of its upper side, and `direction` is that of n, (c, s). Source: Johnson (1985), sect.
     2.3, summed to a wave, and antiplane shear along t.

@@ -68,7 +68,7 @@ def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 
 def _incompressible(field: KernelFunction) -> KernelFunction:
-    """Return `field` for a Poisson's ratio of a half: fields that do not depend on it under shear."""
+    """Return `field` for a Poisson's ratio of a half: fields that do not depend on it under tangential traction."""
     return lambda x, y, z, r, nu: field(x, y, z, r, 0.5)
 
 
@@ -78,8 +78,7 @@ def _zero(strip: Strip, nu: float) -> float:
 
 
 _NORMAL = COMPONENTS
-# Stress under unit shear along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76 and sect.
-# 2.5(b)
+# Stress under unit traction along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76, sect. 2.5(b)
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
 for _name, _parity, _point, _corner, _plane, _other in (
@@ -131,7 +130,7 @@ def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 
 
 # 2 pi times these are integrals over the cell of fields on the surface, z = 0: x / r^2 and y / r^2, the normal
-# displacement under shear (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
+# displacement under traction (Johnson 1985, eq. 3.75c), x^2 / r^3 and x y / r^3, what Poisson's ratio adds to the
 # displacement along the surface (eqs. 3.75a, b). y^2 / r^3 is 1 / r less x^2 / r^3.
 SURFACE: dict[str, CellKernel] = {}
 # Names of the fields with the axes exchanged.

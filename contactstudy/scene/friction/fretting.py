@@ -202,7 +202,7 @@ class Fretting:
     def response(
         scene: SceneContext, grid: Grid, paddings: Paddings, datum: float
     ) -> ShearResponse:
-        """Return the displacement of both bodies of `scene` under shear."""
+        """Return the displacement of both bodies of `scene` under tangential traction."""
         return shear_response(sheared(scene.solids), grid, paddings, datum)
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:

@@ -117,7 +117,7 @@ def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
 def shear_coupling(
     solids: tuple[Body, ...], axes: str, grid: Grid, paddings: Paddings, datum: float
 ) -> list[GeneralConvolution]:
-    """Return the change of the gap by shear along each of the `axes`, none for elastically similar bodies."""
+    """Return the change of the gap by traction along each of the `axes`, none for elastically similar bodies."""
     if solids[0] == solids[1]:
         return []
     first, second = sheared(solids)

@@ -89,7 +89,7 @@ class CoatedHalfSpace:
         return {**alone, CoatingCoefficients(self._layer, self.thickness, datum): weight}
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
-        """Return the displacement under shear of a half-space of the coating, and the change by the substrate."""
+        """Return the displacement under traction of a half-space of the coating, and the change by the substrate."""
         # imported only where something is sheared
         from contactstudy.elasticity.coating import CoatingShearCoefficients
 

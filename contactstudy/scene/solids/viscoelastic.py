@@ -142,7 +142,7 @@ class RollingHalfSpace:
         return total
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
-        """Return coefficients of the displacement under shear, even and odd along x, with weights [1/Pa]."""
+        """Return coefficients of the displacement under traction, even and odd along x, with weights [1/Pa]."""
         from contactstudy.elasticity.tangential import half_space_shear_compliance
 
         creep, ratio = self.body.creep, self.body.poisson_ratio

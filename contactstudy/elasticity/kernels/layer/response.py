@@ -94,13 +94,13 @@ class LayerResponse:
     def shear_remainders(
         self, k: RealOrComplex
     ) -> tuple[RealOrComplex, RealOrComplex, RealOrComplex]:
-        """Return what R(k) is under shear: of shear along the wave, across it, and of both displacements' coupling.
+        """Return what R(k) is under tangential traction: along the wave, across it, and of the displacements' coupling.
 
-        Displacement by shear along the wave is ``2 (1 - nu1^2) / (E1 q) (1 + d0 exp(-2 k) + R)``. By shear across it
-        is ``1 / (G1 q) (1 + (m - 1) exp(-2 k) + R)``, with m the ratio of the shear moduli. Normal displacement by
-        shear along the wave is ``1 / (2 G1 q) (1 - 2 nu1 + h0 exp(-2 k) + R)``, a quarter of a wave behind, with h0 the
-        `coupling_contrast`; q [1/m] is the wave number, k that times the thickness, and E1, G1 and nu1 are the layer's.
-        Source: that of the class; antiplane strain of the layer across the wave.
+        Displacement by traction along the wave is ``2 (1 - nu1^2) / (E1 q) (1 + d0 exp(-2 k) + R)``. By traction across
+        the wave it is ``1 / (G1 q) (1 + (m - 1) exp(-2 k) + R)``, with m the ratio of the shear moduli. Normal
+        displacement by traction along the wave is ``1 / (2 G1 q) (1 - 2 nu1 + h0 exp(-2 k) + R)``, a quarter of a wave
+        behind, with h0 the `coupling_contrast`. The wave number q [1/m] times the thickness is k, and E1, G1 and nu1
+        are the layer's. Source: that of the class; antiplane strain of the layer across the wave.
         """
         _, kap, one_lam, one_kap, cross = self._mismatch
         ratio = (self.shear_ratio - 1) / (self.shear_ratio + 1)

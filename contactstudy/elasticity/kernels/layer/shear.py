@@ -1,4 +1,4 @@
-"""Displacement of a coated surface under shear, less that of a half-space of the coating's material, by waves."""
+"""Displacement of a coated surface under tangential traction (shear), less that of a half-space of the coating."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -35,10 +35,10 @@ class Subtracted(Enum):
 
 @dataclass(frozen=True)
 class ShearWaves:
-    """Displacement under a wave of shear that the substrate adds to that of a half-space of the coating's material.
+    """Displacement under a wave of tangential traction that the substrate adds to that of a half-space of the coating.
 
     Fields "xx", "xy" and "yy" are the displacements along the surface, over ``(1 - nu1^2) / (pi E1)``; "x" and "y" are
-    the normal displacement under shear along either axis, over ``1 / (4 pi G1)``; all in thicknesses.
+    the normal displacement under traction along either axis, over ``1 / (4 pi G1)``; all in thicknesses.
 
     Parameters
     ----------

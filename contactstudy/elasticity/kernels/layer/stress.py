@@ -1,4 +1,4 @@
-"""Stress in a layer and in the half-space below it, under a wave of pressure and shear on the surface.
+"""Stress in a layer and in the half-space below it, under a wave of pressure and of tangential traction (shear).
 
 With the wave number k, ``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos`` and a shear
 ``Q sin`` along x give ``s_zz = -f cos``, ``s_xz = f' sin`` and ``s_xx = f'' cos``. Displacements and traction are

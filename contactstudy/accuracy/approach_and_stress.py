@@ -17,6 +17,7 @@ NO_DATUM = (
     "No bound for the approach: it counts from a place that depends on the images that the padding leaves out, give "
     "ExactPeriodicity."
 )
+ZERO_APPROACH = "No bound for the approach: it is zero, and its error is relative to it."
 NO_COARSER = (
     "No bound for the stress: there is no solution on cells of twice the size to compare with."
 )
@@ -27,8 +28,8 @@ def approach_error(
 ) -> ErrorParts:
     """Return the relative error of the approach.
 
-    By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells. It has no
-    bound where images are left out.
+    By the cells it is the larger of that by the L1 error of the pressure and of the change from larger cells. It is
+    infinite, with the reason, where images are left out or the approach is zero.
 
     Parameters
     ----------
@@ -42,7 +43,8 @@ def approach_error(
     size = abs(solution.approach)
     images = estimate.l1.images or 0.0
     if images or not size:
-        return ErrorParts(inf if images else 0.0, inf, 0.0, reason=NO_DATUM if images else "")
+        reason = NO_DATUM if images else ZERO_APPROACH
+        return ErrorParts(inf if images else 0.0, inf, 0.0, reason=reason)
     change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
     if solution.adhesion is not None:
         change *= FIRST_ORDER_MARGIN

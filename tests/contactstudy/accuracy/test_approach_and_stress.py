@@ -50,6 +50,15 @@ def test_what_images_left_out_move_has_no_bound_of_the_approach(line_contact: Li
     assert "ExactPeriodicity" in found.reason
 
 
+def test_a_bound_relative_to_an_approach_of_zero_is_infinite_with_a_reason(
+    line_contact: LineContact,
+) -> None:
+    solution = cs.solve(line_contact.scene.problem(line_contact.grid((48, 1), 1.0), EXACT))
+    found = approach_error(replace(solution, approach=0.0), error_estimate(solution), None)
+    assert found.total == inf
+    assert "it is zero" in found.reason
+
+
 def test_stress_without_a_coarser_solution_has_no_bound(line_contact: LineContact) -> None:
     solution = cs.solve(line_contact.scene.problem(line_contact.grid((48, 1), 1.0), EXACT))
     parts = stress_errors(

@@ -22,7 +22,7 @@ def airy_means(count: int, edges: Array, layer: int) -> Mapping[tuple[int, int],
 
     For each (m, n) of `DERIVATIVE_ORDERS` it is ``d_z^m d_z'^n d_x^(4-m-n) G``; G is that of a half-space free of
     traction. The arrays (layers, x) are at `count` offsets 0, 1, 2 ... across; offsets and the `edges` of the layers
-    are in cells. Errors from cancellation grow like the offset squared, to 1e-9 of the largest mean at 1000 cells.
+    are in cells. Errors from cancellation grow like the offset squared, to some 3e-9 of the largest mean at 1000 cells.
     """
     x = np.arange(-1.0, count + 1)
     below, above = (_integrals(x, edges[layer + side], edges) for side in (1, 0))

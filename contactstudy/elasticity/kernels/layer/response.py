@@ -161,7 +161,7 @@ def _sinh_square_less_square(k: RealOrComplex) -> RealOrComplex:
 # The tables' pieces are [0, 1], [1, 2], [2, 4] ... thicknesses: singularities at two thicknesses and, of
 # the far form, at zero lie outside a Bernstein ellipse of rho = 5.8.
 CHEBYSHEV_POINTS = 22
-# R is below 1e-14 of its largest beyond this k.
+# R is below 2e-14 of its largest beyond this k.
 LAST_WAVE = 20.0
 # Gauss points on each piece of k, at most two oscillations long.
 GAUSS_POINTS = 18

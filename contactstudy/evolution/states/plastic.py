@@ -433,8 +433,10 @@ def step_solution(step: ElastoplasticStep, tolerance: float) -> Solution:
     last = step.solution
     status, note = last.status, last.note
     if status in STOPPED_EARLY and last.residual <= tolerance:
-        status = Status.CONVERGED  # the contact has a smaller tolerance than the step
-    if not step.residual <= tolerance:
+        # the contact has a smaller tolerance than the step
+        is_cut_off = last.problem.is_cut_off(last.pressure)
+        status = Status.CONTACT_AT_EDGE if is_cut_off else Status.CONVERGED
+    if not (status.is_failure or step.residual <= tolerance):
         status = Status.NOT_CONVERGED
         note = (
             f"Plastic strain and pressure stopped at a residual of {step.residual:.1e} yield strains, above the "

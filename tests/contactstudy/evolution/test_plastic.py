@@ -14,7 +14,7 @@ import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.states import plastic_volume
-from contactstudy.evolution.states.plastic import PlasticState
+from contactstudy.evolution.states.plastic import PlasticState, step_solution
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers.plasticity import elastoplastic_step
 
@@ -447,3 +447,27 @@ def test_what_plastic_strain_is_not_known_for_is_refused_in_a_sentence(
         make()  # type: ignore[operator]
     assert "\n" not in str(refused.value)
     assert ": " in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("width", "contact", "step_residual", "expected"),
+    [
+        (3.2, cs.Status.NOT_FINITE, np.nan, cs.Status.NOT_FINITE),
+        (3.2, cs.Status.STALLED, 1e-7, cs.Status.CONVERGED),
+        (1.0, cs.Status.STALLED, 1e-7, cs.Status.CONTACT_AT_EDGE),
+        (1.0, cs.Status.CONTACT_AT_EDGE, 1e-2, cs.Status.NOT_CONVERGED),
+    ],
+)
+def test_a_step_has_the_worse_status_of_contact_and_plastic_strain(
+    width: float, contact: cs.Status, step_residual: float, expected: cs.Status
+) -> None:
+    scene = replace(
+        pressed(1.0), load=cs.LineLoad(load(1.0)), solids=(cs.HalfSpace(YOUNG, NU), RIGID)
+    )
+    problem = scene.problem(grid_of(1.0, 0.05, width), cs.ZeroPadding())
+    last = replace(cs.solve(problem), status=contact)
+    nothing = np.zeros((3, 1))
+    step = elastoplastic_step.ElastoplasticStep(
+        last, nothing, nothing[0], step_residual, 1, (last,), 0.0
+    )
+    assert step_solution(step, 1e-6).status is expected

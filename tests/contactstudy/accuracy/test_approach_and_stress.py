@@ -17,7 +17,7 @@ DEPTHS = tuple(np.geomspace(1e-6, 2e-4, 30))
 
 
 @pytest.mark.parametrize("wave", [None, (3e-8, 20.0), (1e-7, 40.0)])
-def test_the_bounds_hold_of_smooth_and_of_wavy_contacts(
+def test_bounds_of_approach_and_stress_hold_on_smooth_and_wavy_contacts(
     wave: tuple[float, float] | None, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((90, 1), 1.0, width=3.2)
@@ -40,7 +40,7 @@ def test_the_bounds_hold_of_smooth_and_of_wavy_contacts(
     assert abs(places[1] / places[0] - 1) <= depth.total
 
 
-def test_what_images_left_out_move_has_no_bound_of_the_approach(line_contact: LineContact) -> None:
+def test_the_approach_has_no_bound_where_images_are_left_out(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(
         line_contact.grid((48, 4), 1.2), cs.CircularSuperposition(2)
     )

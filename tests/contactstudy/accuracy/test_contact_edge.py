@@ -97,7 +97,7 @@ def test_unresolved_edges_stay_as_they_are(line_contact: LineContact) -> None:
     np.testing.assert_allclose(half_widths(pressure, grid.x), (right + left) / 2, rtol=1e-12)
 
 
-def test_few_cells_count_by_their_faces() -> None:
+def test_the_half_width_of_few_cells_is_that_of_their_faces() -> None:
     x = cs.Grid(cells=(8, 1), extent=(8.0, 1.0)).x
     pressure = np.zeros((8, 2))
     pressure[3:5, 0] = 1.0

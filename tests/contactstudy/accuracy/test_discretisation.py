@@ -14,7 +14,7 @@ from tests.conftest import LineContact
 EXACT = cs.ExactPeriodicity()
 
 
-def test_edge_error_is_that_of_a_contact_or_of_one_a_little_aside(
+def test_the_edge_error_is_the_largest_of_edges_nearby(
     line_contact: LineContact,
 ) -> None:
     """The law holds to the order of cell over half-width, 1 / 100; its leap makes it larger, not smaller."""

@@ -168,7 +168,7 @@ def test_a_problem_without_paddings_is_refused(line_contact: LineContact) -> Non
         error_estimate(solution)
 
 
-def test_a_contact_inside_one_cell_is_known_to_nothing(line_contact: LineContact) -> None:
+def test_a_contact_inside_one_cell_has_the_largest_l1_error(line_contact: LineContact) -> None:
     """Two pressures of one load differ by 2 at most, which is all there is to say."""
     grid = line_contact.grid((33, 1), 1.0, width=33 * 4.0)
     estimate = error_estimate(cs.solve(line_contact.scene.problem(grid, EXACT)))

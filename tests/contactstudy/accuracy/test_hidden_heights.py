@@ -57,7 +57,7 @@ def test_lands_narrower_than_a_cell_leave_no_bound(
 
 @pytest.mark.parametrize("phase", [0.0, 0.01, 0.33])
 @pytest.mark.parametrize("land", [0.03, 0.01])
-def test_what_stands_out_of_the_cells_of_an_unknown_shape_leaves_no_bound(
+def test_heights_of_an_unknown_shape_that_protrude_between_centres_have_no_bound(
     land: float, phase: float, line_contact: LineContact
 ) -> None:
     pitch = line_contact.hertz.half_width / 4
@@ -85,7 +85,9 @@ def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> No
 
 
 @pytest.mark.parametrize("along", [60, 120])
-def test_pressure_at_a_sharp_end_has_no_highest(along: int, line_contact: LineContact) -> None:
+def test_the_peak_pressure_at_a_sharp_end_has_no_bound(
+    along: int, line_contact: LineContact
+) -> None:
     """Lundberg's profile has a finite drop: pressure there grows without limit on finer cells."""
     length = 4 * line_contact.hertz.half_width
     profile = cs.LundbergProfile.for_load(

@@ -37,14 +37,14 @@ def test_uniform_window_s_error_is_found_to_second_order(
         assert moved == pytest.approx(l1, abs=8 * peak * l1 + (2.4 / 128) ** 1.5)
 
 
-def test_where_all_is_seen_nothing_is_lost(line_contact: LineContact) -> None:
+def test_paddings_without_missing_images_have_no_image_error(line_contact: LineContact) -> None:
     whole = solved(line_contact, (24, 6), 1.2, EXACT)
     for paddings in ((FREE, EXACT), (EXACT, EXACT), (EXACT, FREE)):
         pressure = np.pad(whole.pressure[:, :4], ((0, 0), (1, 1)))
         assert image_errors(pressure, whole.problem.grid, paddings) == (0.0, 0.0)
 
 
-def test_a_free_length_is_a_cut_only_where_contact_reaches_its_ends() -> None:
+def test_a_free_length_has_an_image_error_only_where_contact_reaches_its_ends() -> None:
     solids, length = (STEEL, STEEL), 1e-3
     scene = cs.Scene(cs.LineLoad(1e3), solids, (cs.Sphere(0.01),))
     grid = cs.Grid(cells=(32, 32), extent=(length, length))

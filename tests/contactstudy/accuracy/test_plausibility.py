@@ -17,7 +17,7 @@ def warned(scene: cs.Scene, grid: cs.Grid) -> list[str]:
     return [warning for warning in found if warning.startswith("The input is implausible")]
 
 
-def test_a_contact_of_steel_is_meant(line_contact: LineContact) -> None:
+def test_a_contact_of_steel_is_plausible(line_contact: LineContact) -> None:
     assert warned(line_contact.scene, line_contact.grid((64, 1), 1.0)) == []
 
 

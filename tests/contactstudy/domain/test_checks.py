@@ -73,7 +73,7 @@ def test_a_length_divides_a_period_to_a_billionth_of_it() -> None:
             whole_quotient("pitch", 1.0, period)
 
 
-def test_a_name_that_is_none_brings_the_nearest_or_all() -> None:
+def test_an_unknown_name_is_answered_with_the_most_similar_one_or_all() -> None:
     assert suggestion("radus", ["load", "radius", "radii"]) == "did you mean 'radius'"
     assert suggestion("Zero", ["ExactPeriodicity", "ZeroPadding"]) == "did you mean 'ZeroPadding'"
     assert suggestion("x", ["load", "radius"]) == "choose from load, radius"
@@ -93,6 +93,6 @@ def test_a_misspelt_keyword_is_answered_with_the_right_one(make: Any, sentence: 
     assert isinstance(refused.value, TypeError)
 
 
-def test_a_constructor_that_answers_keeps_its_signature() -> None:
+def test_a_constructor_that_suggests_fields_keeps_its_signature() -> None:
     assert list(signature(cs.Cylinder).parameters) == ["radius"]
     assert cs.Cylinder(0.1) == cs.Cylinder(radius=0.1) == replace(cs.Cylinder(0.2), radius=0.1)

@@ -147,7 +147,7 @@ def test_a_contact_with_friction_is_the_same(device: Device, line_contact: LineC
 
 
 @on_every_device
-def test_who_watches_sees_numpy(device: Device, line_contact: LineContact) -> None:
+def test_a_report_gets_numpy_arrays(device: Device, line_contact: LineContact) -> None:
     posed = problem(line_contact, 32, "smooth")
     seen: list[Array] = []
     found = cs.solve(
@@ -223,14 +223,14 @@ def with_cupy(number: int | None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "array_api_compat.cupy", STRICT.arrays)  # type: ignore[arg-type]
 
 
-def test_no_cupy_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_cupy_raises_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     without_cupy(monkeypatch)
     with pytest.raises(cs.InvalidInput, match=r"^Gpu needs CuPy, .*: pip install .*, or give"):
         cs.Gpu()
 
 
 @pytest.mark.parametrize("number", [0, None])
-def test_no_graphics_processor_is_one_sentence(
+def test_a_missing_graphics_processor_raises_one_sentence(
     number: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with_cupy(number, monkeypatch)
@@ -253,7 +253,7 @@ def test_a_graphics_processor_solves_with_the_arrays_of_its_library(
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])
-def test_no_thread_is_refused(threads: object) -> None:
+def test_zero_threads_are_refused(threads: object) -> None:
     with pytest.raises(
         cs.InvalidInput, match=r"^Cpu\.threads is .*: it must be a whole number of at least 1"
     ):

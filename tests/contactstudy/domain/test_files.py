@@ -43,7 +43,7 @@ def test_a_file_stays_as_it_was_until_the_new_one_is_whole(tmp_path: Path) -> No
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_what_processes_that_ended_left_is_removed_and_nothing_else(tmp_path: Path) -> None:
+def test_only_partial_files_of_processes_that_ended_are_removed(tmp_path: Path) -> None:
     alive = psutil.Process().ppid()
     (tmp_path / "figures").mkdir()
     names = {
@@ -89,7 +89,7 @@ def test_bytes_are_read_at_a_place(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     os.close(descriptor)
 
 
-def test_a_sealed_file_gives_its_content_back_or_shows_that_it_is_damaged(tmp_path: Path) -> None:
+def test_a_file_with_a_checksum_gives_its_content_or_is_found_damaged(tmp_path: Path) -> None:
     path = tmp_path / "state"
     for content in (b"", b"\n", bytes(range(256))):
         write_with_checksum(path, content)
@@ -129,7 +129,7 @@ def test_the_file_says_who_holds_it_and_is_removed_at_the_end(tmp_path: Path) ->
 
 
 @POSIX
-def test_who_comes_second_says_who_is_first_and_waits(tmp_path: Path) -> None:
+def test_the_second_process_names_the_holder_of_the_lock_and_waits(tmp_path: Path) -> None:
     path = tmp_path / ".study.lock"
     said: list[str] = []
     order: list[str] = []

@@ -13,7 +13,7 @@ def test_cell_centres_are_symmetric_to_the_last_bit() -> None:
     np.testing.assert_allclose(grid.x[-1] + grid.cell_size[0] / 2, 0.15, rtol=1e-15)
 
 
-def test_cells_are_the_extent_parted() -> None:
+def test_cells_divide_the_extent() -> None:
     grid = cs.Grid(cells=(4, 2), extent=(8.0, 6.0))
     assert (grid.cell_size, grid.cell_area, grid.length) == ((2, 3), 6, 6)
     assert grid.x.tolist() == [-3, -1, 1, 3]

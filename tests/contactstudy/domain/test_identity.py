@@ -26,7 +26,7 @@ def test_numbers_are_one_to_the_last_bit_or_two(one: float, other: float) -> Non
     assert name(one) != name(float(np.nextafter(one, 0.5 if one != 0.5 else 1.0)))
 
 
-def test_a_value_is_no_other_s_of_another_type() -> None:
+def test_values_of_different_types_have_different_trees() -> None:
     values = [
         1, 1.0, True, "1", "1.0", np.float32(1), np.float64(1), np.int64(1), 1 + 0j, b"1", None, "None",
         0.0, -0.0, (1, 2), [1, 2], {1, 2}, frozenset({1, 2}), {1: 2}, {"1": 2}, (), [], "", math.nan, "nan",
@@ -128,6 +128,8 @@ def with_a_unit(values: np.ndarray) -> np.ndarray:
     ],
     ids=lambda value: type(value).__name__,
 )  # fmt: skip
-def test_what_is_known_by_its_address_or_may_keep_more_is_refused(value: object) -> None:
+def test_objects_identified_by_their_address_or_with_hidden_state_are_refused(
+    value: object,
+) -> None:
     with pytest.raises(InvalidInput, match="make its class a frozen dataclass"):
         canonical(value)

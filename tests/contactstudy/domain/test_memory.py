@@ -19,7 +19,7 @@ def eight_bytes(computed: list[str], name: str) -> Callable[[], np.ndarray]:
     return compute
 
 
-def test_equal_keys_have_one_array_that_cannot_be_changed() -> None:
+def test_equal_keys_share_one_read_only_array() -> None:
     computed: list[str] = []
     with caching(ArrayCache(100)):
         first = cached_array((1, 0.3), eight_bytes(computed, "first"))
@@ -37,7 +37,7 @@ def test_linux_says_kib_and_swap_counts(tmp_path: Path, monkeypatch: pytest.Monk
     assert memory._of_system() == 350 * 1024
 
 
-def test_a_container_has_its_limit_less_what_it_uses(
+def test_a_container_has_its_limit_less_its_use(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(memory, "CGROUP", tmp_path)

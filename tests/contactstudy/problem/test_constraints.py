@@ -39,7 +39,7 @@ def test_projected_pressures_are_admissible(seed: int, which: Constraint, scale:
 
 
 @given(seed=st.integers(0, 2**32), which=st.sampled_from(CONSTRAINTS))
-def test_no_admissible_pressure_is_nearer_than_the_nearest(seed: int, which: Constraint) -> None:
+def test_the_projection_is_the_nearest_admissible_pressure(seed: int, which: Constraint) -> None:
     rng = np.random.default_rng(seed)
     trial = rng.standard_normal((3, 4)) * 3
     nearest = which.project(trial.copy(), TOTAL)
@@ -62,7 +62,7 @@ FRACTIONS = [10.0, 1.5, 0.9, 0.6, 0.4, 0.34, 0.328]  # the mean over the width i
 
 @pytest.mark.parametrize("fraction", FRACTIONS)
 @pytest.mark.parametrize("heights", ROUGH)
-def test_both_solvers_give_one_answer_under_a_hardness(
+def test_both_solvers_agree_under_a_hardness(
     heights: str, fraction: float, line_contact: LineContact
 ) -> None:
     hardness = fraction * line_contact.hertz.peak_pressure
@@ -96,7 +96,7 @@ def test_a_hardness_costs_no_more_iterations(line_contact: LineContact) -> None:
             assert cs.solve(posed).iterations <= 40
 
 
-def test_a_hardness_below_the_mean_pressure_is_said(line_contact: LineContact) -> None:
+def test_a_hardness_below_the_mean_pressure_has_a_status(line_contact: LineContact) -> None:
     soft = replace(line_contact.scene, hardness=0.3 * line_contact.hertz.peak_pressure)
     grid = line_contact.grid((32, 4), 1.2, width=4.8)
     solution = cs.solve(soft.problem(grid, cs.ExactPeriodicity()))
@@ -106,7 +106,7 @@ def test_a_hardness_below_the_mean_pressure_is_said(line_contact: LineContact) -
 
 
 @pytest.mark.parametrize("hardness", [0.0, -1.0, float("nan"), "hard"])
-def test_a_hardness_that_is_none_is_refused(hardness: object, line_contact: LineContact) -> None:
+def test_an_invalid_hardness_is_refused(hardness: object, line_contact: LineContact) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.hardness is "):
         replace(line_contact.scene, hardness=hardness)  # type: ignore[arg-type]
 
@@ -128,7 +128,7 @@ def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(
             assert solution.pressure.max() == hardness
 
 
-def test_where_all_have_yielded_the_approach_leaves_none_open() -> None:
+def test_where_all_cells_yield_the_approach_leaves_no_gap_open() -> None:
     """The widest gap of those that bear closes, and that of a cell without pressure is not asked."""
     which = HardnessLimited(2.0)
     pressure = np.array([[2.0, 2.0, 0.0]])
@@ -151,7 +151,7 @@ def test_where_all_have_yielded_the_approach_leaves_none_open() -> None:
         (HardnessLimited(4.0), (4.0, 0.0), (-0.5, 0.25), 0.0),
     ],
 )  # fmt: skip
-def test_the_residual_is_of_complementarity_penetration_or_a_gap_that_yielding_left(
+def test_the_residual_is_the_largest_violation_of_the_contact_conditions(
     which: Constraint, pressure: tuple[float, ...], gap: tuple[float, ...], residual: float
 ) -> None:
     found = which.violation(np.array([pressure]), np.array([gap]), sum(pressure))

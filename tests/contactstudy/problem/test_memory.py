@@ -19,7 +19,9 @@ def left(monkeypatch: pytest.MonkeyPatch, amount: float) -> None:
     monkeypatch.setattr(memory, "available_bytes", lambda: amount)
 
 
-def test_a_solve_is_refused_where_a_byte_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solve_is_refused_where_one_byte_of_memory_is_missing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     assert memory.solve_bytes(GRID, PADDINGS) == BYTES
     left(monkeypatch, BYTES)
     memory.refuse_too_large(GRID, PADDINGS)

@@ -156,7 +156,7 @@ def test_no_work_gives_the_contact_without_adhesion_to_the_last_bit(
 
 @pytest.mark.parametrize("branch", ["from afar", "from full contact"])
 @pytest.mark.parametrize("law", [Exponential, Dugdale])
-def test_a_plain_pass_never_raises_the_energy(branch: str, law: type) -> None:
+def test_an_outer_iteration_without_mixing_never_raises_the_energy(branch: str, law: type) -> None:
     scene = cylinder(2.0, 0.2, branch=branch)
     problem = scene.problem(cs.Grid((256, 1), (24.0, 1.0)), LINE)
     plain = replace(problem.adhesion, depth=0, law=law(pi, 2.0))  # type: ignore[type-var]
@@ -196,7 +196,7 @@ def test_a_load_beyond_the_pull_off_leaves_the_bodies_detached() -> None:
     assert force(solution) == 0
 
 
-def test_an_attraction_cut_off_at_the_edge_is_said() -> None:
+def test_an_attraction_cut_off_at_the_edge_has_a_status() -> None:
     solution = cs.solve(cylinder(0.5, 0.5), cs.Grid((128, 1), (8.0, 1.0)), LINE)
     assert solution.status is cs.Status.ATTRACTION_AT_EDGE
 

@@ -15,7 +15,9 @@ def problem(line_contact: LineContact) -> cs.Problem:
     return line_contact.scene.problem(line_contact.grid((24, 1), 1.0), cs.ExactPeriodicity())
 
 
-def test_a_lagged_part_settles_where_it_is_that_of_its_own_pressure(problem: cs.Problem) -> None:
+def test_mixing_ends_where_the_lagged_displacement_is_that_of_its_own_pressure(
+    problem: cs.Problem,
+) -> None:
     """A gap that tilts by a fraction of the pressure of the mirrored cells."""
 
     def lagged(pressure: np.ndarray) -> np.ndarray:

@@ -49,13 +49,13 @@ def test_the_projection_is_nearest_among_those_with_the_sum(fraction: float) -> 
         assert ((TRIAL - found) * (other - found)).sum() <= 1e-7
 
 
-def test_a_sum_that_is_not_prescribed_shifts_nothing() -> None:
+def test_without_a_prescribed_sum_the_projection_has_no_shift() -> None:
     plain = FrictionSet(RADIUS).project(TRIAL).traction
     found = FrictionSet(RADIUS, np.array([plain[0].sum(), np.nan])).project(TRIAL).traction
     np.testing.assert_allclose(found, plain, atol=1e-9)
 
 
-def test_a_shift_that_belonged_to_another_trial_does_no_harm() -> None:
+def test_a_projection_does_not_depend_on_the_one_before() -> None:
     """The first trial leaves a shift that brings all cells of the second one to their rims, on the wrong side."""
     radius = np.sqrt(1 - np.linspace(-0.99, 0.99, 60) ** 2)
     total = np.array([-0.6 * radius.sum(), 0.0])

@@ -14,7 +14,7 @@ UNLIKE = cs.Scene(
 )
 
 
-def test_passes_over_the_shear_of_unlike_bodies_end_in_equilibrium() -> None:
+def test_outer_iterations_over_the_shear_of_dissimilar_bodies_end_in_equilibrium() -> None:
     """The gap in the contact is that of the pressure and of its own shear."""
     posed = UNLIKE.problem(cs.Grid((96, 1), (4e-4, 1e-3)), cs.ExactPeriodicity())
     found = cs.solve(posed, tolerance=1e-9)
@@ -28,7 +28,7 @@ def test_passes_over_the_shear_of_unlike_bodies_end_in_equilibrium() -> None:
 
 
 @pytest.mark.parametrize("width", [4e-4, 1e-4], ids=["whole contact", "cut off at the edge"])
-def test_passes_that_do_not_converge_are_said(
+def test_outer_iterations_that_do_not_converge_have_a_status(
     monkeypatch: pytest.MonkeyPatch, width: float
 ) -> None:
     monkeypatch.setattr(laws, "MAX_SLIDING_ITERATIONS", 2)

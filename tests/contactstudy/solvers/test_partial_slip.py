@@ -64,7 +64,7 @@ def test_the_displacement_of_a_force_gives_its_shear() -> None:
     check_coulombs_law(found, NONE, LIMIT)
 
 
-def test_far_displacement_slides_everywhere() -> None:
+def test_a_large_displacement_makes_all_cells_slide() -> None:
     """From |d| above the displacement under full sliding on; the shear is then the limit, against the slip."""
     moved = np.array([3.0, 0.0])
     found = step(rigid=moved)
@@ -87,7 +87,7 @@ def test_force_and_load_in_proportion_slip_nowhere(steps: int) -> None:
         shear, before = found.shear, after
 
 
-def test_a_contact_that_steps_failed_far_from_its_shear_converges() -> None:
+def test_a_contact_converges_whose_newton_steps_fail_far_from_the_solution() -> None:
     """Nearly all cells of a rough contact stick: Newton's first step fails there, and projections lead on."""
     chance = np.random.default_rng(1)
     limit = LIMIT * chance.uniform(0, 1, LIMIT.shape) ** 6
@@ -95,7 +95,7 @@ def test_a_contact_that_steps_failed_far_from_its_shear_converges() -> None:
         check_coulombs_law(step(rigid=np.array([moved, 0.0]), limit=limit), NONE, limit)
 
 
-def test_bodies_apart_carry_no_shear() -> None:
+def test_bodies_apart_carry_no_tangential_traction() -> None:
     found = step(limit=0 * LIMIT, total=np.zeros(2))
     assert not found.shear.any()
     assert found.applications == 0

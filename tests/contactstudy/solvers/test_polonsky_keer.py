@@ -46,7 +46,7 @@ def published(
 
 @pytest.mark.parametrize("iterations", [0, 1, 2, 3, 4, 5, 6, 8, 10])
 @pytest.mark.parametrize("bearing", [slice(None), slice(10, 15), slice(4, 9)])
-def test_it_takes_the_steps_of_the_paper(
+def test_the_iterates_are_those_of_polonsky_and_keer(
     bare: BareProblem, bearing: slice, iterations: int
 ) -> None:
     """From all cells it loses some, from a few in the middle it gains some, from a few aside it does both."""

@@ -18,7 +18,7 @@ def measured(solution: cs.Solution) -> float:
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
 @pytest.mark.parametrize("heights", ROUGH)
 @pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()], ids=str)
-def test_single_precision_says_what_residual_it_can_reach_and_stops_there(
+def test_single_precision_ends_at_its_rounding_with_a_status(
     solver: cs.Solver, heights: str, padding: cs.Padding | cs.Paddings, line_contact: LineContact
 ) -> None:
     posed = problem(line_contact, 64, heights, padding)

@@ -42,7 +42,7 @@ def problem(
 
 @pytest.mark.parametrize("padding", PADDINGS, ids=str)
 @pytest.mark.parametrize("heights", ROUGH)
-def test_both_solvers_give_one_answer(
+def test_both_solvers_agree(
     heights: str, padding: cs.Padding | cs.Paddings, line_contact: LineContact
 ) -> None:
     posed = problem(line_contact, 64, heights, padding)
@@ -138,7 +138,9 @@ def test_rough_contacts_take_few_convolutions(heights: str, line_contact: LineCo
     assert ours.convolutions <= reference.convolutions / 3.5
 
 
-def test_a_stall_hands_over_to_the_reference_and_says_so(line_contact: LineContact) -> None:
+def test_a_stalled_solve_goes_on_by_polonsky_and_keer_with_a_note(
+    line_contact: LineContact,
+) -> None:
     posed = problem(line_contact, 64, "30 %")
     impatient = PreconditionedCG(patience=0)
     solution = cs.solve(posed, solver=impatient, tolerance=1e-9)
@@ -150,14 +152,16 @@ def test_a_stall_hands_over_to_the_reference_and_says_so(line_contact: LineConta
 
 
 @pytest.mark.parametrize("solver", [PreconditionedCG(), PolonskyKeer(patience=60)], ids=str)
-def test_a_tolerance_below_rounding_is_said(solver: cs.Solver, line_contact: LineContact) -> None:
+def test_a_tolerance_below_rounding_has_a_status(
+    solver: cs.Solver, line_contact: LineContact
+) -> None:
     solution = cs.solve(problem(line_contact, 64, "80 %"), tolerance=1e-17, solver=solver)
     assert solution.status is cs.Status.PRECISION_LIMIT
     assert solution.residual < 1e-12
 
 
 @pytest.mark.parametrize("cells", [(50, 7), (64, 1), (66, 34), (128, 3), (97, 101), (2, 1)])
-def test_any_number_of_cells_will_do(cells: tuple[int, int], line_contact: LineContact) -> None:
+def test_any_number_of_cells_converges(cells: tuple[int, int], line_contact: LineContact) -> None:
     for padding in (cs.ExactPeriodicity(), cs.ZeroPadding()):
         posed = problem(line_contact, cells, "smooth", padding)
         solution = cs.solve(posed)

@@ -92,7 +92,7 @@ def test_a_folder_without_frames_is_refused(line_contact: LineContact, tmp_path:
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-8, math.nan, "tight"])
-def test_a_tolerance_that_is_none_is_refused(tolerance: object, line_contact: LineContact) -> None:
+def test_an_invalid_tolerance_is_refused(tolerance: object, line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
     with pytest.raises(cs.InvalidInput, match=r"^solve\.tolerance is "):
         cs.solve(problem, tolerance=tolerance)  # type: ignore[arg-type]
@@ -121,7 +121,7 @@ def test_contact_cut_off_by_a_free_length_is_flagged_but_not_a_rollers_own_end(
 
 
 @pytest.mark.parametrize("solver", [cs.PolonskyKeer(), cs.PreconditionedCG()], ids=str)
-def test_one_cell_left_in_contact_is_no_dead_end(solver: cs.Solver) -> None:
+def test_a_single_cell_in_contact_converges(solver: cs.Solver) -> None:
     """A cell alone is level with itself, which leaves conjugate gradients no direction."""
     scene = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL))
     grid = cs.Grid(cells=(2, 2), extent=(2e-5, 2.3513e-6))
@@ -214,7 +214,7 @@ def test_threads_give_the_same_answer(
     assert difference < 64 * tolerance * 10
 
 
-def test_solve_on_what_is_no_device_is_refused(line_contact: LineContact) -> None:
+def test_a_solve_on_an_invalid_device_is_refused(line_contact: LineContact) -> None:
     posed = line_contact.scene.problem(line_contact.grid(8, 2.4), cs.ExactPeriodicity())
     with pytest.raises(
         cs.InvalidInput, match=r"^solve\.device is 2: give Cpu\(threads=2\) or Gpu\(\)"

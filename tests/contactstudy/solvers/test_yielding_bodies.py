@@ -46,7 +46,7 @@ def test_isotropic_hardening_widens_the_range_without_yield() -> None:
     assert equivalent == pytest.approx(1.2, rel=1e-12)
 
 
-def test_kinematic_hardening_moves_it() -> None:
+def test_kinematic_hardening_moves_the_range_without_yield() -> None:
     """From 1.4 down it yields at -0.6 (Bauschinger), with a modulus of 0.5."""
     strain, _ = stressed(law(0.0, 0.5), [1.4, -0.59])
     assert strain == pytest.approx(0.8, rel=1e-12)

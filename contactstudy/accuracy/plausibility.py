@@ -86,7 +86,7 @@ def beyond_strength(solution: Solution) -> str:
 
 def strength_of_outputs(scene: Scene) -> float:
     """Return the lowest yield strength [Pa] of the bodies whose stress is an output; infinite where none is known."""
-    solids = (scene.solids[out.solid] for out in scene.outputs if hasattr(out, "solid"))
+    solids = (scene.solids[out.body] for out in scene.outputs if hasattr(out, "body"))
     return min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
 
 

@@ -45,7 +45,7 @@ def of_iterations(
     report: Report, problem: Problem, tolerance: float
 ) -> Callable[[float, Array], None]:
     """Return a function of residual and dimensionless pressure (x, y), for the iterations of one contact."""
-    fraction = _fraction_of_fall()
+    fraction = fraction_of_fall()
 
     def report_residual(residual: float, pressure: Array) -> None:
         text = f"residual {residual:.1e} of {tolerance:.1e}"
@@ -68,7 +68,7 @@ def of_grids(report: Report, error: float) -> "Callable[[BoundedSolution], None]
 
 def of_changes(report: Report) -> Callable[[float, float], None]:
     """Return a function of the last change of the pressure and the allowed one, for outer iterations."""
-    fraction = _fraction_of_fall()
+    fraction = fraction_of_fall()
 
     def report_change(change: float, allowed: float) -> None:
         text = f"change of the pressure {change:.1e} of {allowed:.1e}"
@@ -97,12 +97,12 @@ def of_time(report: Report) -> Callable[[float, float], None]:
 
 def of_film_steps(report: Report, tolerance: float) -> "Callable[[FilmIteration], None]":
     """Return a function of the iteration of a steady film after each of its steps."""
-    fraction = _fraction_of_fall()
+    fraction = fraction_of_fall()
 
     def report_step(last: "FilmIteration") -> None:
         nonlocal fraction
         if last.iterations == 1:  # the first step on another grid
-            fraction = _fraction_of_fall()
+            fraction = fraction_of_fall()
         cells = _cells(last.film.pressure.shape)
         text = f"{cells}: residual {last.residual:.1e} of {tolerance:.1e}"
         report(Progress(fraction(last.residual, tolerance), text))
@@ -115,7 +115,7 @@ def _cells(counts: tuple[int, ...]) -> str:
     return f"{' x '.join(map(str, counts))} cells"
 
 
-def _fraction_of_fall() -> Callable[[float, float], float]:
+def fraction_of_fall() -> Callable[[float, float], float]:
     """Return a function of a residual and its target: how far it has fallen from the first one, in logarithms."""
     first = 0.0
 

@@ -1,5 +1,6 @@
 """Seconds of a contact in time, or of one that rolls: a pilot on coarse cells counts the steps, one solve is timed."""
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -16,7 +17,9 @@ from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 from contactstudy.planning.transient_requirements import transient_requirements
+from contactstudy.progress import fraction_of_fall
 from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.rolling import Rolling
 from contactstudy.scene.scene import Scene
 
 
@@ -30,14 +33,19 @@ class PilotConstants:
         Most cells (across, along).
     yielding_cells
         Most cells across where bodies yield, whose steps take long.
-    time_limit
-        Largest seconds of a pilot's steps.
+    time_limit, rolling_time_limit
+        Seconds after which a pilot ends, and one of wear in rolling or of repeated rolling, whose first steps say little
+        about the others.
+    least_fraction
+        Least fraction of the whole that is extrapolated from.
     min_progress
         Fraction of the time below which, at the limit, a larger error is tried.
     error_step
         Factor on that error, with which steps of first order become fewer by the same factor.
-    solves_per_double_step
-        Solves of a step with step doubling.
+    solves_per_double_step, solves_per_wear_step
+        Solves of a pair of steps with the doubled one, of a scene with state variables and of wear by Heun's method.
+    outer_iterations
+        Outer iterations of steady rolling expected before their changes show how many it takes.
     max_error
         Largest error of a pilot.
     plastic_power
@@ -56,9 +64,13 @@ class PilotConstants:
     cells: tuple[int, int] = (48, 12)
     yielding_cells: int = 24
     time_limit: float = 1.0
+    rolling_time_limit: float = 4.0
+    least_fraction: float = 1e-6
     min_progress: float = 0.25
     error_step: float = 4.0
     solves_per_double_step: int = 3
+    solves_per_wear_step: int = 6
+    outer_iterations: int = 10
     max_error: float = 0.3
     plastic_power: float = 0.8
     refinement_cost: float = 1.5
@@ -86,10 +98,6 @@ class Pilot:
     seconds: float
     solves: int
     reason: str
-
-
-class _TimeLimitReached(Exception):
-    """The pilot has reached its time limit."""
 
 
 def pilot(
@@ -125,7 +133,7 @@ def pilot(
     across = CONSTANTS.cells[0] if requirements.plastic is None else CONSTANTS.yielding_cells
     coarse = Grid((min(nx, across), min(ny, CONSTANTS.cells[1])), grid.extent)
     try:
-        seconds, solves = _seconds_and_solves(
+        seconds, solves = seconds_and_solves(
             scene, coarse, padding, (1 - GRID.cell_fraction) * error, steps
         )
     except InvalidInput as refused:
@@ -151,46 +159,118 @@ def pilot(
     )
 
 
-def _seconds_and_solves(
+def seconds_and_solves(
     scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
 ) -> tuple[float, int]:
-    """Return the seconds and the solves of `scene` on `grid`."""
+    """Return the seconds and the solves of `scene` on `grid`, extrapolated from what is done within the time limit."""
     if scene.wears_steadily:
-        # imported only for scenes that roll and wear
-        from contactstudy.evolution.equilibrium.steady_wear import follow_wear
-
-        begin, instants_of_wear = process_time(), steps.instants_of(scene.load)
-        worn = follow_wear(scene, grid, padding, times=instants_of_wear, error=error)
-        return process_time() - begin, worn.solves
+        return _of_wear(scene, grid, padding, error, steps)
     if scene.rolling is not None and scene.rolling.passes is not None:
-        # imported only for scenes with such passes
-        from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
-
-        begin = process_time()
-        passes = roll_repeatedly(scene, grid, padding).passes
-        return process_time() - begin, sum(each_pass.steps for each_pass in passes)
+        return _of_passes(scene, grid, padding, scene.rolling)
     if scene.rolls:
-        instants, steady = 1, scene
-        if scene.takes_times:
-            instants = np.size(steps.instants_of(scene.load) or 1)
-            steady = replace(scene, load=LineLoad(scene.load.largest))
-        begin = process_time()
-        rolling = solve_rolling(steady, grid, padding)
+        return _of_steady_rolling(scene, grid, padding, steps)
+    return _in_time(scene, grid, padding, error, steps)
+
+
+class _TimeLimitReached(Exception):
+    """The pilot has reached its time limit."""
+
+
+class _Watch:
+    """Progress of a pilot: what is done and the seconds at each report. It ends the pilot at a time limit [s]."""
+
+    def __init__(self, limit: float) -> None:
+        self._begin, self._limit = process_time(), limit
+        self.reports: list[tuple[float, float]] = []
+
+    def __call__(self, done: float, end: float) -> None:
+        """Record that `done` of `end` is done."""
+        seconds = self.seconds
+        self.reports.append((done / end, seconds))
+        if seconds > self._limit:
+            raise _TimeLimitReached
+
+    @property
+    def seconds(self) -> float:
+        """Seconds of processor time since the pilot began."""
+        return process_time() - self._begin
+
+    @property
+    def fraction(self) -> float:
+        """Fraction that is done, or the least one that is extrapolated from."""
+        return max(self.reports[-1][0], CONSTANTS.least_fraction)
+
+
+def _of_wear(
+    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
+) -> tuple[float, int]:
+    """Return the seconds and the solves of a contact that wears and is steady at each instant."""
+    # imported only for scenes that roll and wear
+    from contactstudy.evolution.equilibrium.steady_wear import follow_wear
+
+    watch, times = _Watch(CONSTANTS.rolling_time_limit), steps.instants_of(scene.load)
+    try:
+        worn = follow_wear(scene, grid, padding, times=times, error=error, progress=watch)
+    except _TimeLimitReached:
+        solves = CONSTANTS.solves_per_wear_step * len(watch.reports)
+        return watch.seconds / watch.fraction, round(solves / watch.fraction)
+    return watch.seconds, worn.solves
+
+
+def _of_passes(
+    scene: Scene, grid: Grid, padding: Padding | Paddings, rolling: Rolling
+) -> tuple[float, int]:
+    """Return the seconds and the steps of repeated rolling from two passes: later ones take as long as the second."""
+    # imported only for scenes with such passes
+    from contactstudy.evolution.rolling.repeated_rolling import roll_repeatedly
+
+    assert rolling.passes is not None
+    two = replace(scene, rolling=replace(rolling, passes=min(rolling.passes, 2)))
+    watch = _Watch(CONSTANTS.rolling_time_limit)
+    with suppress(_TimeLimitReached):
+        roll_repeatedly(two, grid, padding, progress=lambda done, _: watch(done, 1.0))
+    first = [seconds for done, seconds in watch.reports if done <= 1]
+    (done, seconds), steps = watch.reports[-1], len(watch.reports)
+    if done <= 1:
+        return rolling.passes / done * seconds, round(rolling.passes / done * steps)
+    later = (rolling.passes - 1) / (done - 1)
+    return (
+        first[-1] + later * (seconds - first[-1]),
+        round(len(first) + later * (steps - len(first))),
+    )
+
+
+def _of_steady_rolling(
+    scene: Scene, grid: Grid, padding: Padding | Paddings, steps: TimeSteps
+) -> tuple[float, int]:
+    """Return the seconds and the outer iterations of steady rolling, at all instants of a load history."""
+    instants, steady = 1, scene
+    if scene.takes_times:
+        instants = np.size(steps.instants_of(scene.load) or 1)
+        steady = replace(scene, load=LineLoad(scene.load.largest))
+    watch, fraction = _Watch(CONSTANTS.time_limit), fraction_of_fall()
+
+    def report(change: float, allowed: float) -> None:
+        watch(max(fraction(change, allowed), 1 / CONSTANTS.outer_iterations), 1.0)
+
+    try:
+        rolling = solve_rolling(steady, grid, padding, progress=report)
         rolling.error_estimate()
-        seconds = instants * (process_time() - begin)
-        return seconds, instants * rolling.lagged.outer_iterations
+    except _TimeLimitReached:
+        factor = instants / watch.fraction
+        return factor * watch.seconds, round(factor * len(watch.reports))
+    return instants * watch.seconds, instants * rolling.lagged.outer_iterations
+
+
+def _in_time(
+    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
+) -> tuple[float, int]:
+    """Return the seconds and the solves of a scene with state variables, at the smallest error that is practical."""
     error_factor = 1.0
     times = steps.instants_of(scene.load, getattr(scene.friction, "history", None))
     by_error = steps.step_error is StepError.STEP_DOUBLING
     while True:
-        begin, reached, pairs = process_time(), 0.0, 0
-
-        def stop_at_limit(time: float, end: float, begin: float = begin) -> None:
-            nonlocal reached, pairs
-            reached, pairs = time / end, pairs + 1
-            if process_time() - begin > CONSTANTS.time_limit:
-                raise _TimeLimitReached
-
+        watch = _Watch(CONSTANTS.time_limit)
         allowed = min(error_factor * error, CONSTANTS.max_error)
         try:
             trajectory = evolve(
@@ -200,13 +280,14 @@ def _seconds_and_solves(
                 times=times,
                 error=allowed if by_error else None,
                 step_error=steps.step_error,
-                progress=stop_at_limit,
+                progress=watch,
             )
         except _TimeLimitReached:
-            if by_error and reached < CONSTANTS.min_progress and allowed < CONSTANTS.max_error:
+            is_far = watch.fraction < CONSTANTS.min_progress
+            if by_error and is_far and allowed < CONSTANTS.max_error:
                 error_factor *= CONSTANTS.error_step
                 continue
-            factor = error_factor / max(reached, 1e-3)
-            solves = factor * CONSTANTS.solves_per_double_step * pairs
-            return factor * (process_time() - begin), round(solves)
-        return error_factor * (process_time() - begin), round(error_factor * trajectory.solves)
+            factor = error_factor / watch.fraction
+            each = CONSTANTS.solves_per_double_step if by_error else 1
+            return factor * watch.seconds, round(factor * each * len(watch.reports))
+        return error_factor * watch.seconds, round(error_factor * trajectory.solves)

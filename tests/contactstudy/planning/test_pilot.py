@@ -1,0 +1,56 @@
+"""Pilots that count the steps of a scene on coarse cells."""
+
+from dataclasses import replace
+from itertools import count
+
+import pytest
+
+import contactstudy as cs
+from contactstudy.planning import pilot
+from tests.contactstudy.evolution.creeping import SOLID, rolling_cylinder
+from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
+
+EXACT = cs.ExactPeriodicity()
+GRID = cs.Grid((24, 1), (0.6, 1.0))
+WORN = rolling_cylinder(
+    cs.HalfSpace(1.0, 0.0),
+    rolling=cs.Rolling(0.1),
+    wear=cs.Wear(1.0, speed=0.01, circumference=1.0),
+)
+KINDS = {
+    "wear": (WORN, GRID, cs.TimeSteps((1.0, 20.0))),
+    "rolling": (rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), GRID, cs.TimeSteps()),
+    "passes": (
+        replace(yielding_cylinder(2.2), rolling=cs.Rolling(passes=12, distance=1.6)),
+        cs.Grid((24, 1), (4.8, 1.0)),
+        cs.TimeSteps(),
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_pilot_ends_at_its_time_limit_and_forecasts_the_rest(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, grid, steps = KINDS[kind]
+    solved: list[int] = []
+    iterate = cs.PreconditionedCG.iterate
+
+    def counted(*arguments: object, **named: object) -> cs.Iterate:
+        solved.append(1)
+        return iterate(*arguments, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(cs.PreconditionedCG, "iterate", counted)
+
+    def counts(*, seconds_a_reading: float) -> tuple[int, int]:
+        """Solves that a pilot makes, and those that it forecasts."""
+        solved.clear()
+        clock = count(0.0, seconds_a_reading)
+        monkeypatch.setattr(pilot, "process_time", lambda: next(clock))
+        _, solves = pilot.seconds_and_solves(scene, grid, EXACT, 1e-2, steps)
+        return len(solved), solves
+
+    made, all_solves = counts(seconds_a_reading=0.0)
+    made_within_limit, forecast = counts(seconds_a_reading=5.0)
+    assert made_within_limit < made / 2
+    assert all_solves / 5 < forecast < 5 * all_solves  # the first steps of wear are short

@@ -179,7 +179,7 @@ def bounds_of(answer: Answer) -> dict[str, float]:
     }
 
 
-def steps_of(answer: Answer) -> float:
+def step_error_of(answer: Answer) -> float:
     """Return the bound on the relative L1 error of an answer's pressure by its steps in time, 0 without any."""
     return last_of(answer).error.l1.by_cause.get("steps", 0.0)
 

@@ -57,7 +57,7 @@ class PaddingError:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredSetting:
     """A setting with its error and times.
 
     Attributes
@@ -98,7 +98,7 @@ class Alternative:
     of rounds if both are equally fast.
     """
 
-    measured: Measured
+    measured: MeasuredSetting
     ratio: float
     p: float
 
@@ -132,9 +132,9 @@ class Verdict:
     """
 
     error: float
-    best: Measured
+    best: MeasuredSetting
     alternatives: tuple[Alternative, ...]
-    coarser: Measured | None
+    coarser: MeasuredSetting | None
     meets: bool
 
 
@@ -181,7 +181,7 @@ class Comparison:
     paddings: tuple[PaddingError, ...]
     paddings_on: tuple[int, int]
     tolerances: Mapping[float, float]
-    settings: tuple[Measured, ...]
+    settings: tuple[MeasuredSetting, ...]
     notes: tuple[str, ...] = ()
     seconds: float = nan
 
@@ -194,7 +194,7 @@ class Comparison:
         """Label of the scene's own padding."""
         return label_of(self.boundary)
 
-    def settings_of(self, label: str) -> list[Measured]:
+    def settings_of(self, label: str) -> list[MeasuredSetting]:
         """Return the settings of one padding, from the coarsest."""
         chosen = [measured for measured in self.settings if measured.label == label]
         return sorted(chosen, key=lambda measured: np.prod(measured.setting.cells))
@@ -205,7 +205,7 @@ class Comparison:
         timed = (measured.label for measured in self.settings)
         return list(dict.fromkeys([self.boundary_label, *timed]))
 
-    def settings_meeting(self, error: float) -> list[Measured]:
+    def settings_meeting(self, error: float) -> list[MeasuredSetting]:
         """Return the settings that meet an error with the reference's own bound added, from the quickest."""
         meeting = [
             measured
@@ -214,21 +214,21 @@ class Comparison:
         ]
         return sorted(meeting, key=lambda measured: measured.time)
 
-    def quickest_by_padding(self, error: float) -> dict[str, Measured]:
+    def quickest_by_padding(self, error: float) -> dict[str, MeasuredSetting]:
         """Return the quickest setting of each padding that meets an error, by its name.
 
         One that took no part in the rounds must be quicker by a quarter than one that did.
         """
 
-        def expected(measured: Measured) -> float:
+        def expected(measured: MeasuredSetting) -> float:
             return measured.time * (1 if measured.rounds else FACTOR_WITHOUT_ROUNDS)
 
-        quickest: dict[str, Measured] = {}
+        quickest: dict[str, MeasuredSetting] = {}
         for measured in sorted(self.settings_meeting(error), key=expected):
             quickest.setdefault(measured.label, measured)
         return dict(sorted(quickest.items(), key=lambda pair: pair[1].time))
 
-    def front(self, label: str) -> list[Measured]:
+    def front(self, label: str) -> list[MeasuredSetting]:
         """Return the Pareto front, in time and error, of the settings of a padding."""
         good = [measured for measured in self.settings_of(label) if measured.is_bounded]
         if not good:
@@ -268,7 +268,7 @@ class Comparison:
         )
         return Verdict(error, best, alternatives, self._coarser(best), meets=True)
 
-    def _coarser(self, best: Measured) -> Measured | None:
+    def _coarser(self, best: MeasuredSetting) -> MeasuredSetting | None:
         """Return the next coarser setting of the same padding."""
         cells = np.prod(best.setting.cells)
         line = self.settings_of(best.label)
@@ -276,12 +276,12 @@ class Comparison:
         return coarser[-1] if coarser else None
 
 
-def _by_error(measured: Measured) -> tuple[float, float]:
+def _by_error(measured: MeasuredSetting) -> tuple[float, float]:
     """Return what sorts settings by their error to two digits, then by their time."""
     return float(f"{measured.error:.1e}"), measured.time
 
 
-def _alternative(measured: Measured, best: Measured) -> Alternative:
+def _alternative(measured: MeasuredSetting, best: MeasuredSetting) -> Alternative:
     """Return a setting with its time over that of the best one."""
     rounds = min(len(measured.rounds), len(best.rounds))
     ratio, probability = median_ratio_and_p(measured.rounds[:rounds], best.rounds[:rounds])

@@ -23,12 +23,12 @@ from studies.advice.compared_scene import (
     last_of,
     numbers_of,
     pressure_of,
-    steps_of,
+    step_error_of,
 )
 from studies.advice.comparison import (
     LINE,
     Comparison,
-    Measured,
+    MeasuredSetting,
     PaddingError,
     label_of,
     with_envelope,
@@ -113,7 +113,7 @@ class _Measurement:
     nested: NestedAnswers
     log: Log
     reference: int | None = None
-    settings: list[Measured] = field(default_factory=list)
+    settings: list[MeasuredSetting] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.subject, self.error, self.budget = (
@@ -246,7 +246,7 @@ class _Measurement:
         )
         if bound == inf:
             self.notes += last_of(answer).error.warnings[:1]
-        elif (steps := steps_of(answer)) > STEPS_FRACTION * self.error:
+        elif (steps := step_error_of(answer)) > STEPS_FRACTION * self.error:
             self.notes.append(
                 f"Of that bound {steps:.2g} is by the steps in time, which no grid makes smaller: give [time_steps] an "
                 f"error of {STEPS_FRACTION * self.error:.1g}."
@@ -354,9 +354,9 @@ class _Measurement:
         padding: cs.Padding | cs.Paddings,
         levels: Sequence[_GridLevel],
         label: str = "",
-    ) -> list[Measured]:
+    ) -> list[MeasuredSetting]:
         """Measure a padding on some levels, and return its settings, each with its own error."""
-        rows = list[Measured]()
+        rows = list[MeasuredSetting]()
         for level in levels:
             setting = Setting(padding, cells_at(subject.unit, level.multiple), level.tolerance)
             seconds, answer = timed_call(partial(subject.solve, setting))
@@ -370,13 +370,13 @@ class _Measurement:
                 label or label_of(padding),
                 level.is_bounded and not failure_of(answer),
             )
-            rows.append(Measured(setting, name, self._error(answer), is_bounded, (seconds,)))
+            rows.append(MeasuredSetting(setting, name, self._error(answer), is_bounded, (seconds,)))
         self.settings += rows
         return rows
 
-    def _enveloped(self) -> list[Measured]:
+    def _enveloped(self) -> list[MeasuredSetting]:
         """Return the settings by padding and cells, with the largest error of each and any finer grid of its padding."""
-        enveloped: list[Measured] = []
+        enveloped: list[MeasuredSetting] = []
         for label in dict.fromkeys(measured.label for measured in self.settings):
             line = [measured for measured in self.settings if measured.label == label]
             line.sort(key=lambda measured: prod(measured.setting.cells))

@@ -13,7 +13,7 @@ from studies.advice.compared_scene import (
     bounds_of,
     failure_of,
     pressure_of,
-    steps_of,
+    step_error_of,
 )
 from studies.advice.nested_grids import MULTIPLES, cells_at, is_reference
 from studies.reference.line_contact import relative_l1
@@ -219,7 +219,7 @@ class NestedAnswers:
 
     def _bound_by_cells(self, multiple: int) -> float:
         """Return the bound on the error of the pressure without that by steps in time, which no cells make smaller."""
-        steps = steps_of(self.answers[multiple])
+        steps = step_error_of(self.answers[multiple])
         return self.bounds(multiple)["pressure_l1"] - steps if steps < inf else 0.0
 
     def _is_too_coarse(self) -> bool:

@@ -1,4 +1,4 @@
-"""Times that decide between settings: rounds in changing order, and the sign test on their paired ratios."""
+"""Times by which settings are compared: rounds in random order, and the sign test of the paired times."""
 
 from collections.abc import Callable, Iterable, Sequence
 from random import Random
@@ -26,7 +26,7 @@ def times_in_rounds(
 ) -> list[list[float]]:
     """Return the processor times [s] of several calls, a list for each complete round.
 
-    Every round takes all calls in a new order, so that a busy machine slows none of them alone.
+    Every round makes all calls in a new random order, so that a load on the machine slows none of them alone.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.advice.compared_scene import Setting
-from studies.advice.comparison import Comparison, Measured, PaddingError, name_and_images
+from studies.advice.comparison import Comparison, MeasuredSetting, PaddingError, name_and_images
 from studies.reference.line_contact import padding_at
 from studies.store.netcdf import read, write
 from studies.store.provenance import provenance
@@ -97,7 +97,7 @@ def from_dataset(dataset: xr.Dataset) -> Comparison:
     }
     rows = zip(*(values[name] for name in SETTING), strict=True)
     settings = tuple(
-        Measured(
+        MeasuredSetting(
             Setting(from_text(padding), (across, along), tolerance),
             label, error, bool(bounded), _known(times), _known(rounds),
         )

@@ -40,7 +40,7 @@ REPEATS = click.option(
     type=click.IntRange(min=1),
     default=2,
     show_default=True,
-    help="Timed runs of each case, one at a time on one thread; the minimum is used.",
+    help="Timed runs of each case, one at a time on one thread; the least time counts.",
 )
 
 

@@ -15,7 +15,7 @@ from contactstudy.domain.checks import checked_relative_error
 from studies.cli.options import JSON, out_option
 
 if TYPE_CHECKING:
-    from studies.advice.comparison import Comparison, Measured, Verdict
+    from studies.advice.comparison import Comparison, MeasuredSetting, Verdict
 
 ERROR = click.option(
     "--error",
@@ -101,7 +101,7 @@ def measured_scene(
     return comparison_of(described, error, budget, folder, log), folder
 
 
-def toml(comparison: Comparison, chosen: Measured) -> list[str]:
+def toml(comparison: Comparison, chosen: MeasuredSetting) -> list[str]:
     """Return the tables of a scene file that choose a setting."""
     from contactstudy.io.scene_files.scene_writer import settings_text
 
@@ -131,7 +131,7 @@ def _fields(comparison: Comparison, verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _setting(comparison: Comparison, chosen: Measured) -> dict[str, Any]:
+def _setting(comparison: Comparison, chosen: MeasuredSetting) -> dict[str, Any]:
     """Return a setting as values for JSON."""
     return {
         "padding": repr(chosen.setting.padding),

@@ -83,7 +83,10 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
             error,
             "relative L1 error of Ciavarella-Jaeger's shear on a rough contact",
         ),
-        "shear_aside": (across, "largest shear perpendicular to the force over the largest shear"),
+        "shear_aside": (
+            across,
+            "largest transverse shear, perpendicular to the force, over the largest shear",
+        ),
     }
     return {
         name: dimensionless(np.asarray(values), long_name, *dims)

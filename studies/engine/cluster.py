@@ -19,7 +19,7 @@ import cloudpickle
 
 from contactstudy import InvalidInput
 from studies.engine.workers.compute import failed
-from studies.engine.workers.process import Worker, packed
+from studies.engine.workers.process import Worker, pickled_settings
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, OnFinished, Outcome, RunSettings
 from studies.store.stop import Stop
@@ -41,7 +41,7 @@ THREAD = threading.local()
 
 
 def compute_batch(
-    run: str, work: bytes, limit: float | None, batch: bytes, names: Sequence[str]
+    run: str, settings: bytes, limit: float | None, batch: bytes, names: Sequence[str]
 ) -> list[Outcome]:
     """Compute a batch of cases on a thread of a dask worker, in a process that it keeps for the next batch.
 
@@ -52,7 +52,7 @@ def compute_batch(
     ----------
     run
         Name of the run; empty where the scheduler is not in the process that started it.
-    work
+    settings
         Settings of the run, pickled.
     limit
         Longest time of a case [s]; None without a limit.
@@ -64,10 +64,10 @@ def compute_batch(
     from distributed import get_worker
 
     worker: Worker | None = getattr(THREAD, "worker", None)
-    if worker is None or worker.work != work or worker.over.is_set():
+    if worker is None or worker.settings != settings or worker.ended.is_set():
         if worker is not None:
             worker.end()
-        worker = THREAD.worker = Worker(work)
+        worker = THREAD.worker = Worker(settings)
         WORKERS.get(run, []).append(worker)
     if run and run not in WORKERS:  # it is over
         worker.end()
@@ -136,8 +136,8 @@ class DaskRun:
     ----------
     cases
         Cases by name.
-    work
-        Instructions for every case.
+    settings
+        Settings of the run.
     finished
         Called with the name and the outcome of each case, one call at a time.
     stop
@@ -153,7 +153,7 @@ class DaskRun:
     """
 
     cases: Mapping[str, Computation]
-    work: RunSettings
+    settings: RunSettings
     finished: OnFinished
     stop: Stop
     workers: int = 2
@@ -166,9 +166,9 @@ class DaskRun:
     def run(self) -> None:
         """Compute all cases."""
         name = "" if self.address else secrets.token_hex(8)
-        self._about = name, packed(self.work), self.work.time_limit
-        self._waiting, self._open, self._alone = deque(self.cases), set(self.cases), set[str]()
-        self._running: dict[Any, list[str]] = {}
+        self._arguments = name, pickled_settings(self.settings), self.settings.time_limit
+        self._queue, self._unfinished, self._single = deque(self.cases), set(self.cases), set[str]()
+        self._futures: dict[Any, list[str]] = {}
         self._checked_at, self._idle_since = float("-inf"), monotonic()
         WORKERS[name] = []
         try:
@@ -188,7 +188,7 @@ class DaskRun:
             [], loop=self._client.loop, with_results=True, raise_errors=False
         )
         try:
-            while self._open:
+            while self._unfinished:
                 self.stop.check()
                 self._check_workers()
                 self._submit_batches()
@@ -200,21 +200,21 @@ class DaskRun:
                     self._collect(future, result)
         except BaseException:
             # further outcomes are not read
-            self._collect_last()
+            self._collect_finished()
             raise
         finally:
             with suppress(Exception):
-                self._client.cancel(list(self._running), force=True)
+                self._client.cancel(list(self._futures), force=True)
 
     def _report(self, name: str, outcome: Outcome) -> None:
         """Report the outcome of a case at its first arrival."""
-        if name in self._open:
-            self._open.discard(name)
+        if name in self._unfinished:
+            self._unfinished.discard(name)
             self.finished(name, outcome)
 
     def _collect(self, future: Any, result: Any) -> None:
         """Report a completed batch, and send its unfinished cases again."""
-        names = self._running.pop(future, None)
+        names = self._futures.pop(future, None)
         if names is None:  # it counted as lost, and was sent to another worker
             return
         if future.status == "finished" and isinstance(result, list):
@@ -222,41 +222,41 @@ class DaskRun:
                 self._report(name, outcome)
             if result:
                 self.size = min(2 * len(result), MAX_BATCH)
-                self._send_again(names[len(result) :])
+                self._requeue(names[len(result) :])
             else:
-                self._send_alone(names)  # they cannot be unpickled together
+                self._requeue_singly(names)  # they cannot be unpickled together
         elif future.status == "error":
             self._handle_failure(future, names)
         elif future.status == "pending":
             # its worker died with the result, and dask computes it again
             self._track(future, names)
         else:
-            self._send_again(names)
+            self._requeue(names)
 
     def _track(self, future: Any, names: list[str]) -> None:
         """Wait for a batch."""
-        self._running[future] = names
+        self._futures[future] = names
         self._completed.add(future)
 
-    def _send_again(self, names: Sequence[str]) -> None:
+    def _requeue(self, names: Sequence[str]) -> None:
         """Put the unfinished ones of these cases at the front of those that wait."""
-        self._waiting.extendleft(name for name in reversed(names) if name in self._open)
+        self._queue.extendleft(name for name in reversed(names) if name in self._unfinished)
 
-    def _send_alone(self, names: Sequence[str]) -> None:
+    def _requeue_singly(self, names: Sequence[str]) -> None:
         """Put the unfinished ones of these cases at the front of those that wait, each to be sent in its own batch."""
-        self._alone.update(names)
-        self._send_again(names)
+        self._single.update(names)
+        self._requeue(names)
 
-    def _collect_last(self) -> None:
+    def _collect_finished(self) -> None:
         """Report what workers have finished by the time the run stops, unless the disk takes no more."""
         from distributed import wait
 
         until = monotonic() + STOP_TIMEOUT
-        end_workers(self._about[0])
+        end_workers(self._arguments[0])
         if self.address is None:  # its batches have ended with them
             with suppress(Exception):
-                wait(list(self._running), timeout=STOP_TIMEOUT)
-        for future, names in self._running.items():
+                wait(list(self._futures), timeout=STOP_TIMEOUT)
+        for future, names in self._futures.items():
             with suppress(Exception):
                 if future.status == "finished" and monotonic() < until:
                     for name, outcome in zip(names, future.result(STOP_TIMEOUT), strict=False):
@@ -272,8 +272,8 @@ class DaskRun:
                 f"Scheduler {self.address!r} is lost: start it again and run the same "
                 "command, which goes on from what is stored."
             )
-        for future in [key for key in self._running if key.status in ("cancelled", "lost")]:
-            self._send_again(self._running.pop(future))
+        for future in [key for key in self._futures if key.status in ("cancelled", "lost")]:
+            self._requeue(self._futures.pop(future))
         if self._client.status == "running":
             with suppress(OSError, RuntimeError, TimeoutError):
                 threads = sum(self._client.nthreads().values())
@@ -290,12 +290,12 @@ class DaskRun:
         """Submit batches until each thread has a few in its queue."""
         while (
             self._client.status == "running"
-            and self._waiting
-            and len(self._running) < BATCHES_AHEAD * self.threads
+            and self._queue
+            and len(self._futures) < BATCHES_AHEAD * self.threads
         ):
-            part = len(self._waiting) // (2 * self.threads) + 1
-            size = 1 if self._waiting[0] in self._alone else min(self.size, part)
-            self._submit([self._waiting.popleft() for _ in range(size)])
+            part = len(self._queue) // (2 * self.threads) + 1
+            size = 1 if self._queue[0] in self._single else min(self.size, part)
+            self._submit([self._queue.popleft() for _ in range(size)])
 
     def _submit(self, names: list[str]) -> None:
         """Send one batch, pickled together: a class of a study file is then written once, not with every case."""
@@ -304,10 +304,10 @@ class DaskRun:
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
             if len(names) == 1:
                 self._report(names[0], failed(error, "setup"))
-            self._send_alone(names)
+            self._requeue_singly(names)
             return
         # impure: a case that is requested again is recomputed
-        future = self._client.submit(compute_batch, *self._about, batch, names, pure=False)
+        future = self._client.submit(compute_batch, *self._arguments, batch, names, pure=False)
         self._track(future, names)
 
     def _handle_failure(self, future: Any, names: list[str]) -> None:
@@ -323,7 +323,7 @@ class DaskRun:
                 "version of contactstudy there."
             )
         if len(names) > 1:  # one case killed the workers: sent singly, it is found
-            self._send_alone(names)
+            self._requeue_singly(names)
             return
         sentence = f"Killed: workers died while they held it, the last {error.last_worker.address}"
         failure = Failure("Killed", sentence, "unknown")

@@ -16,7 +16,7 @@ from studies.store.stop import Stop
 
 def compute_here(
     cases: Mapping[str, Computation],
-    work: RunSettings,
+    settings: RunSettings,
     finished: OnFinished,
     stop: Stop,
     begins: Callable[[str], object] = lambda name: None,
@@ -27,8 +27,8 @@ def compute_here(
     ----------
     cases
         Cases by name.
-    work
-        Instructions for every case.
+    settings
+        Settings of the run.
     finished
         Called with the name and the outcome of each case.
     stop
@@ -45,7 +45,7 @@ def compute_here(
             begins(name)
             interpreter_state.restore(name)
             with stop.interruptible():
-                outcome = compute(case, work)
+                outcome = compute(case, settings)
             if os.getpid() != process_id:
                 # a case has forked, and this is its child, which must not go on with the run
                 os._exit(0)

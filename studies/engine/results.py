@@ -116,7 +116,7 @@ class Results:
         changes: Counter[str] = Counter()
         for name, identity in self.request.identities.items():
             record = self.record(name)
-            if record is not None and self._serves(record):
+            if record is not None and self._is_sufficient(record):
                 continue
             if record is None and (self.journal.records or self.journal.other_records):
                 changes[self.journal.reason_to_recompute(identity)] += 1
@@ -126,7 +126,7 @@ class Results:
             self.log(f"{count} stored cases are recomputed, since {change}")
         return missing
 
-    def _serves(self, record: Record) -> bool:
+    def _is_sufficient(self, record: Record) -> bool:
         """Return whether the stored record of a case is enough for the options."""
         if record.case_status in self.options.retry:
             return False
@@ -134,27 +134,27 @@ class Results:
             return True
         return load_fields(self.fields_folder, record.key, record.stamp, self.log) is not None
 
-    def adopt(self, missing: Sequence[str]) -> list[str]:
+    def copy_from_other_studies(self, missing: Sequence[str]) -> list[str]:
         """Store the missing cases that other studies in the folder hold, with their times; return the others."""
-        adopted: set[str] = set()
+        copied: set[str] = set()
         for path in sorted(self.journal.path.parent.glob(f"*{SUFFIX}")):
             if path == self.journal.path or self.options.fields == "kept":
                 continue
             with suppress(InvalidInput):  # a damaged journal is no other study's concern
                 other_journal = Journal(path, self.request.context, machine())
-                for name in (other_journal.records.keys() & set(missing)) - adopted:
+                for name in (other_journal.records.keys() & set(missing)) - copied:
                     record, identity = other_journal.records[name], self.request.identities[name]
                     if record.case_status is CaseStatus.OK and record.is_of(identity):
                         loaded = other_journal.programs[record.stamp].loaded
                         self.journal.add(identity, replace(record.outcome, loaded=loaded))
                         for sample in other_journal.samples_of(name):
-                            self.journal.time(name, sample)
-                        adopted.add(name)
-        if adopted:
-            self.log(f"{len(adopted)} cases are taken over from other studies in the folder")
-        return [name for name in missing if name not in adopted]
+                            self.journal.add_timed_run(name, sample)
+                        copied.add(name)
+        if copied:
+            self.log(f"{len(copied)} cases are taken over from other studies in the folder")
+        return [name for name in missing if name not in copied]
 
-    def times_missing(self) -> dict[str, int]:
+    def missing_timed_runs(self) -> dict[str, int]:
         """Return the number of missing timed runs of each good case, without cases that cannot be timed."""
         retimed, counts = self.options.old_times == "dropped", {}
         for name in self.request.cases if self.repeats else ():

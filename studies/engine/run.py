@@ -102,7 +102,7 @@ def estimate_cost(
         log(f"{every} points, estimated from {study.size} of them in proportion")
     results = Results.of(study, _request(study, log), out, options, log)
     cases, missing = results.request.cases, results.missing()
-    runs = sum(results.times_missing().values()) + results.repeats * len(missing)
+    runs = sum(results.missing_timed_runs().values()) + results.repeats * len(missing)
     counts = (len(results.request.keys), len(cases), len(cases) - len(missing), len(missing), runs)
     text = "{} points, {} distinct cases, {} stored, {} to compute, {} timed runs to take"
     log(text.format(*(round(scale * count) for count in counts)))
@@ -155,7 +155,7 @@ class _Run:
         self._has_warned = False
         axes, keeps_fields = {axis.name for axis in self.study.axes}, self.options.fields == "kept"
         limit = self.options.time_limit
-        self.work = RunSettings(self.study.measures, keeps_fields, limit, frozenset(axes))
+        self.settings = RunSettings(self.study.measures, keeps_fields, limit, frozenset(axes))
 
     def execute(self) -> xr.Dataset:
         """Compute, time and write the missing cases, and return the Dataset."""
@@ -164,17 +164,17 @@ class _Run:
         try:
             if missing:
                 self._solve(missing)
-                if self.results.times_missing():
+                if self.results.missing_timed_runs():
                     self.results.write()
             activity = "timing"
-            take_times(self.results, self.work, self.stop)
+            take_times(self.results, self.settings, self.stop)
         except _FirstFailureError:
             self.results.skipped = {name for name in missing if self.results.record(name) is None}
             self.log("stopped at the first failure; the remaining cases are marked as skipped")
         except StopRun:
             self._write_once_more()
             stored = sum(self.results.record(name) is not None for name in self.request.cases)
-            times = sum(self.results.times_missing().values())
+            times = sum(self.results.missing_timed_runs().values())
             untimed = f", {times} timed runs are missing" if times else ""
             self.log(
                 f"stopped while {activity}; {stored} of {len(self.request.cases)} cases are stored{untimed}; "
@@ -199,7 +199,7 @@ class _Run:
         self.results.provenance = provenance()
         axes = {axis.name: axis.values for axis in self.study.axes}
         self.journal.start(self.results.provenance["history"], axes)
-        missing = self.results.adopt(missing)
+        missing = self.results.copy_from_other_studies(missing)
         self.results.extend_table()
         if missing:
             self.results.write()
@@ -247,7 +247,7 @@ class _Run:
             )
             workers = 1
         cases = {name: self.request.cases[name] for name in missing}
-        arguments = cases, self.work, finished, self.stop
+        arguments = cases, self.settings, finished, self.stop
         # what computes is imported where it is needed
         if workers or scheduler:
             from studies.engine.cluster import DaskRun

@@ -8,22 +8,22 @@ from studies.engine.workers.compute import limit_of_timed_run
 from studies.model.outcome import RunSettings
 from studies.store.stop import Stop
 
-# What a process does but once (imports, memory from the system) is done by an untimed run of the longest
-# case of each kind that is shorter than this; in a longer one it is negligible.
+# Seconds. Of each kind of case the longest one below this limit is first run untimed, so that imports and the first
+# allocation of memory are not timed; in a longer case they are negligible.
 MAX_WARM_UP = 0.3
 
 
-def take_times(results: Results, work: RunSettings, stop: Stop) -> None:
+def take_times(results: Results, settings: RunSettings, stop: Stop) -> None:
     """Take the missing timed runs in a separate process, since a case may die there although it did not before."""
     journal, cases = results.journal, results.request.cases
-    counts = results.times_missing()
+    counts = results.missing_timed_runs()
     if results.options.old_times == "dropped":
-        journal.forget_times()
+        journal.drop_times()
     if not counts:
         return
     # what processes need is imported where there are some
     from studies.engine.workers.compute import failed
-    from studies.engine.workers.process import Worker, packed
+    from studies.engine.workers.process import Worker, pickled_settings
 
     expected = {name: journal.records[name].seconds for name in counts}
     longest = {type(cases[name]): name for name in sorted(expected, key=expected.__getitem__)
@@ -34,7 +34,7 @@ def take_times(results: Results, work: RunSettings, stop: Stop) -> None:
     )
     names, without_times = list(counts), set()
     with (
-        Worker(packed(work)) as worker,
+        Worker(pickled_settings(settings)) as worker,
         progress_of(results.study.name, "timing", len(turns), "run", results.log) as progress,
     ):
         for counted, name in (
@@ -53,9 +53,9 @@ def take_times(results: Results, work: RunSettings, stop: Stop) -> None:
                     (outcome,) = worker.run(pickled, (name,), limit, "time")
             if outcome.sample is None:
                 without_times.add(name)
-                journal.cannot_time(name, outcome.error)
+                journal.add_timing_failure(name, outcome.error)
                 progress.update(counts[name])
             elif counted:
-                journal.time(name, outcome.sample)
+                journal.add_timed_run(name, outcome.sample)
                 progress.update()
         journal.sync()

@@ -112,7 +112,7 @@ class SceneCase(PosedCase):
         """Do nothing: a scene sets up its problems while it is solved."""
 
     def run(self, prepared: None = None) -> TimedAnswer:
-        """Return the answer with its wall time [s], which is shorter where a case before it left its coefficients."""
+        """Return the answer with its wall time [s], which is shorter where the coefficients of its grid are cached."""
         start = perf_counter()
         answer = cs.solve(
             self.scene, self.grid, self.padding,

@@ -126,7 +126,7 @@ class HasFields(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class RunSettings:
-    """Instructions for every case of a run.
+    """Settings of a run that every case needs.
 
     Attributes
     ----------

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import inf, isfinite
 
 from studies.advice.compared_scene import REPORTED, Setting
-from studies.advice.comparison import LINE, Alternative, Comparison, Measured, Verdict
+from studies.advice.comparison import LINE, Alternative, Comparison, MeasuredSetting, Verdict
 from studies.report.style import percent
 
 NAMES = {"exact": "exact periodicity", LINE: "exact periodicity", "free": "free ends"}
@@ -34,7 +34,7 @@ def enumerated(words: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
 
 
-def setting_text(measured: Measured) -> str:
+def setting_text(measured: MeasuredSetting) -> str:
     """Return a setting in words."""
     tolerance = tolerance_text(measured.setting.tolerance)
     return f"{padding_name(measured.label)}, {cells_text(measured.setting.cells)}, tolerance {tolerance}"
@@ -116,7 +116,7 @@ def alternatives_text(comparison: Comparison, verdict: Verdict) -> str:
     return " ".join(sentences)
 
 
-def _why(comparison: Comparison, verdict: Verdict, coarser: Measured) -> str:
+def _why(comparison: Comparison, verdict: Verdict, coarser: MeasuredSetting) -> str:
     """Return why the next coarser grid was not chosen."""
     if not verdict.meets:
         return ""

@@ -74,7 +74,7 @@ def document_of(described: SceneFile) -> SceneDocument:
     return SceneDocument(**entries | {"time_steps": described.time_steps})
 
 
-def find(document: SceneDocument, name: str) -> SceneField:
+def find_field(document: SceneDocument, name: str) -> SceneField:
     """Return the field with the name `name`.
 
     Parameters
@@ -182,7 +182,7 @@ def replaced(value: Any, path: Sequence[str], new: object) -> Any:
     return replace(value, **{first: replaced(getattr(value, first), below, new)})
 
 
-def without_none(annotation: Any) -> Any:
+def non_optional(annotation: Any) -> Any:
     """Return a type without the None of an optional field."""
     if get_origin(annotation) in (Union, UnionType):
         options = tuple(option for option in get_args(annotation) if option is not NoneType)

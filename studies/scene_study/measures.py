@@ -131,7 +131,7 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     for name, error in errors.items():
         if (value := measured.get(name)) is not None:
             label = f"bound of the error: {value.attrs['long_name']}"
-            bound = error * float(value)
+            bound = error * float(value) if error < inf else inf
             measured[f"{name}_bound"] = labelled((), bound, value.attrs["units"], label)
     return measured
 

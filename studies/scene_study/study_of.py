@@ -29,7 +29,7 @@ from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
 from studies.scene_study.values import MAX_VALUES
-from studies.scene_study.variation import Variation, together, variation
+from studies.scene_study.variation import Variation, joint_variation, variation
 
 # Largest number of points that are planned; the others take the finest cells of these.
 MAX_PLANNED = 8
@@ -37,7 +37,7 @@ MAX_PLANNED = 8
 ORDER = {"file": 0, "tile": 1, "turn": 2}
 
 
-def posed(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
+def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
     """Return every point on its grid, and notes on the grids.
 
     Points with the same grid and plan settings in their file share a grid, with the width of the widest and the
@@ -63,11 +63,11 @@ def posed(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
     shapes = [shape for point in points for shape in point.scene.shapes]
     if any(isinstance(shape, Roughness) and shape.extent is None for shape in shapes):
         notes += about
-    placed = [_on(point, grids[number], extent) for number, point in enumerate(points)]
+    placed = [_case_on(point, grids[number], extent) for number, point in enumerate(points)]
     return placed, tuple(dict.fromkeys(notes))
 
 
-def _on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Case:
+def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Case:
     """Return one point on its grid, with random surfaces of the common extent."""
     shapes = tuple(
         replace(shape, extent=extent)
@@ -107,7 +107,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
         ]
         return [point.plan().grid for point in points], notes
     if first.grid is not None:
-        note = f"grid {_size_text(first.grid)}, given, for {_counted(points)}"
+        note = f"grid {_size_text(first.grid)}, given, for {_count_text(points)}"
         return [first.grid] * len(points), [note]
     requirements = [grid_requirements(point.scene) for point in points]
     planned = _planned(points, requirements)
@@ -129,7 +129,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
     period = min(periods) if measured else max(periods)
     is_common = len(periods) == 1 or measured
     if not is_common and any(requirement.period_fault(period) for requirement in requirements):
-        separate = f"no common period for {_counted(points)}: each has its own grid"
+        separate = f"no common period for {_count_text(points)}: each has its own grid"
         return planned, [separate, *notes]
     across = halvable_count(width / min(grid.cell_size[0] for grid in planned))
     varying = [grid for grid in planned if grid.cells[1] > 1]
@@ -143,7 +143,7 @@ def _shared(points: Sequence[SceneFile]) -> tuple[list[cs.Grid], list[str]]:
             f"and this machine has {available_bytes() / 1e9:.3g} GB: it is the finest that fits; give "
             "fewer values, a larger plan.error, or a grid"
         )
-    shared = f"grid {_size_text(grid)}, planned once for {_counted(points)}"
+    shared = f"grid {_size_text(grid)}, planned once for {_count_text(points)}"
     return [grid] * len(points), [shared, *notes]
 
 
@@ -190,7 +190,7 @@ def _size_text(grid: cs.Grid) -> str:
     return f"{grid.cells[0]} x {grid.cells[1]} cells over {readable(grid.extent[0])} x {readable(grid.extent[1])}"
 
 
-def _counted(points: Sequence[SceneFile]) -> str:
+def _count_text(points: Sequence[SceneFile]) -> str:
     """Return the number of points in words."""
     return f"{len(points)} points" if len(points) > 1 else "1 point"
 
@@ -243,7 +243,7 @@ def study_of(
     check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MAX_VALUES)
     points = list(product(*(varied.axis.values for varied in axes)))
     files = [_file_at(described, axes, point) for point in points]
-    placed, notes = posed(files)
+    placed, notes = on_shared_grids(files)
     cases = dict(zip(points, map(_computation, placed, files), strict=True))
     if name is None:
         # not the name of the scene, which contactstudy solve gives to its file
@@ -266,7 +266,7 @@ def _variation(described: SceneFile, group: Mapping[str, object], folder: Path) 
     varied = [
         variation(described, field, values, folder, order=order) for field, values in group.items()
     ]
-    return varied[0] if len(varied) == 1 else together(varied)
+    return varied[0] if len(varied) == 1 else joint_variation(varied)
 
 
 def _text(scene: object, described: SceneFile) -> str:

@@ -13,7 +13,7 @@ from contactstudy import InvalidInput, MeasuredSurface, Tile
 from contactstudy.io.scene_files.scene_schema import KINDS, SceneDocument, Turn
 from contactstudy.io.scene_files.structuring import structured
 from studies.model.axis import Axis, Value
-from studies.scene_study.fields import SceneField, document_of, find, replaced, without_none
+from studies.scene_study.fields import SceneField, document_of, find_field, non_optional, replaced
 from studies.scene_study.values import parse_values
 
 SURFACES, TILES = "surfaces", "tiles"
@@ -69,7 +69,7 @@ class Variation:
         return document
 
 
-def together(varied: Sequence[Variation]) -> Variation:
+def joint_variation(varied: Sequence[Variation]) -> Variation:
     """Return one axis along which several fields change, from the first value of each.
 
     The axis has the name and the values of the first field.
@@ -124,17 +124,17 @@ def variation(
         return _surfaces(document, values_given, folder)
     if name == TILES:
         return _tiles(document, values_given)
-    field = find(document, name)
+    field = find_field(document, name)
     if field.path[-1] == "file":
         return _surfaces(document, values_given, folder, field)
     raw = (
         parse_values(name, values_given, field.number_type)
         if isinstance(values_given, str)
-        else _listed(name, values_given)
+        else _as_list(name, values_given)
     )
     values: dict[Value, Any] = {}
     for entry in raw:
-        made = _made(field, entry)
+        made = _converted(field, entry)
         values.setdefault(_label(made, entry), made)
     # an infinite value, such as a rigid body's modulus, has no place on a scale: such values are names
     if all(isinstance(label, int | float) and np.isfinite(label) for label in values):
@@ -151,7 +151,7 @@ def variation(
     return Variation(axis, ((field, values),))
 
 
-def _listed(name: str, values: object) -> list[object]:
+def _as_list(name: str, values: object) -> list[object]:
     """Return the values of a sequence as a list."""
     if isinstance(values, Mapping) or not isinstance(values, Iterable):
         raise InvalidInput(
@@ -163,13 +163,13 @@ def _listed(name: str, values: object) -> list[object]:
     return raw
 
 
-def _made(field: SceneField, raw: object) -> Any:
+def _converted(field: SceneField, raw: object) -> Any:
     """Return a value as the type that stands at `field`."""
     if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
         return raw  # a Python object, which the scene checks
     if isinstance(raw, tuple):
         raw = list(raw)
-    kind = without_none(field.annotation)
+    kind = non_optional(field.annotation)
     try:
         holder = make_dataclass("Value", [("value", kind)], frozen=True)
         return structured({"value": raw}, holder, KINDS, field.name).value
@@ -246,7 +246,7 @@ def _surfaces(
     if not isinstance(items, Iterable):
         items = [items]
     values: dict[Value, Any] = {}
-    for number, item in enumerate(_resolved(items, folder)):
+    for number, item in enumerate(_expanded_items(items, folder)):
         surface = _surface(item, present)
         name = Path(item).name if isinstance(item, str | Path) else getattr(item, "name", None)
         name = str(name or (Path(surface.file).name if surface.file else f"surface {number}"))
@@ -259,7 +259,7 @@ def _surfaces(
     return Variation(axis, ((field, values),))
 
 
-def _resolved(items: Iterable[Any], folder: Path) -> list[Any]:
+def _expanded_items(items: Iterable[Any], folder: Path) -> list[Any]:
     """Return surfaces with patterns replaced by the files that they match, and containers by their entries."""
     surfaces: list[Any] = []
     for item in items:
@@ -300,7 +300,7 @@ def _tiles(document: SceneDocument, tiles_given: object) -> Variation:
     field = SceneField(("shapes", _only_surface(document, "tiles"), "tile"), Tile)
     text = tiles_given
     if not isinstance(text, str):
-        text = "x".join(map(str, _listed(TILES, tiles_given)))
+        text = "x".join(map(str, _as_list(TILES, tiles_given)))
     parts = text.replace(" ", "").split("x")
     if len(parts) != 2 or not all(part.isdigit() for part in parts):
         raise InvalidInput(f"tiles is {text!r}: give how many across and along, such as 2x6.")

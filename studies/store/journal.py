@@ -82,7 +82,7 @@ class Journal:
 
     def __enter__(self) -> Self:
         try:
-            if self._is_foreign:
+            if self._is_of_other_format:
                 aside = set_aside(self.path)
                 self.notes.append(
                     f"the journal was written by another version: it is set aside as {aside.name}"
@@ -92,7 +92,7 @@ class Journal:
             self._descriptor = open_descriptor(self.path, os.O_RDWR | os.O_CREAT | os.O_APPEND)
             os.ftruncate(self._descriptor, self._end)
         except OSError as error:
-            raise self._refused(error) from None
+            raise self._write_error(error) from None
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *raised: object) -> None:
@@ -137,7 +137,7 @@ class Journal:
             if stamp not in self.programs:
                 self._write({"program": stamp} | program)
             # what this run computes counts in it, also where a file has been edited meanwhile
-            self._present.add(stamp)
+            self._current_programs.add(stamp)
             cached = self._stamps[id(loaded), state] = loaded, stamp
         return cached[1]
 
@@ -161,14 +161,14 @@ class Journal:
         if outcome.failure is not None:
             line["failure"] = asdict(outcome.failure)
         self._write(line)
-        return self._sync_now_and_then(outcome.seconds)
+        return self._sync_if_due(outcome.seconds)
 
-    def time(self, key: str, sample: TimedRun) -> None:
+    def add_timed_run(self, key: str, sample: TimedRun) -> None:
         """Write a timed run of the case `key`."""
         self._write_time(key, {"sample": asdict(sample)})
-        self._sync_now_and_then()
+        self._sync_if_due()
 
-    def cannot_time(self, key: str, reason: str) -> None:
+    def add_timing_failure(self, key: str, reason: str) -> None:
         """Write why the case `key` has no times; the next run does not time it."""
         self._write_time(key, {"reason": reason})
 
@@ -177,7 +177,7 @@ class Journal:
         about = {"time": key, "program": self.records[key].stamp, "machine": self._machine}
         self._write(about | line)
 
-    def forget_times(self) -> None:
+    def drop_times(self) -> None:
         """Make all timed runs so far invalid."""
         self._write({"retime": True})
 
@@ -197,7 +197,7 @@ class Journal:
     def reason_to_recompute(self, identity: CaseIdentity) -> str:
         """Return in one line why the stored record of a case, or at its point, cannot be used; empty without one."""
         before = self.records.get(identity.key) or self.other_records.get(identity.key)
-        tree = before.identity.tree if before else self._trees.get(_place(identity.point))
+        tree = before.identity.tree if before else self._trees.get(_point_key(identity.point))
         changes = [] if tree is None else differences(tree, identity.tree)
         if before is not None:
             names = self._context.changes(self.programs[before.stamp])
@@ -211,7 +211,7 @@ class Journal:
         """Parameters stored at each point, when this is first asked."""
         records = (*self.other_records.values(), *self.records.values())
         identities = (record.identity for record in records)
-        return {_place(identity.point): identity.tree for identity in identities}
+        return {_point_key(identity.point): identity.tree for identity in identities}
 
     def sync(self) -> None:
         """Write everything through to the disk, in the file that has the journal's name.
@@ -227,7 +227,7 @@ class Journal:
         except FileNotFoundError:
             is_same = False
         except OSError as error:
-            raise self._refused(error) from None
+            raise self._write_error(error) from None
         if not is_same:
             raise InvalidInput(
                 f"Journal {str(self.path)!r} was removed or replaced while the run was writing it, and what it "
@@ -235,7 +235,7 @@ class Journal:
             )
         self._synced = monotonic()
 
-    def _sync_now_and_then(self, seconds: float = 0.0) -> bool:
+    def _sync_if_due(self, seconds: float = 0.0) -> bool:
         """Sync after a case of so many seconds, or if the last time is some time ago; return whether it was done."""
         is_due = seconds > SYNC_INTERVAL / 2 or monotonic() - self._synced > SYNC_INTERVAL
         if is_due:
@@ -252,11 +252,11 @@ class Journal:
         except OSError as error:
             with suppress(OSError):
                 os.ftruncate(self._descriptor, self._end)
-            raise self._refused(error) from None
+            raise self._write_error(error) from None
         self._end += len(raw)
         self._apply(line, raw)
 
-    def _refused(self, error: OSError) -> InvalidInput:
+    def _write_error(self, error: OSError) -> InvalidInput:
         """Return the error of a journal that cannot be written."""
         return InvalidInput(
             f"Journal {str(self.path)!r} cannot be written ({reason(error)}): what was stored is kept; "
@@ -274,9 +274,9 @@ class Journal:
         self.history: list[str] = []
         self.times = hashlib.blake2b(digest_size=8)
         self.interrupted: str | None = None
-        self._present: set[str] = set()
+        self._current_programs: set[str] = set()
         self._damaged: dict[int, bytes] = {}
-        self._is_foreign, self._end = False, 0
+        self._is_of_other_format, self._end = False, 0
 
     def _read(self) -> None:
         """Read the journal from the start."""
@@ -294,7 +294,7 @@ class Journal:
     @without_garbage_collection()
     def _read_lines(self, file: Iterable[bytes]) -> None:
         """Apply every line of the file without a torn last one."""
-        is_journal, is_foreign = True, False
+        is_journal, is_of_other_format = True, False
         for number, raw in enumerate(file):
             if number == 0:
                 is_journal = raw.startswith(START) or START.startswith(raw)
@@ -304,16 +304,19 @@ class Journal:
             if line is None or not self._try_apply(line, raw):
                 self._damaged[number] = raw
             if line is not None:
-                is_journal, is_foreign = True, is_foreign or line.get("format", FORMAT) != FORMAT
+                is_journal, is_of_other_format = (
+                    True,
+                    is_of_other_format or line.get("format", FORMAT) != FORMAT,
+                )
             self._end += len(raw)
         if not is_journal:
             raise InvalidInput(
                 f"Journal {str(self.path)!r} is not a journal of this program: move the file away, or give "
                 "another folder with --out."
             )
-        if is_foreign:
+        if is_of_other_format:
             self._clear()
-            self._is_foreign = True
+            self._is_of_other_format = True
 
     def _try_apply(self, line: Mapping[str, Any], raw: bytes) -> bool:
         """Apply a line, and return whether it has the form that this version writes."""
@@ -329,7 +332,7 @@ class Journal:
             case {"case": key, "program": stamp, "values": dict()}:
                 failure_of(line)
                 status, state = CaseStatus[line["status"].upper()], self.programs[stamp].state
-                records = self.records if stamp in self._present else self.other_records
+                records = self.records if stamp in self._current_programs else self.other_records
                 records[key] = Record(
                     key, status, line["seconds"], line["exact"], stamp, state, raw
                 )
@@ -351,7 +354,7 @@ class Journal:
             case {"program": stamp, "part": part, "state": state, "loaded": loaded}:
                 self.programs[stamp] = program = Program(part, state, loaded)
                 if not self._context.changes(program):
-                    self._present.add(stamp)
+                    self._current_programs.add(stamp)
             case {"format": _, "history": history, "part": part, "axes": axes}:
                 self.history.append(history)
                 for name, values in axes.items() if part == self._context.part else ():
@@ -378,6 +381,6 @@ class Journal:
         )
 
 
-def _place(point: Mapping[str, str]) -> object:
+def _point_key(point: Mapping[str, str]) -> object:
     """Return a point as a key that does not depend on the order of its axes."""
     return tuple(sorted(point.items()))

@@ -105,7 +105,7 @@ def study_part(study: Study, states: States) -> dict[str, str]:
     InvalidInput
         For a file that cannot be read, and for measures whose state cannot be seen.
     """
-    part = {"measures": digest(text(states.held(study.measures)).encode())}
+    part = {"measures": digest(text(states.state_of(study.measures)).encode())}
     case_at = getattr(study.case_at, "__module__", "")
     sent = cloudpickle.list_registry_pickle_by_value()
     for name in states.modules | ({case_at} - {"__main__"}):

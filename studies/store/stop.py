@@ -30,8 +30,8 @@ class Stop:
 
     def __init__(self) -> None:
         self.signal: int | None = None
-        self._came = 0
-        self._raises = False
+        self._count = 0
+        self._is_interruptible = False
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> Self:
@@ -40,7 +40,7 @@ class Stop:
                 before = signal.getsignal(number)
                 # ignored signals (nohup) stay ignored, and a handler of the caller is kept
                 if before in (signal.SIG_DFL, signal.default_int_handler):
-                    self._before[number] = signal.signal(number, self._note)
+                    self._before[number] = signal.signal(number, self._handle)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *raised: object) -> None:
@@ -60,18 +60,18 @@ class Stop:
     def interruptible(self) -> Iterator[None]:
         """Let a signal raise :class:`StopRun` at any place in the block."""
         self.check()
-        self._raises = True
+        self._is_interruptible = True
         try:
             yield
         finally:
-            self._raises = False
+            self._is_interruptible = False
 
-    def _note(self, number: int, _: FrameType | None) -> None:
+    def _handle(self, number: int, _: FrameType | None) -> None:
         """Record a signal; the third one ends the process."""
-        self.signal, self._came = number, self._came + 1
-        if self._came >= MAX_SIGNALS:
+        self.signal, self._count = number, self._count + 1
+        if self._count >= MAX_SIGNALS:
             signal.signal(number, signal.SIG_DFL)
             signal.raise_signal(number)
-        if self._raises:
-            self._raises = False
+        if self._is_interruptible:
+            self._is_interruptible = False
             raise StopRun(number)

@@ -36,9 +36,11 @@ CAN_INTERRUPT = hasattr(signal, "setitimer")
 REFERENCE_FIELD = np.outer(np.cos(np.arange(128.0)), np.sin(np.arange(128.0)))
 
 
-def compute(case: Computation, work: RunSettings) -> Outcome:
+def compute(case: Computation, settings: RunSettings) -> Outcome:
     """Return the outcome of a case, computed and measured; errors of the case are outcomes, too."""
-    return _outcome_of(lambda stage: _measured(case, work, stage), Stage("setup"), work.time_limit)
+    return _outcome_of(
+        lambda stage: _measured(case, settings, stage), Stage("setup"), settings.time_limit
+    )
 
 
 def timed(case: Computation, limit: float | None) -> Outcome:
@@ -70,19 +72,19 @@ def _outcome_of(task: Callable[[Stage], Outcome], stage: Stage, limit: float | N
         return failed(error, stage.name, perf_counter() - start)
 
 
-def _measured(case: Computation, work: RunSettings, stage: Stage) -> Outcome:
+def _measured(case: Computation, settings: RunSettings, stage: Stage) -> Outcome:
     """Return the outcome of a case, computed and measured."""
     with caching(SHARED_ARRAYS):
         prepared = case.prepare()
         stage.name = "solve"
         result = case.run(prepared)
         stage.name = "measure"
-        reserved, fields = RESERVED_NAMES | work.axes, {}
-        variables = measured_variables(work.measures(case, result), reserved)
+        reserved, fields = RESERVED_NAMES | settings.axes, {}
+        variables = measured_variables(settings.measures(case, result), reserved)
         if recorded := measured_variables(case.record(result), reserved, "record"):
             variables = measured_variables(variables | recorded, reserved)
         check_size(variables)
-        if work.keeps_fields and isinstance(case, HasFields):
+        if settings.keeps_fields and isinstance(case, HasFields):
             fields = measured_variables(case.fields(result), (), "fields")
     return Outcome(CaseStatus.OK, variables, fields=fields)
 
@@ -111,7 +113,9 @@ def _reference_time() -> float:
 
 def timed_out(limit: float | None, stage: str, seconds: float) -> Outcome:
     """Return the outcome of a case that took longer than ``limit`` [s]."""
-    sentence = f"TimeLimitError: not done after {limit:g} s; give more with --time-limit"
+    # a timed run has a limit of its own
+    remedy = "" if stage == "timing" else "; give more with --time-limit"
+    sentence = f"TimeLimitError: not done after {limit:g} s{remedy}"
     return Outcome(CaseStatus.TIMEOUT, {}, Failure("TimeLimitError", sentence, stage), seconds)
 
 

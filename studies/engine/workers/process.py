@@ -25,7 +25,7 @@ import cloudpickle
 
 from contactstudy import InvalidInput
 from studies.engine.workers.compute import deadline, timed_out
-from studies.engine.workers.leftovers import end_all
+from studies.engine.workers.process_tree import kill_process_tree
 from studies.engine.workers.worker import READING_STAGE, Answer, Batch, Task, main
 from studies.model.outcome import CaseStatus, Failure, Outcome, RunSettings
 from studies.store.fingerprint.modules import RECORDER, Fingerprints
@@ -39,10 +39,10 @@ PROCESSES: Any = multiprocessing.get_context(METHOD)
 START_LOCK = threading.Lock()
 
 
-def packed(work: RunSettings) -> bytes:
-    """Return `work` pickled for another process; raise InvalidInput where it cannot be pickled."""
+def pickled_settings(settings: RunSettings) -> bytes:
+    """Return `settings` pickled for another process; raise InvalidInput where it cannot be pickled."""
     try:
-        return bytes(cloudpickle.dumps(work))
+        return bytes(cloudpickle.dumps(settings))
     except Exception as error:  # noqa: BLE001 (a study's own objects may do anything)
         raise InvalidInput(
             f"measures cannot be sent to a worker process ({type(error).__name__}: {error}): keep open files "
@@ -99,16 +99,16 @@ def _changed(mapping: MutableMapping[str, Any], name: str, value: object) -> Ite
 
 
 class Worker:
-    """A supervised process for the pickled `work`, started with the first case and again after each death.
+    """A supervised process for the pickled `settings`, started with the first case and again after each death.
 
-    The event `over` is set by :meth:`end`.
+    The event `ended` is set by :meth:`end`.
     """
 
-    def __init__(self, work: bytes) -> None:
-        self.work = work
+    def __init__(self, settings: bytes) -> None:
+        self.settings = settings
         self._process: Any = None
         self._loaded: Fingerprints = RECORDER.record
-        self.over = threading.Event()
+        self.ended = threading.Event()
         atexit.register(self.end)
 
     def run(
@@ -141,7 +141,7 @@ class Worker:
             follows = True
             while follows:
                 outcome, follows = self._receive(index, limit)
-                if self.over.is_set():
+                if self.ended.is_set():
                     return
                 if outcome.case_status is CaseStatus.KILLED and not deaths:
                     deaths = 1
@@ -160,7 +160,7 @@ class Worker:
 
     def end(self) -> None:
         """End the process at once; no other is started."""
-        self.over.set()
+        self.ended.set()
         atexit.unregister(self.end)
         self._discard()
 
@@ -210,7 +210,7 @@ class Worker:
     def _is_ready(self) -> bool:
         """Return whether a process has read the study, started if need be; False after :meth:`end`."""
         starts, code = 0, None
-        while self._process is None and not self.over.is_set():
+        while self._process is None and not self.ended.is_set():
             if starts == MAX_STARTS:
                 raise InvalidInput(
                     f"{MAX_STARTS} worker processes ended before their first case, the last "
@@ -225,30 +225,30 @@ class Worker:
                 self._discard()
                 problem = answer[2].error
                 raise InvalidInput(f"The study cannot be read in a worker process: {problem}")
-        return not self.over.is_set()
+        return not self.ended.is_set()
 
     def _start(self) -> None:
         """Start a process, unless the one that forks it ends; raise InvalidInput where the system allows no more."""
         self._connection: Connection
-        self._mark = secrets.token_hex(8)
-        setup = tuple(sys.path), dict(os.environ), self.work
+        self._worker_id = secrets.token_hex(8)
+        setup = tuple(sys.path), dict(os.environ), self.settings
         try:
             self._connection, end = PROCESSES.Pipe()
             with end, _plain_process():
                 if METHOD == "forkserver":
                     PROCESSES.set_forkserver_preload(["studies.engine.workers.preload"])
-                process = PROCESSES.Process(target=main, args=(end, self._mark, *setup))
+                process = PROCESSES.Process(target=main, args=(end, self._worker_id, *setup))
                 process.start()
         except (EOFError, ConnectionError):
             # or the next one is asked of the same process, while the system ends it
-            self.over.wait(RESTART_DELAY)
+            self.ended.wait(RESTART_DELAY)
             return
         except OSError as error:
             raise InvalidInput(
                 f"A worker process cannot be started ({error.strerror}): give fewer with --workers."
             ) from None
         self._process = process
-        if self.over.is_set():  # meanwhile
+        if self.ended.is_set():  # meanwhile
             self._discard()
 
     def _discard(self, wait: float = 0.0) -> int | None:
@@ -257,7 +257,7 @@ class Worker:
         if process is None:
             return None
         process.join(wait)
-        end_all(process.pid, self._mark)
+        kill_process_tree(process.pid, self._worker_id)
         process.join()
         self._connection.close()
         return int(process.exitcode)

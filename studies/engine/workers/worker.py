@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from studies.engine.workers.compute import compute, failed, timed, warm_up
 from studies.engine.workers.interpreter_state import InterpreterState
-from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
+from studies.engine.workers.process_tree import WORKER_VARIABLE, kill_process_tree
 from studies.model.outcome import Outcome, RunSettings
 from studies.store.fingerprint.modules import RECORDER, Fingerprints
 
@@ -59,10 +59,10 @@ class Batch:
 
 def main(
     connection: Connection,
-    mark: str,
+    worker_id: str,
     path: Sequence[str],
     environment: Mapping[str, str],
-    work: bytes,
+    settings: bytes,
 ) -> None:
     """Read the study, and answer the supervisor's requests until it is gone or none comes for a long time.
 
@@ -70,12 +70,12 @@ def main(
     ----------
     connection
         Other end of the supervisor's pipe.
-    mark
+    worker_id
         Mark of this process and of all that it starts.
     path, environment
         Import paths and environment of the supervisor.
-    work
-        Instructions for every case, pickled.
+    settings
+        Settings of the run, pickled.
     """
     # an interrupt from outside ends the process, and is no error of the case
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -85,14 +85,14 @@ def main(
         os.setsid()
     if hasattr(os, "register_at_fork"):
         os.register_at_fork(after_in_child=connection.close)
-    threading.Thread(target=_end_with_supervisor, args=(mark,), daemon=True).start()
+    threading.Thread(target=_end_with_supervisor, args=(worker_id,), daemon=True).start()
     sys.path[:] = path
     os.environ.clear()
-    os.environ.update({**environment, WORKER_VARIABLE: mark})
+    os.environ.update({**environment, WORKER_VARIABLE: worker_id})
     # do not wait for threads or exit handlers left by a case
     with threadpool_limits(1), suppress(EOFError, OSError):
         worker = _Worker(connection)
-        if worker.set_up(work):
+        if worker.set_up(settings):
             while connection.poll(IDLE_TIMEOUT):
                 worker.compute(connection.recv())
     os._exit(0)
@@ -105,11 +105,11 @@ class _Worker:
         self._connection, self._pid = connection, os.getpid()
         self._loaded: Fingerprints | None = None
 
-    def set_up(self, work: bytes) -> bool:
+    def set_up(self, settings: bytes) -> bool:
         """Read the study, answer, and return whether it can be read."""
         problem = None
         try:
-            self._work: RunSettings = pickle.loads(work)
+            self._settings: RunSettings = pickle.loads(settings)
             warm_up()
         except Exception as error:  # noqa: BLE001 (a study's module may do anything)
             problem = failed(error, "setup")
@@ -131,7 +131,7 @@ class _Worker:
             if cases is not None and batch.task == "time":
                 outcome = timed(cases[index], batch.limit)
             elif cases is not None:
-                outcome = compute(cases[index], self._work)
+                outcome = compute(cases[index], self._settings)
             if os.getpid() != self._pid:
                 # a case has forked, and this is its child, which must not answer
                 os._exit(0)
@@ -153,10 +153,10 @@ class _Worker:
         self._loaded = loaded
 
 
-def _end_with_supervisor(mark: str) -> None:
+def _end_with_supervisor(worker_id: str) -> None:
     """End this process, and all that it started, when the supervisor ends."""
     supervisor = multiprocessing.parent_process()
     assert supervisor is not None
     wait([supervisor.sentinel])
-    end_all(os.getpid(), mark)
+    kill_process_tree(os.getpid(), worker_id)
     os._exit(1)

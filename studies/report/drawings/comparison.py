@@ -10,7 +10,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from studies.advice.compared_scene import REPORTED
-from studies.advice.comparison import LINE, Comparison, Measured, Verdict, label_of, name_and_images
+from studies.advice.comparison import (
+    LINE,
+    Comparison,
+    MeasuredSetting,
+    Verdict,
+    label_of,
+    name_and_images,
+)
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.report.style import (
     WIDTH,
@@ -156,7 +163,7 @@ def _front(comparison: Comparison, verdict: Verdict) -> CaptionedFigure:
     )
 
 
-def _label_cells(ax: Axes, line: Sequence[Measured], color: str) -> None:
+def _label_cells(ax: Axes, line: Sequence[MeasuredSetting], color: str) -> None:
     """Write the cells beside every second mark of the scene's own padding, from the finest."""
     for setting in line[::-2]:
         across, along = setting.setting.cells

@@ -89,14 +89,14 @@ def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ("Q / (mu P)", "stick / contact, cylinder", ""),
         ("Q / (mu P)", "stick / contact, sphere", ""),
         ("Poisson's ratio", "L1 error of superposition", ""),
-        ("Poisson's ratio", "shear aside / largest", ""),
+        ("Poisson's ratio", "transverse shear / largest", ""),
     )
     caption = (
         "Top: a sliding cylinder, where the highest von Mises stress rises to the surface. Middle: partial slip "
         "under a tangential force Q, half-width or radius of the stick zone over that of the contact, beside "
         "Cattaneo's sqrt(1 - Q / mu P) for a cylinder and Mindlin's cube root for a sphere. "
         "Bottom: what the superposition of two normal contacts (Ciavarella, Jaeger) misses on a rough "
-        "line contact at Q = mu P / 2, and the shear across the force, which it does not contain."
+        "line contact at Q = mu P / 2, and the transverse shear, which it does not contain."
     )
     return (captioned("friction", fig, caption),)
 
@@ -120,7 +120,7 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"{float(surface.min()):g} on. A cylinder sticks over a zone within {deviation:.3f} half-widths of "
             "Cattaneo's. On a rough contact two normal solves make up the shear to "
             f"{percent(cork['superposition_error'])} in L1 at nu = 0, and miss "
-            f"{percent(steel['superposition_error'])} of it at nu = 0.3, with a shear across the force of "
+            f"{percent(steel['superposition_error'])} of it at nu = 0.3, with a transverse shear of "
             f"{percent(steel['shear_aside'])} of the largest; scenes like that are solved for both components.",
             "What does friction do?",
         ),

@@ -116,7 +116,7 @@ def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     ratio = abs(fine["film_over_moes"] - 1).where(fine["resolved"] == 1)
     if not bool(np.isfinite(ratio).any()):
         return ()
-    claim = "Films converge from a cold start at every load and viscosity, and lose no lubricant."
+    claim = "Films converge from a cold start at every load and viscosity, and conserve mass."
     if converged < total:
         claim = f"{total - converged} of {total} films do not converge from a cold start."
     return (

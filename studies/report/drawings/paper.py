@@ -57,15 +57,7 @@ def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     error.set_yscale("symlog", linthresh=0.1)
     text = "The pressure in the middle of the length, and its error on a scale that is linear within 0.1 %"
     if is_of_hertz(dataset):
-        facts = "; ".join(
-            f"{setting_label(part)}: {percent(part['pressure_error_max'])}"
-            for name in paddings(dataset)
-            for part in [finest.sel(padding=name).isel(images=-1)]
-        )
-        text = (
-            f"The paper's Fig. 5. {text}; bands show the range along the length (omitted for zero padding). "
-            f"Largest error of any cell, over p_{{H}}: {facts}"
-        )
+        text = f"The paper's Fig. 5. {text}; bands show the range along the length (omitted for zero padding)"
     return (captioned("pressure", fig, f"{text}; {against(dataset)}, {shown_at(dataset, '')}."),)
 
 

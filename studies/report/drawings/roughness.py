@@ -48,19 +48,19 @@ def _shift(dataset: xr.Dataset) -> CaptionedFigure:
             for hurst, line in zip(dataset["hurst"].values, cycle(LINES), strict=False):
                 part = dataset[variable].sel(peklenik=peklenik, hurst=hurst)
                 style = {"color": color, "linestyle": line}
-                _over_rms(ax, part, f"lay {peklenik:g}, H = {hurst:g}", **style)
+                _over_rms(ax, part, f"Peklenik {peklenik:g}, H = {hurst:g}", **style)
         ax.set_ylabel(label)
     rough = dataset.isel(rms=-1)
     facts = "; ".join(
-        f"lay {float(lay):g}: area {float(part['contact_area'].mean()):.2f}, peak pressure "
+        f"Peklenik {float(number):g}: area {float(part['contact_area'].mean()):.2f}, peak pressure "
         f"{float(part['peak_pressure'].mean()):.1f} p_{{H}}"
-        for lay, part in rough.groupby("peklenik")
+        for number, part in rough.groupby("peklenik")
     )
     return captioned(
         "shift",
         fig,
         "Effect of roughness on a line contact with exact periodicity; lines are the median over the surfaces, "
-        "bands their range. Heights are relative to a²/(2R). Lay is the correlation length across the contact over "
+        "bands their range. Heights are relative to a²/(2R). Peklenik is the correlation length across the contact over "
         "that along it (below 1 the lay runs along the length), H the Hurst exponent. The effective half-width "
         "is that of Hertz's pressure with the same second moment; the spread is the standard deviation of "
         f"the load along the length over its mean. At an rms of {float(rough['rms']):g}: {facts}.",
@@ -86,7 +86,7 @@ def _paddings(dataset: xr.Dataset) -> CaptionedFigure:
         "paddings",
         fig,
         "Error of each padding relative to exact periodicity on the same surface and grid; lines are the "
-        "median over lays, Hurst exponents and seeds, bands their range. "
+        "median over Peklenik numbers, Hurst exponents and seeds, bands their range. "
         f"L = {float(dataset['period']):g} a. The dashed line is the difference between the rough and the smooth "
         "contact's pressure: a padding is accurate enough if its error is well below this line. The "
         "largest error grows with the roughness, since asperities in light contact appear and disappear.",

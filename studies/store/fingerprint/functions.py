@@ -17,7 +17,7 @@ import numpy as np
 
 from contactstudy import InvalidInput
 from contactstudy.domain.identity import Tree, canonical, text
-from studies.store.fingerprint.modules import THIS_PROGRAM, digest, entry_of, resolved
+from studies.store.fingerprint.modules import THIS_PROGRAM, current_spec, digest, fingerprint_of
 
 PLAIN = (type(None), bool, str, bytes, int, float, complex)
 CONTAINERS = (tuple, list, dict, set, frozenset)
@@ -38,14 +38,14 @@ class States:
     _taken: dict[tuple[int, str | None], tuple[object, Tree]] = field(default_factory=dict)
     _users: dict[str, bool] = field(default_factory=lambda: {"__main__": True, "builtins": False})
 
-    def held(self, value: Any, holder: str | None = "measures") -> Tree:
+    def state_of(self, value: Any, owner: str | None = "measures") -> Tree:
         """Return the state of a function, class or value, and of all that it holds.
 
         Parameters
         ----------
         value
             The value.
-        holder
+        owner
             What holds it, for the error; None gives None for an object whose state cannot be seen.
 
         Raises
@@ -55,85 +55,89 @@ class States:
         """
         if type(value) in PLAIN:
             return canonical(value)
-        if holder is None and isinstance(value, ModuleType):
+        if owner is None and isinstance(value, ModuleType):
             return None
-        state = self._callable(value, holder)
-        return self._once(value, holder, self._value) if state is None else state
+        state = self._callable(value, owner)
+        return self._once(value, owner, self._value) if state is None else state
 
-    def _value(self, value: Any, holder: str | None) -> Tree:
+    def _value(self, value: Any, owner: str | None) -> Tree:
         """Return the state of a value that is no function."""
         kind = type(value)
         if kind in CONTAINERS:
             items = value.items() if kind is dict else value
-            parts = [self.held(item, holder) for item in items]
+            parts = [self.state_of(item, owner) for item in items]
             return [kind.__name__, sorted(parts, key=text) if kind in (set, frozenset) else parts]
         is_record = is_dataclass(value) and not isinstance(value, (*CONTAINERS, *PLAIN))
-        if holder is None and hasattr(value, "__dict__"):
+        if owner is None and hasattr(value, "__dict__"):
             is_record |= kind is SimpleNamespace or self._is_users(kind.__module__)
         is_fixed = not is_dataclass(value) or kind.__dataclass_params__.frozen
-        if is_fixed or holder is None:
+        if is_fixed or owner is None:
             if is_record:
-                return [self.of_class(kind), self.held(_attributes(value), holder)]
+                return [self.of_class(kind), self.state_of(_attributes(value), owner)]
             with suppress(InvalidInput, RecursionError):
                 return [self.of_class(kind), canonical(value)]
-        if holder is not None:
+        if owner is not None:
             raise InvalidInput(
-                f"{holder} holds an object of {kind.__qualname__}, whose state cannot be seen, so that what is "
+                f"{owner} holds an object of {kind.__qualname__}, whose state cannot be seen, so that what is "
                 f"stored could be another's: {REMEDY}."
             )
         with suppress(Exception):  # an object of a library, which may not be written
             return [f"{kind.__module__}.{kind.__qualname__}", digest(pickle.dumps(value))]
         return None
 
-    def _callable(self, value: Any, holder: str | None) -> Tree | None:
+    def _callable(self, value: Any, owner: str | None) -> Tree | None:
         """Return the state of a function or class with what it holds; None for another value."""
         if isinstance(value, type):
             return self.of_class(value)
         if isinstance(value, partial):
             parts = [value.func, value.args, value.keywords, vars(value)]
-            return ["partial", self.held(parts, holder)]
+            return ["partial", self.state_of(parts, owner)]
         if isinstance(value, MethodType):
-            return ["method", self.held([value.__func__, value.__self__], holder)]
+            return ["method", self.state_of([value.__func__, value.__self__], owner)]
         if isinstance(value, FunctionType):
-            return self._once(value, holder, self._function)
+            return self._once(value, owner, self._function)
         if isinstance(value, property):
-            return self.held([value.fget, value.fset], holder)
+            return self.state_of([value.fget, value.fset], owner)
         if isinstance(value, cached_property):
-            return self.held(value.func, holder)
+            return self.state_of(value.func, owner)
         is_callable = callable(value) or isinstance(value, classmethod)
         if is_callable and hasattr(value, "__wrapped__"):  # a method, or a cache around a function
-            return self.held(value.__wrapped__, holder)
+            return self.state_of(value.__wrapped__, owner)
         if isinstance(value, np.ufunc):  # of a library; another one may be made of any function
             libraries = np, sys.modules.get("scipy.special")
             is_known = any(getattr(library, value.__name__, None) is value for library in libraries)
             return repr(value) if is_known else None
         name = getattr(value, "__qualname__", None)
-        owner = getattr(value, "__self__", None)
-        if callable(value) and name and (owner is None or isinstance(owner, ModuleType | type)):
+        instance = getattr(value, "__self__", None)
+        if (
+            callable(value)
+            and name
+            and (instance is None or isinstance(instance, ModuleType | type))
+        ):
             return f"{getattr(value, '__module__', '')}.{name}"  # of compiled code
         return None
 
     def _once(
-        self, value: Any, holder: str | None, state: Callable[[Any, str | None], Tree]
+        self, value: Any, owner: str | None, state: Callable[[Any, str | None], Tree]
     ) -> Tree:
         """Return the state of an object that may refer to itself, computed once."""
-        identity = id(value), holder
+        identity = id(value), owner
         if identity not in self._taken:
             self._taken[identity] = value, "itself"
-            self._taken[identity] = value, state(value, holder)
+            self._taken[identity] = value, state(value, owner)
         return self._taken[identity][1]
 
-    def _function(self, function: FunctionType, holder: str | None) -> Tree:
+    def _function(self, function: FunctionType, owner: str | None) -> Tree:
         """Return the code of a function, what it holds, and the values that it names."""
         self.modules.add(function.__module__)
         values = [function.__defaults__, function.__kwdefaults__, vars(function)]
-        parts = [f"{function.__module__}.{function.__qualname__}", self.held(values, holder)]
+        parts = [f"{function.__module__}.{function.__qualname__}", self.state_of(values, owner)]
         for cell in function.__closure__ or ():
             try:
                 content = cell.cell_contents
             except ValueError:  # a name that is not bound yet
                 continue
-            parts.append(self.held(content, holder))
+            parts.append(self.state_of(content, owner))
         if self._is_users(function.__module__):
             parts.append(_code(function.__code__, function.__doc__))
             names = sorted(set(_names(function.__code__)))
@@ -149,20 +153,23 @@ class States:
             if isinstance(value, ModuleType):
                 if self._is_users(value.__name__):
                     inner = [(part, vars(value)[part]) for part in names if part in vars(value)]
-                    yield name, [[part, self.held(v, None)] for part, v in inner if v is not value]
+                    yield (
+                        name,
+                        [[part, self.state_of(v, None)] for part, v in inner if v is not value],
+                    )
             else:
-                yield name, self.held(value, None)
+                yield name, self.state_of(value, None)
 
     def _is_users(self, module: str) -> bool:
         """Return whether a module is the user's: not of this program, a distribution or the standard library."""
         if module not in self._users:
-            loaded, spec = sys.modules.get(module), resolved(module)
+            loaded, spec = sys.modules.get(module), current_spec(module)
             if module.partition(".")[0] in THIS_PROGRAM:
                 self._users[module] = False
             elif loaded is None or spec is None or "__source__" in vars(loaded):
                 self._users[module] = True
             else:
-                entry = entry_of(module, spec)
+                entry = fingerprint_of(module, spec)
                 self._users[module] = entry is not None and entry[0].startswith("module")
         return self._users[module]
 
@@ -177,13 +184,13 @@ class States:
             return name
         self.modules.add(kind.__module__)
         attributes = {
-            name: self.held(value, None)
+            name: self.state_of(value, None)
             for name, value in vars(kind).items()
             if not name.startswith("__") or (callable(value) and not _is_generated(value))
         }
         if is_dataclass(kind):
             factories = [part.default_factory for part in fields(kind)]
-            attributes["__dataclass_fields__"] = self.held(
+            attributes["__dataclass_fields__"] = self.state_of(
                 [factory for factory in factories if factory is not MISSING], None
             )
         return [name, [self.of_class(base) for base in kind.__bases__], attributes]

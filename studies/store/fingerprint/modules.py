@@ -80,7 +80,7 @@ def digest(content: bytes) -> str:
     return hashlib.blake2b(content, digest_size=8).hexdigest()
 
 
-def entry_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
+def fingerprint_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
     """Return name and fingerprint of a module: a digest of its source, or the version of its distribution.
 
     None for a module of the standard library, of a distribution that changes no number, and without a known file.
@@ -107,12 +107,12 @@ def entry_of(name: str, spec: ModuleSpec) -> tuple[str, str] | None:
     return f"module {name}", digest(content)
 
 
-def resolved(name: str) -> ModuleSpec | None:
+def current_spec(name: str) -> ModuleSpec | None:
     """Return the specification of the module that an import of `name` would load now; nothing is imported."""
     parent, _, _ = name.rpartition(".")
     path: list[str] | None = None
     if parent:
-        above = resolved(parent)
+        above = current_spec(parent)
         if above is None or above.submodule_search_locations is None:
             return None
         path = list(above.submodule_search_locations)
@@ -173,7 +173,7 @@ class ImportRecorder:
         try:
             for finder in sys.meta_path:
                 if finder is not self and (spec := finder.find_spec(name, path, target)):
-                    self._noted[name] = entry_of(name, spec)
+                    self._noted[name] = fingerprint_of(name, spec)
                     return
         finally:
             self._busy = False
@@ -197,10 +197,10 @@ class ImportRecorder:
             if name in ("__main__", "__mp_main__") or "__source__" in variables_of(module):
                 noted.pop(name, None)
                 continue
-            self._add(name, _spec_of(module) or resolved(name), entries)
+            self._add(name, _spec_of(module) or current_spec(name), entries)
         for entry in noted.values():  # deleted again
             if entry is not None:
-                _enter(*entry, entries)
+                _add_fingerprint(*entry, entries)
         noted.clear()
         self._scanned = now
         if entries != self.record:
@@ -209,7 +209,7 @@ class ImportRecorder:
 
     def _add(self, name: str, spec: ModuleSpec | None, entries: dict[str, str]) -> None:
         """Add the entry of a module."""
-        entry = None if spec is None else entry_of(name, spec)
+        entry = None if spec is None else fingerprint_of(name, spec)
         is_noted = name in self._noted
         before = self._noted.pop(name, None)
         if entry is None or spec is None:
@@ -220,7 +220,7 @@ class ImportRecorder:
         certain = entry == before if is_noted else is_older_file
         if not certain and key.startswith("module"):
             value = f"{value} or another {secrets.token_hex(4)}"
-        _enter(key, value, entries)
+        _add_fingerprint(key, value, entries)
 
 
 def is_older(path: Any, instant: float) -> bool:
@@ -232,7 +232,7 @@ def is_older(path: Any, instant: float) -> bool:
     return max(status.st_mtime, status.st_ctime) < instant - CLOCK_MARGIN
 
 
-def _enter(key: str, value: str, entries: dict[str, str]) -> None:
+def _add_fingerprint(key: str, value: str, entries: dict[str, str]) -> None:
     """Add a fingerprint; two that differ become one that matches nothing, since both modules may be in use."""
     before = entries.get(key, value)
     entries[key] = value if value == before else f"{value} after {before}"
@@ -259,14 +259,14 @@ class CurrentModules:
     def __init__(self) -> None:
         importlib.invalidate_caches()
         self._entries: dict[str, str] = {"python": PYTHON}
-        self._judged: dict[int, tuple[Fingerprints, list[str]]] = {}
+        self._changes: dict[int, tuple[Fingerprints, list[str]]] = {}
 
     def changes(self, record: Fingerprints) -> list[str]:
         """Return the names of the fingerprints that differ from those of what would be loaded now."""
-        if id(record) not in self._judged:
+        if id(record) not in self._changes:
             changes = [key for key, value in record.items() if self._entry(key) != value]
-            self._judged[id(record)] = record, changes
-        return self._judged[id(record)][1]
+            self._changes[id(record)] = record, changes
+        return self._changes[id(record)][1]
 
     def _entry(self, key: str) -> str:
         """Return the fingerprint that a process would record under the name `key` now."""
@@ -275,8 +275,8 @@ class CurrentModules:
             if kind == "distribution":
                 present = _installed()[1].get(name, "absent")
             else:
-                spec = resolved(name)
-                entry = None if spec is None else entry_of(name, spec)
+                spec = current_spec(name)
+                entry = None if spec is None else fingerprint_of(name, spec)
                 present = "absent" if entry is None else entry[1] if entry[0] == key else entry[0]
             self._entries[key] = present
         return self._entries[key]

@@ -32,7 +32,7 @@ def numerical_part(source: bytes) -> str:
     everything = frozenset().union(*words[1:] if body and _is_text(body[0]) else words)
     if "__doc__" not in everything:
         body = [statement for statement in body if not _is_text(statement)]
-        _forget_documentation(body)
+        _remove_docstrings(body)
         words = [frozenset(_words(statement)) for statement in body]
     bound = frozenset(_bound(body))
     pure = frozenset(name for name in PURE if not bound & {"*", name.split(".")[0]})
@@ -133,7 +133,7 @@ def _is_text(statement: ast.stmt) -> bool:
     return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
 
 
-def _forget_documentation(body: list[ast.stmt]) -> None:
+def _remove_docstrings(body: list[ast.stmt]) -> None:
     """Remove texts that document functions and classes."""
     for node in (part for statement in body for part in ast.walk(statement)):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):

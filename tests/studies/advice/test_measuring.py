@@ -23,7 +23,7 @@ from studies.advice.compared_scene import (
 from studies.advice.comparison import (
     LINE,
     Comparison,
-    Measured,
+    MeasuredSetting,
     PaddingError,
     label_of,
     with_envelope,
@@ -199,13 +199,13 @@ def one(
     *,
     rounds: int = 15,
     bounded: bool = True,
-) -> Measured:
+) -> MeasuredSetting:
     """A setting that takes as long in every round."""
     setting, times = Setting(padding, (cells, cells), 1e-4), (seconds,) * rounds
-    return Measured(setting, label_of(padding), error, bounded, times[:1], times)
+    return MeasuredSetting(setting, label_of(padding), error, bounded, times[:1], times)
 
 
-def of(*settings: Measured, reference_bound: float = 0.0) -> Comparison:
+def of(*settings: MeasuredSetting, reference_bound: float = 0.0) -> Comparison:
     return Comparison(
         name="hand", text="", extent=(1e-3, 1e-3), boundary=EXACT, error=0.03,
         reference_bound=reference_bound, reference=(96, 96),

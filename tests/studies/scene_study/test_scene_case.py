@@ -33,6 +33,15 @@ def test_a_scene_in_time_is_swept_with_the_steps_of_its_solve(smooth: Path, tmp_
     assert abs(float(swept["final_peak_pressure"][0]) - single.value) < bound + single.bound
 
 
+def test_separated_bodies_are_a_result_of_a_sweep_and_no_failure(tmp_path: Path) -> None:
+    steel = cs.HalfSpace(210e9, 0.3)
+    scene = cs.Scene(cs.Approach(1e-6), (steel, steel), (cs.Cylinder(0.01),))
+    file = cs.SceneFile(scene, grid=cs.Grid((32, 1), (1e-3, 1e-3)), padding=cs.ExactPeriodicity())
+    study = studies.study_of(file, {"load.approach": [-1e-6, 1e-6]})
+    apart, pressed = run(study, tmp_path, workers=0, log=quiet)["contact_fraction"].values
+    assert apart == 0 < pressed
+
+
 def test_approach_and_stiffness_are_those_of_hertz(smooth: Path) -> None:
     study = studies.study_of(smooth, {"load.per_length": "50:100:3 N/mm", "plan.error": [1e-4]})
     for case in study.cases():

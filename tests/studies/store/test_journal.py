@@ -106,9 +106,9 @@ def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:
         journal.start("now", {})
         journal.add(identity("a"), outcome())
         journal.add(identity("b"), outcome())
-        journal.time("a", SAMPLE)
-        journal.time("a", replace(SAMPLE, solve=3.0))
-        journal.cannot_time("b", "too short")
+        journal.add_timed_run("a", SAMPLE)
+        journal.add_timed_run("a", replace(SAMPLE, solve=3.0))
+        journal.add_timing_failure("b", "too short")
     found = opened(tmp_path)
     assert found.samples_of("a") == [SAMPLE, replace(SAMPLE, solve=3.0)]
     assert found.reason_without_times("b") == "too short"
@@ -117,9 +117,9 @@ def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:
     assert set(elsewhere.records) == {"a", "b"}
     with opened(tmp_path) as journal:
         journal.start("now", {})
-        journal.forget_times()
+        journal.drop_times()
         assert (journal.samples, journal.untimed) == ({}, {})
-        journal.time("a", replace(SAMPLE, solve=4.0))
+        journal.add_timed_run("a", replace(SAMPLE, solve=4.0))
     again = opened(tmp_path)
     assert again.samples_of("a") == [replace(SAMPLE, solve=4.0)]
     assert again.untimed == {}

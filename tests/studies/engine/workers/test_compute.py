@@ -34,6 +34,9 @@ def test_an_alarm_ends_a_case_that_hangs_and_is_off_afterwards() -> None:
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
     late = timed(Endless(1.0), 0.05)
     assert (late.sample, late.failure.stage) == (None, "timing")
+    # the limit of a timed run follows from the case
+    assert "--time-limit" in outcome.error
+    assert "--time-limit" not in late.error
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 

@@ -17,8 +17,8 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine.workers import process as module
-from studies.engine.workers.leftovers import WORKER_VARIABLE, end_all
-from studies.engine.workers.process import Worker, packed
+from studies.engine.workers.process import Worker, pickled_settings
+from studies.engine.workers.process_tree import WORKER_VARIABLE, kill_process_tree
 from studies.model.outcome import CaseStatus, Outcome, RunSettings
 from studies.store.fingerprint.modules import CurrentModules
 from tests.studies.conftest import POSIX
@@ -40,7 +40,7 @@ class Leaving(Trouble):
 
 @pytest.fixture
 def worker() -> Iterator[Worker]:
-    one = Worker(packed(RunSettings(trouble.measures)))
+    one = Worker(pickled_settings(RunSettings(trouble.measures)))
     yield one
     one.end()
 
@@ -92,7 +92,7 @@ class Ending:
 
 
 def test_a_study_that_ends_every_process_that_reads_it_is_given_up() -> None:
-    one = Worker(packed(RunSettings(Ending())))  # type: ignore[arg-type]
+    one = Worker(pickled_settings(RunSettings(Ending())))  # type: ignore[arg-type]
     with pytest.raises(InvalidInput, match=r"^3 worker processes ended before .* exit code 3"):
         outcomes_of(one, Trouble(1.0))
 
@@ -125,7 +125,7 @@ def server() -> psutil.Process:
 
 SCRIPT = """
 from tests.studies.engine.workers.test_process import *
-one = Worker(packed(RunSettings(trouble.measures)))
+one = Worker(pickled_settings(RunSettings(trouble.measures)))
 outcomes_of(one, Trouble(1.0))
 print(*(part.path for part in server().memory_maps()))
 one.end()
@@ -150,7 +150,7 @@ def test_the_end_of_the_process_that_forks_ends_no_run(worker: Worker, signal_na
     assert squares(outcomes_of(worker, Trouble(2.0))) == [4]
     server().send_signal(getattr(signal, signal_name))
     # the next one is asked for while the system ends it
-    other = Worker(packed(RunSettings(trouble.measures)))
+    other = Worker(pickled_settings(RunSettings(trouble.measures)))
     assert squares(outcomes_of(other, Trouble(4.0), Trouble(5.0))) == [16, 25]
     assert squares(outcomes_of(worker, Trouble(6.0))) == [36]
     other.end()
@@ -158,11 +158,11 @@ def test_the_end_of_the_process_that_forks_ends_no_run(worker: Worker, signal_na
 
 def test_a_worker_that_ends_while_its_process_starts_leaves_none() -> None:
     """Python would wait at its exit for a process that nobody ends."""
-    one = Worker(packed(RunSettings(trouble.measures)))
+    one = Worker(pickled_settings(RunSettings(trouble.measures)))
     before = set(multiprocessing.active_children())
     with ThreadPoolExecutor(1) as pool, module.START_LOCK:
         answers = pool.submit(outcomes_of, one, Trouble(2.0))
-        while not hasattr(one, "_mark"):  # it has not come to the lock
+        while not hasattr(one, "_worker_id"):  # it has not come to the lock
             time.sleep(0.001)
         one.end()
     assert answers.result() == []
@@ -171,18 +171,18 @@ def test_a_worker_that_ends_while_its_process_starts_leaves_none() -> None:
 
 @POSIX
 def test_what_a_worker_left_behind_ends_with_it_and_nothing_else() -> None:
-    """Told by the mark in its environment, also where it leads a session of its own."""
+    """Told by the identifier in its environment, also where it leads a session of its own."""
 
-    def waiting(mark: str) -> subprocess.Popen[bytes]:
+    def waiting(worker_id: str) -> subprocess.Popen[bytes]:
         return subprocess.Popen(
             [sys.executable, "-c", "input()"],
             stdin=subprocess.PIPE,
-            env=os.environ | {WORKER_VARIABLE: mark},
+            env=os.environ | {WORKER_VARIABLE: worker_id},
             start_new_session=True,
         )
 
     leader, left, other = waiting("first"), waiting("first"), waiting("second")
-    end_all(leader.pid, "first")
+    kill_process_tree(leader.pid, "first")
     assert other.poll() is None
     for one in (leader, left, other):
         one.communicate()

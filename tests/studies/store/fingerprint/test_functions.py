@@ -18,7 +18,7 @@ Measures = Callable[..., Any]
 
 
 def state(measures: Any) -> str:
-    return text(States().held(measures))
+    return text(States().state_of(measures))
 
 
 def over(value: object) -> Measures:

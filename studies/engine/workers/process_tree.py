@@ -10,14 +10,14 @@ import psutil
 WORKER_VARIABLE = "CONTACTSTUDY_WORKER"
 
 
-def end_all(worker: int, mark: str) -> None:
-    """Kill the process `worker`, its descendants and its process group, and all processes with its `mark`."""
+def kill_process_tree(worker: int, worker_id: str) -> None:
+    """Kill the process `worker`, its descendants and its process group, and all processes with its `worker_id`."""
     with suppress(psutil.Error):
         for process in psutil.Process(worker).children(recursive=True):
             _kill(process)
     for process in psutil.process_iter():
         with suppress(psutil.Error, OSError):  # it has ended, or is another user's
-            if process.environ().get(WORKER_VARIABLE) == mark:
+            if process.environ().get(WORKER_VARIABLE) == worker_id:
                 _kill(process)
     with suppress(ProcessLookupError, PermissionError):
         if hasattr(os, "killpg"):

@@ -54,3 +54,9 @@ def test_a_pilot_ends_at_its_time_limit_and_forecasts_the_rest(
     made_within_limit, forecast = counts(seconds_a_reading=5.0)
     assert made_within_limit < made / 2
     assert all_solves / 5 < forecast < 5 * all_solves  # the first steps of wear are short
+
+
+def test_the_steps_of_passes_grow_with_the_cells_of_the_plan() -> None:
+    """Passes of 0.4 m roll by one cell a step: 8 steps each on cells of 5 cm."""
+    scene = replace(yielding_cylinder(2.2), rolling=cs.Rolling(passes=3, distance=0.4))
+    assert cs.plan(scene, grid=cs.Grid((96, 1), (4.8, 1.0))).solves == pytest.approx(24, abs=2)

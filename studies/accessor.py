@@ -71,18 +71,18 @@ class StudyAccessor:
         fit = linregress(np.log(x[is_there].astype(float)), np.log(y[is_there]))
         return ConvergenceOrder(-float(fit.slope), float(fit.stderr), int(is_there.sum()))
 
-    def pareto(self, error: str, cost: str | xr.DataArray | None = None) -> "pd.DataFrame":
+    def pareto(self, error: str) -> "pd.DataFrame":
         """Return the Pareto front of the settings, cheapest first, with their cost and error."""
-        table = self._priced(error, cost)
+        table = self._priced(error)
         front = pareto_front(table["cost"].to_numpy(), table[error].to_numpy())
         return table.iloc[front].reset_index(drop=True)
 
-    def cheapest(self, error: str, at_most: float, cost: str | None = None) -> "pd.Series[object]":
+    def cheapest(self, error: str, at_most: float) -> "pd.Series[object]":
         """Return the cheapest setting whose `error` is at most `at_most`.
 
         Raises :class:`~contactstudy.InvalidInput` with the least error if there is no such setting.
         """
-        table = self._priced(error, cost)
+        table = self._priced(error)
         good = table[table[error] <= at_most]
         if good.empty:
             raise InvalidInput(
@@ -108,11 +108,9 @@ class StudyAccessor:
         flat = self._dataset[names].drop_vars(further)
         return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
 
-    def _priced(self, error: str, cost: str | xr.DataArray | None) -> "pd.DataFrame":
+    def _priced(self, error: str) -> "pd.DataFrame":
         """Return a table of all good points with their cost and the absolute error."""
-        price = self.cost if cost is None else cost
-        price = self._variable(price) if isinstance(price, str) else price
-        both = xr.Dataset({error: abs(self._variable(error)), "cost": price})
+        both = xr.Dataset({error: abs(self._variable(error)), "cost": self.cost})
         both = both.where(self._dataset["case_status"] == CaseStatus.OK)
         table = both.to_dataframe(dim_order=list(self.axes)).reset_index()
         # points of one case stand once

@@ -1,7 +1,7 @@
 """What was measured of a scene's settings, and the verdict on a requested error."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import isfinite, nan
 
 import numpy as np
@@ -184,10 +184,6 @@ class Comparison:
     settings: tuple[MeasuredSetting, ...]
     notes: tuple[str, ...] = ()
     seconds: float = nan
-
-    def with_request(self, error: float) -> "Comparison":
-        """Return this comparison with another requested error."""
-        return replace(self, error=error)
 
     @property
     def boundary_label(self) -> str:

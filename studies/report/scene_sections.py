@@ -1,6 +1,7 @@
 """The sections of a page about a scene's settings, from what a folder has stored of it or from a measurement."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from studies.advice.compared_scene import SceneText
@@ -41,7 +42,7 @@ def comparison_of(
             verdict is not None and verdict.meets and verdict.best.rounds
         ):
             log(f"read the rounds stored in {path_in(out)}")
-            return comparison.with_request(error)
+            return replace(comparison, error=error)
     comparison = compare_settings(described.subject(error), error, budget, log)
     store(comparison, described.key, open_folder(out))
     return comparison

@@ -289,12 +289,16 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
 
 
 def _with_steps(contact: Contact, error: float) -> Contact:
-    """Return a contact with a relative L1 time-discretisation error added to its errors."""
+    """Return a contact that has worn with a relative L1 time-discretisation `error` added to its errors.
+
+    Gap, approach and stress have no bound, as they depend on the worn depth itself.
+    """
     estimate = contact.error
+    unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
+    of_pressure = ("l1", "peak_pressure", "contact_area", "rolling_resistance")
     with_steps: dict[str, Any] = {
-        name: replace(parts, steps=error)
+        name: replace(parts, steps=error) if name in of_pressure else unknown
         for name, parts in estimate
-        if name in ("l1", "peak_pressure", "contact_area", "rolling_resistance")
     }
     return replace(contact, estimate=replace(estimate, **with_steps))
 

@@ -39,7 +39,7 @@ FIRST_DEPTH = 0.01
 MIN_FACTOR, MAX_FACTOR, SAFETY = 0.1, 2.0, 0.8
 # A step shorter than this, over the time between two instants, is never rejected.
 SHORTEST = 1e-6
-# Error of a step where none is asked for.
+# Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
 STEP_ERROR = 1e-3
 # Work: steps, contact solves, two counts of their iterations, and rejected pairs of steps.
 NO_WORK, REJECTED = np.zeros(5), np.array((0.0, 0.0, 0.0, 0.0, 1.0))
@@ -92,8 +92,8 @@ class _Instant(Generic[Contact]):
         The worst status of the accepted steps, each with its predictor, since the instant before.
     work
         Steps, solves, two counts of their iterations, and rejected pairs of steps, since the instant before.
-    largest_change
-        Largest change of the pressure by the correction of a step, relative in L1.
+    change
+        Change of the pressure by the correction of the last step, relative in L1; infinite where a solve failed.
     """
 
     time: float
@@ -102,7 +102,7 @@ class _Instant(Generic[Contact]):
     status: Status
     coarse: "_Instant[Contact] | None" = None
     work: Array = field(default_factory=NO_WORK.copy)
-    largest_change: float = 0.0
+    change: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ class _WearingContact(Generic[Contact]):
             depth,
             worst((predicted.status, after.status)),
             work=np.array((1.0, *solves, 0.0)),
-            largest_change=inf if failed else float(change),
+            change=inf if failed else float(change),
         )
 
     def integrate(
@@ -172,7 +172,7 @@ class _WearingContact(Generic[Contact]):
         fine = coarse = _Instant(start, first, depth, first.status)
         rate = float(self.rate(fine.contact).max())
         length = self.first_depth / rate if rate else inf
-        work, largest = np.array((0.0, *self.solves_and_iterations(first), 0.0)), 0.0
+        work = np.array((0.0, *self.solves_and_iterations(first), 0.0))
         instants, status = [], first.status
         for target in times:
             span = target - fine.time
@@ -183,20 +183,19 @@ class _WearingContact(Generic[Contact]):
                 middle = self.step(fine, duration)
                 end, double = self.step(middle, duration), self.step(coarse, 2 * duration)
                 work = work + middle.work + end.work + double.work
-                change = max(middle.largest_change, end.largest_change, double.largest_change / 4)
+                change = max(middle.change, end.change, double.change / 4)
                 factor = SAFETY * np.sqrt(error / max(change, SHORTEST * error))
                 next_length = duration * float(np.clip(factor, MIN_FACTOR, MAX_FACTOR))
                 if change > error and duration > SHORTEST * span:
                     work, length = work + REJECTED, next_length
                     continue
-                fine, coarse, largest = end, double, max(largest, change)
+                fine, coarse = end, double
                 status = worst((status, middle.status, end.status, double.status))
                 # a step shortened to end at an instant does not limit the next one
                 length = max(next_length, length if duration < length else 0.0)
                 if progress is not None:
                     progress(fine.time, times[-1])
-            at_target = replace(fine, time=target, status=status, coarse=coarse)
-            instants.append(replace(at_target, work=work, largest_change=largest))
+            instants.append(replace(fine, time=target, status=status, coarse=coarse, work=work))
             work, status = NO_WORK, fine.contact.status
         return instants
 
@@ -222,11 +221,11 @@ def follow_wear(
     times
         Recorded instants [s], ascending. Wear begins at 0 s, or at the first of them if that is earlier.
     error
-        Largest relative L1 change of the pressure from Euler's to Heun's step; 1e-3 if None.
+        Largest relative L1 change of the pressure from Euler's step to that of Heun's method; 1e-3 if None.
     options
         How each contact is solved.
     progress
-        Called with time and end [s] after each step.
+        Called with time and end [s] after each pair of steps.
 
     Returns
     -------
@@ -306,7 +305,8 @@ def follow_film_wear(
 ) -> FilmTrajectory:
     """Follow the wear of asperities on the boundary film of `scene`; the arguments are those of :func:`follow_wear`.
 
-    The film is steady at each instant, begun with that before. Only the pressure that asperities carry wears.
+    The film is steady at each instant, solved from that before. Wear follows from the pressure that asperities carry,
+    not from that of the lubricant.
     """
     wear, lubrication, unworn = scene.wear, scene.lubrication, replace(scene, wear=None)
     assert wear is not None

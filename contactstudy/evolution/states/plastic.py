@@ -309,9 +309,9 @@ class PlasticState:
 
     @property
     def _traction_limit(self) -> float:
-        """Largest tangential traction [Pa] that the surfaces sustain: the yield stress in shear without hardening.
+        """Largest tangential traction [Pa] that the surfaces sustain; infinite if every body hardens.
 
-        Infinite if every body hardens.
+        It is the smallest yield stress in shear of the bodies that do not harden.
         """
         laws = (body.hardening for body in self.bodies)
         limits = (law.yield_stress for law in laws if law.isotropic == law.kinematic == 0)

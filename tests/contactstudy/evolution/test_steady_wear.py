@@ -64,6 +64,10 @@ def test_a_drive_that_slides_fully_wears_like_a_roller_that_slides_as_fast() -> 
     known, found = (cs.solve(scene, GRID, ACROSS_FREE, times=times) for scene in (slides, driven))
     assert worn(found) == pytest.approx(worn(known), rel=0.01)
     assert found.quantities["worn_volume"].bound == inf  # of slip
+    for name in ("approach", "mean_gap"):
+        bounds = [frame.quantities[name].bound for frame in found.frames]
+        assert 0 < bounds[0] < inf == bounds[1] == bounds[2]
+    assert "has crept, worn or yielded" in found.frames[1].quantities["approach"].reason
 
 
 def test_without_creepage_a_drive_does_not_wear() -> None:

@@ -8,7 +8,8 @@ the film, some hundredths of its pressure, is left out: a tenth raises the large
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from math import ceil
+from itertools import pairwise
+from math import ceil, inf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,7 +28,7 @@ from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
-from contactstudy.scene.scene import Scene
+from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.solution import Solution, Status
@@ -125,7 +126,7 @@ def follow_yielding_film(
 ) -> YieldingFilms:
     """Follow the film of a scene whose body yields, steady at each instant, under a constant load or one that changes.
 
-    The load goes from one instant to the next, and to the first one from zero, in two or more equal increments, each an
+    The load goes from one turning point or instant to the next, from zero on, in two or more equal increments, each an
     implicit step for the plastic strain. A second run with half as many gives the time-discretisation errors, see
     :func:`~contactstudy.lubrication.film_trajectory.time_discretisation_errors`.
 
@@ -161,11 +162,11 @@ def _with_increments(
     progress: Callable[[float, float], None] | None,
 ) -> YieldingFilms:
     """Return the film at all instants, after a `factor` times the least load increments to each."""
-    load = scene.load
-    loads = [load.at(t) if isinstance(load, ChangingLoad) else load.largest for t in instants]
+    paths = _load_paths(scene.load, instants)
+    largest = max(value for path in paths for value in path)
     controls = FilmControls(tolerance=options.tolerance, max_iterations=options.max_iterations)
     dry = replace(scene, lubrication=None, solids=instantaneous(scene.solids), outputs=())
-    problem = replace(dry, load=LineLoad(max(loads))).problem(grid, padding)
+    problem = replace(dry, load=LineLoad(largest)).problem(grid, padding)
 
     def contact_under(value: float, start: FilmSolution | None) -> FilmContact:
         loaded = replace(scene, load=LineLoad(value))
@@ -173,24 +174,25 @@ def _with_increments(
 
     plastic = PlasticStateBelowFilm(
         YieldingBody.in_scene(scene),
-        contact_under(max(loads), None)(np.zeros(grid.cells)),
+        contact_under(largest, None)(np.zeros(grid.cells)),
         options.precision,
     )
     state = plastic.start(grid.cells)
     contacts: list[FilmSolution] = []
     states: list[State] = []
     film, steps, iterations, linear_iterations, last = None, 0, 0, 0, 0.0
-    for time, value in zip(instants, loads, strict=True):
-        increments = factor * max(ceil(INCREMENTS * abs(value - last) / max(loads)), 1)
-        steps += increments
-        for part in range(1, increments + 1):
-            contact = contact_under(last + (value - last) * part / increments, film)
-            solution, state, _ = plastic.solve_step(
-                state, contact, STRAIN_TOLERANCE * options.tolerance
-            )
-            film, iterations = contact.film, iterations + solution.iterations
-            linear_iterations += contact.linear_iterations
-        last = value
+    for time, path in zip(instants, paths, strict=True):
+        for value in path:
+            increments = factor * max(ceil(INCREMENTS * abs(value - last) / largest), 1)
+            steps += increments
+            for part in range(1, increments + 1):
+                contact = contact_under(last + (value - last) * part / increments, film)
+                solution, state, _ = plastic.solve_step(
+                    state, contact, STRAIN_TOLERANCE * options.tolerance
+                )
+                film, iterations = contact.film, iterations + solution.iterations
+                linear_iterations += contact.linear_iterations
+            last = value
         assert film is not None
         status = solution.status if solution.status is Status.NOT_CONVERGED else film.status
         contacts.append(replace(film, scene=scene, status=status))
@@ -206,3 +208,21 @@ def _with_increments(
         plastic=plastic,
         states=tuple(states),
     )
+
+
+def _load_paths(load: AnyLoad, instants: list[float]) -> list[list[float]]:
+    """Return, for each instant [s], the loads [N/m] to go through since the one before: where it turns, then its own.
+
+    A load of zero, under which no film has a thickness, is left out.
+    """
+    if not isinstance(load, ChangingLoad):
+        return [[load.largest] for _ in instants]
+    turns = load.turning_points(instants[-1])
+    paths, previous = [], -inf
+    for time in instants:
+        since = (turn for turn in turns if previous < turn < time)
+        loads = [value for turn in since for value in (load.before(turn), load.at(turn))]
+        loads += [load.before(time), load.at(time)]
+        paths.append([a for a, b in pairwise(loads) if 0 < a != b] + loads[-1:])
+        previous = time
+    return paths

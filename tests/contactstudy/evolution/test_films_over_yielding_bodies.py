@@ -94,6 +94,13 @@ def test_a_film_over_a_body_that_yields_is_flattened_and_its_dent_is_recorded() 
     assert "not estimated" in bound.reason
 
 
+def test_a_dent_is_that_of_the_largest_load_whether_it_is_recorded_or_not() -> None:
+    missed = cs.solve(scene(BODY), GRID, EXACT, times=(0.0, 2.0), tolerance=1e-8)
+    assert isinstance(missed, cs.Evolution)
+    dents = (found.quantities["dent_depth"].value for found in (missed, solved(scene(BODY))))
+    assert next(dents) == next(dents) > 0
+
+
 def test_the_pressure_below_a_film_has_the_error_of_its_load_increments_and_no_step_has_one() -> (
     None
 ):

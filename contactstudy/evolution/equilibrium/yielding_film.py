@@ -31,7 +31,7 @@ from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
-from contactstudy.solvers.solution import Solution, Status
+from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions
 
 # Increments of the largest load, at least, in the run that estimates the time-discretisation error; the other has twice
@@ -182,6 +182,7 @@ def _with_increments(
     states: list[State] = []
     film, steps, iterations, linear_iterations, last = None, 0, 0, 0, 0.0
     for time, path in zip(instants, paths, strict=True):
+        statuses: list[Status] = []
         for value in path:
             increments = factor * max(ceil(INCREMENTS * abs(value - last) / largest), 1)
             steps += increments
@@ -192,10 +193,10 @@ def _with_increments(
                 )
                 film, iterations = contact.film, iterations + solution.iterations
                 linear_iterations += contact.linear_iterations
+                statuses.append(solution.status)
             last = value
         assert film is not None
-        status = solution.status if solution.status is Status.NOT_CONVERGED else film.status
-        contacts.append(replace(film, scene=scene, status=status))
+        contacts.append(replace(film, scene=scene, status=worst([*statuses, film.status])))
         states.append(state)
         if progress is not None:
             progress(time, instants[-1])

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.steady_rolling import SteadyRolling
 
 
-# Numbers of the shear whose error the accuracy of the pressure does not show.
-OF_SHEAR = (
+# Quantities of the tangential traction, whose error the accuracy of the pressure does not show.
+OF_TRACTION = (
     "traction_coefficient", "stick_fraction", "energy_per_cycle", "largest_slip", "creepage", "frictional_power",
 )  # fmt: skip
 
@@ -144,11 +144,11 @@ class Contact(Answer, Solution):
 
     @property
     def accuracy(self) -> str:
-        """Sentence on the accuracy of the pressure, and on the number of the shear that is known the least."""
+        """Sentence on the accuracy of the pressure, and on the least accurate quantity of the tangential traction."""
         pressed = super().accuracy
         if self.traction is None or self.requested is None:
             return pressed
-        numbers = [self.quantities[name] for name in OF_SHEAR if name in self.quantities]
+        numbers = [self.quantities[name] for name in OF_TRACTION if name in self.quantities]
         least = max(numbers, key=lambda number: number.relative_bound if number.value else 0.0)
         relative_bound = least.relative_bound
         if relative_bound <= self.requested or not least.value:

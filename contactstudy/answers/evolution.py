@@ -41,7 +41,7 @@ NO_BOUND_OF_PASSES = (
     "solve again with half the cell width and compare."
 )
 NO_BOUND_OF_STATES = (
-    "No bound: area, gap, approach and stress of a contact that has crept, worn or yielded "
+    "No bound: the errors in area, gap, approach and stress of a contact that has crept, worn or yielded "
     "are not estimated."
 )
 NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of quantities count that of all steps."
@@ -201,7 +201,7 @@ class Evolution(Answer):
             "solves": (trajectory.solves, "contact solves"),
             "iterations": (trajectory.iterations, "solver iterations of all steps"),
             "convolutions": (trajectory.convolutions, "transform pairs of the full grid"),
-            "rejected": (trajectory.rejected, "rejected double steps"),
+            "rejected": (trajectory.rejected, "rejected pairs of steps and load jumps"),
             "restarts": (trajectory.restarts, "restarts with shorter steps"),
             "residual": residual,
         }

@@ -27,12 +27,13 @@ MEASURES = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LubricatedContact(Answer, FilmSolution):
-    """Lubricated contact: fields (x, y) of its film, pressure and shear.
+    """Lubricated contact: fields (x, y) of its film thickness, pressure and shear stress.
 
     Parameters
     ----------
     requested
-        Requested relative error, of the film and of what its motion adds: friction, heat, load fraction.
+        Requested relative error of the film thickness, and of friction, temperatures and load fraction where the scene
+        has them.
     time
         Time [s] of a frame of an evolution; None for others.
     """

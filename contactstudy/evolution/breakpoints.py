@@ -72,7 +72,7 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
 def with_breakpoints_at(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
 ) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and more at `times` [s] between them, where another history than the `load` is not smooth."""
+    """Return `breakpoints` and more at `times` [s] between them, where the `load` turns or another history may bend."""
     at_breakpoints = {point.time for point in breakpoints}
     start, end = breakpoints[0].time, breakpoints[-1].time
     added = (

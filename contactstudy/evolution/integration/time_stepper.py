@@ -39,7 +39,7 @@ from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.solvers.solution import AdhesiveTraction, CoupledSolution, Solution, Status
 from contactstudy.solvers.solve import SolveOptions
 
-# Contacts that a step with a coupled state solves at the most, in the limit of iterations beside an attraction.
+# Factor on the limit of iterations of a step with plastic strain beside an attraction: contacts that it solves at most.
 CONTACTS_PER_COUPLED_STEP = 30
 # Largest number of fixed-point iterations of a step.
 MAX_FIXED_POINT_ITERATIONS = 30

@@ -238,7 +238,7 @@ class Track:
         )
 
     def residual_stress(self) -> Array:
-        """Return all stresses (6, layers, x, 1) [Pa] in the window without pressure, tension positive."""
+        """Return the residual stress (6, layers, x, 1) [Pa] in the window, tension positive."""
         around = self.outer_strain.tensor(self.mean_strain_behind, self.front.strain)
         return self.operator.residual_stress_tensor(self.strain) + around
 

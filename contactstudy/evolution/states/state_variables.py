@@ -284,8 +284,9 @@ class WearState:
     """State variable of wear: the worn depth w, with ``dw/dt = k v p`` (Archard 1953).
 
     The pressure at the start of a step acts in its explicit fraction, the pressure at its end in the remaining one,
-    which adds a constant to the operator. The worn volume is exact: where the load changes within the step, both
-    pressures are scaled to the mean load, or the pressure at the start wears what a falling load leaves missing.
+    which adds a constant to the diagonal of the operator. The worn volume is exact where the load changes within the
+    step: both pressures are scaled down to the mean load, or the weight of the pressure at the start is raised, and
+    then that of the pressure at the end.
 
     Attributes
     ----------

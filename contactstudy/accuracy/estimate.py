@@ -200,7 +200,7 @@ def error_estimate(
         area,
         gap,
         load=ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None,
-        pull_off=_at_pull_off(solution, cells.load),
+        pull_off=_at_pull_off(solution, cells),
         warnings=(
             *filter(None, (beyond_strength(solution),)),
             *cells.warnings,
@@ -217,11 +217,11 @@ def _cells(
     pressure = solution.pressure[around_contact(solution.pressure)]
     assert problem.paddings is not None
     wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
+    load_is_result = problem.control.approach is not None or _is_pull_off(solution)
     if reason := _cut_off(solution) or _unresolved_length(problem):
-        return DiscretisationErrors.unbounded(reason)
+        return DiscretisationErrors.unbounded(reason, inf if load_is_result else None)
     if solution.adhesion is not None or problem.control.approach is not None:
         errors = compare_grids(solution, coarse)
-        load_is_result = problem.control.approach is not None or _is_pull_off(solution)
         return replace(
             errors,
             load=errors.load if load_is_result else None,
@@ -328,19 +328,27 @@ def _is_pull_off(solution: Solution) -> bool:
     return solution.adhesion is not None and solution.adhesion.first_unstable_load is not None
 
 
-def _at_pull_off(solution: Solution, load: float | None) -> ErrorParts | None:
+def _at_pull_off(solution: Solution, cells: DiscretisationErrors) -> ErrorParts | None:
     """Return the error of the pull-off load; None where it was not sought."""
-    if load is None or not _is_pull_off(solution):
+    if cells.load is None or not _is_pull_off(solution):
         return None
-    return pull_off_error(solution, load)
+    reason = cells.warnings[0] if cells.load == inf else ""
+    return pull_off_error(solution, cells.load, reason)
 
 
 def _cut_off(solution: Solution) -> str:
-    """Return a sentence if the contact is cut off at the edge of the grid, else an empty string."""
-    if not solution.problem.is_cut_off(solution.pressure):
+    """Return a sentence if contact or attraction is cut off at the edge of the grid, else an empty string."""
+    problem, what = solution.problem, ""
+    if problem.is_cut_off(solution.pressure):
+        what = "contact"
+    elif solution.adhesion is not None:
+        from contactstudy.solvers.adhesion import is_cut_off  # imported only where it is named
+
+        what = "attraction" if is_cut_off(problem, solution.adhesion.attraction) else ""
+    if not what:
         return ""
     return (
-        "No bound: the contact is cut off at the edge of the grid, give Grid.extent a larger one."
+        f"No bound: the {what} is cut off at the edge of the grid, give Grid.extent a larger one."
     )
 
 

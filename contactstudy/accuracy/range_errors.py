@@ -31,6 +31,7 @@ PEAK_WITHOUT_LIMIT = (
     "No bound for the peak pressure: in the JKR limit the pressure grows without limit beside the "
     "attraction, give Adhesion.range."
 )
+ZERO_PULL_OFF = "No bound for the pull-off load: it is zero, and its error is relative to it."
 # The part of a pull-off load that coarse cells may add by trapping the edge of the contact, by the cells in the zone.
 TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
@@ -72,8 +73,11 @@ def range_warning(solution: Solution) -> tuple[str, ...]:
     )
 
 
-def pull_off_error(solution: Solution, load: float) -> ErrorParts:
-    """Return the error of the pull-off load of `solution`, whose relative discretisation error is `load`."""
+def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
+    """Return the error of the pull-off load of `solution`, whose relative discretisation error is `load`.
+
+    The `reason` says why that is infinite where it is.
+    """
     adhesion, pull_off = solution.adhesion, solution.load_per_length
     assert adhesion is not None
     assert adhesion.first_unstable_load is not None
@@ -84,9 +88,7 @@ def pull_off_error(solution: Solution, load: float) -> ErrorParts:
         discretisation=load + trapped,
         residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,
         range=_range_error(solution, adhesion, pull_off),
-        reason=""
-        if load < inf and pull_off
-        else "No bound for the discretisation error: give more cells.",
+        reason=reason if pull_off else ZERO_PULL_OFF,
     )
 
 

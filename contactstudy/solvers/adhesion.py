@@ -73,6 +73,15 @@ class AdhesionConstants:
 
 CONSTANTS = AdhesionConstants()
 
+
+def is_cut_off(problem: Problem, attraction: Array) -> bool:
+    """Return whether an `attraction` (x, y) [Pa] at the open edges of `problem` is above a fraction of its peak."""
+    lines = [attraction[ix] for ix in problem.open_edges]
+    lines += [attraction[:, iy] for iy in problem.open_ends]
+    at_edge = max((float(line.max()) for line in lines), default=0.0)
+    return at_edge > CONSTANTS.edge * float(attraction.max())
+
+
 # Solves a problem without adhesion together with a state beside it: from the frozen attraction (x, y) [Pa] that its
 # heights contain, options, and a pressure (x, y) [Pa] to begin with.
 InnerSolve = Callable[[Problem, Array, SolveOptions, Array | None], CoupledSolution]
@@ -332,7 +341,7 @@ class OuterIteration:
             status = Status.ITERATION_LIMIT
         elif status is Status.CONVERGED and not contact.pressure.any():
             status = Status.DETACHED
-        elif status is Status.CONVERGED and self._edge_fraction(state.attraction) > CONSTANTS.edge:
+        elif status is Status.CONVERGED and is_cut_off(self.problem, state.attraction):
             status = Status.ATTRACTION_AT_EDGE
         solution = replace(
             contact,
@@ -376,10 +385,3 @@ class OuterIteration:
             outer_iterations=self.count,
             range=solver.law.range,
         )
-
-    def _edge_fraction(self, attraction: Array) -> float:
-        """Return the largest attraction in the cells at open edges, over the largest of all."""
-        lines = [attraction[ix] for ix in self.problem.open_edges]
-        lines += [attraction[:, iy] for iy in self.problem.open_ends]
-        largest = float(attraction.max())
-        return max((float(line.max()) for line in lines), default=0.0) / largest if largest else 0.0

@@ -267,6 +267,28 @@ def test_in_the_limit_of_short_ranges_the_net_traction_and_the_area_are_bounded_
     assert contact.quantities["peak_pressure"].bound == inf
 
 
+def test_an_attraction_cut_off_at_the_edge_has_no_bound() -> None:
+    """On a width of 8 the peak pressure is 7 % lower than on a wide grid."""
+    solids = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
+    adhesion = cs.Adhesion(pi, 8.0)
+    scene = cs.Scene(cs.Approach(0.5), solids, (cs.Cylinder(1.0),), adhesion=adhesion)
+    for width, is_bounded in ((8.0, False), (32.0, True)):
+        solution = cs.solve(scene.problem(cs.Grid((int(16 * width), 1), (width, 1.0)), EXACT))
+        estimate = error_estimate(solution)
+        parts = estimate.l1, estimate.peak_pressure, estimate.load
+        assert all((part.total < inf) is is_bounded for part in parts)
+        assert any("attraction is cut off" in said for said in estimate.warnings) is not is_bounded
+
+
+def test_a_pull_off_whose_attraction_is_cut_off_has_no_bound_with_that_reason() -> None:
+    solids = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
+    scene = cs.Scene(cs.PullOff(1.0), solids, (cs.Cylinder(1.0),), adhesion=cs.Adhesion(pi, 8.0))
+    solution = cs.solve(scene.problem(cs.Grid((64, 1), (8.0, 1.0)), EXACT))
+    parts = error_estimate(solution).pull_off
+    assert parts.total == inf
+    assert "attraction is cut off" in parts.reason
+
+
 @pytest.mark.parametrize("max_iterations", [1, 2000], ids=["stopped early", "converged"])
 def test_a_contact_cut_off_at_the_edge_has_no_bound(
     line_contact: LineContact, max_iterations: int

@@ -5,7 +5,7 @@ of them, where the discretisation error is the same and cancels, so that the num
 Whole settings, on grids that nest in the reference, are then timed in rounds.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isfinite, prod
@@ -42,6 +42,7 @@ from studies.advice.nested_answers import (
 )
 from studies.advice.nested_grids import MULTIPLES, cells_at
 from studies.advice.rounds import ROUNDS, timed_call, times_in_rounds
+from studies.model.plain_text import Log
 from studies.reference.line_contact import hertz_means, relative_l1
 
 TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
@@ -66,8 +67,6 @@ ROUNDS_FRACTION, HALF_ROUNDS_FRACTION = 0.3, 0.15
 FINEST_FRACTION = 0.005
 # Numbers of images that are compared on one grid, and those that are timed.
 CIRCULAR_IMAGES, SUPERPOSED_IMAGES, TIMED_IMAGES = (1, 2, 4, 6, 10, 20), (1, 6, 20), (1, 6)
-
-Log = Callable[[str], object]
 
 
 def compare_settings(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ import click
 import contactstudy as cs
 from contactstudy.domain.checks import checked_relative_error
 from studies.cli.options import JSON, out_option
+from studies.model.plain_text import Log
 
 if TYPE_CHECKING:
     from studies.advice.comparison import Comparison, MeasuredSetting, Verdict
@@ -81,7 +81,7 @@ def measured_scene(
     error: float,
     seconds: float,
     out: Path,
-    log: Callable[[str], object],
+    log: Log,
     kept: float = 1.0,
 ) -> tuple[Comparison, Path]:
     """Return the comparison of settings of a scene file, or of the paper's cylinder, and the folder it is stored in.

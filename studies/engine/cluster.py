@@ -8,7 +8,7 @@ import logging
 import secrets
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
@@ -22,6 +22,7 @@ from studies.engine.workers.compute import failed
 from studies.engine.workers.process import Worker, pickled_settings
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, OnFinished, Outcome, RunSettings
+from studies.model.plain_text import Log
 from studies.store.stop import Stop
 
 if TYPE_CHECKING:
@@ -159,7 +160,7 @@ class DaskRun:
     workers: int = 2
     address: str | None = None
     patience: float = 10.0
-    log: Callable[[str], object] = lambda text: None
+    log: Log = lambda text: None
     size: int = field(default=1, init=False)
     threads: int = field(default=1, init=False)
 

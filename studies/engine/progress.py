@@ -2,18 +2,17 @@
 
 import shutil
 import sys
-from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
 from tqdm import tqdm
 
+from studies.model.plain_text import Log
+
 LINE_INTERVAL = 30.0  # seconds between two lines
 
 
-def progress_of(
-    name: str, what: str, total: int, unit: str, log: Callable[[str], object]
-) -> "tqdm[Any]":
+def progress_of(name: str, what: str, total: int, unit: str, log: Log) -> "tqdm[Any]":
     """Return the progress of a job: number done, rate, and remaining time.
 
     Parameters
@@ -39,7 +38,7 @@ def progress_of(
 class _Lines:
     """A text file whose lines go to a log."""
 
-    def __init__(self, log: Callable[[str], object]) -> None:
+    def __init__(self, log: Log) -> None:
         self._log = log
 
     def write(self, text: str) -> None:

@@ -6,7 +6,7 @@ Fields of a case have a file of their own while cases are computed, and are grou
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
@@ -19,7 +19,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.files import read_verified, reason, set_aside, write_with_checksum
 from studies.engine.options import RunOptions
 from studies.model.outcome import CaseStatus, Outcome
-from studies.model.plain_text import one_line
+from studies.model.plain_text import Log, one_line
 from studies.model.study import Study
 from studies.store.journal import Journal
 from studies.store.netcdf import read, write
@@ -31,7 +31,6 @@ from studies.store.table import PointTable, assemble, stored_table
 SUFFIX = ".journal.jsonl"
 MIN_WRITE_INTERVAL = 60.0  # least seconds between two writes while cases are computed
 WRITE_INTERVAL_FACTOR = 20  # least ratio of the time between two writes to the time of one
-Log = Callable[[str], object]
 
 
 @dataclass(eq=False)

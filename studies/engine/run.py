@@ -13,10 +13,11 @@ from contactstudy import InvalidInput
 from contactstudy.domain.files import locked, remove_partial_files
 from studies.engine.options import RunOptions
 from studies.engine.progress import progress_of
-from studies.engine.results import Log, Results, save_fields
+from studies.engine.results import Results, save_fields
 from studies.engine.timing import take_times
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, OnFinished, Outcome, RunSettings, summary_messages
+from studies.model.plain_text import Log
 from studies.model.study import Study
 from studies.store.fingerprint.modules import listed
 from studies.store.netcdf import check_kind, open_folder, read

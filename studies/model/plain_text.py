@@ -4,10 +4,12 @@ import re
 import sysconfig
 import traceback
 import unicodedata
+from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
 from typing import SupportsInt
 
+Log = Callable[[str], object]  # takes a message of a run
 LONGEST = 2000  # characters of an error or a title
 # control characters without tab and line feed, and lone surrogates
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")

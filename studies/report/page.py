@@ -17,10 +17,10 @@ from studies.advice.nested_answers import Budget
 from studies.advice.stored import from_dataset, path_in
 from studies.engine.options import RunOptions
 from studies.engine.progress import progress_of
-from studies.engine.results import Log
 from studies.engine.run import run
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
+from studies.model.plain_text import Log
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load_drawing
 from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapter_of_study

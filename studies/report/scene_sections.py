@@ -1,6 +1,6 @@
 """The sections of a page about a scene's settings, from what a folder has stored of it or from a measurement."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,12 +9,11 @@ from studies.advice.comparison import Comparison
 from studies.advice.measuring import compare_settings
 from studies.advice.nested_answers import Budget
 from studies.advice.stored import path_in, store, stored
+from studies.model.plain_text import Log
 from studies.report.chapters import SETTINGS
 from studies.report.drawings.comparison import parts
 from studies.report.section import FORMATS, Section, embedded
 from studies.store.netcdf import open_folder
-
-Log = Callable[[str], object]
 
 
 def comparison_of(

@@ -5,7 +5,7 @@ A signal waits until a file is done: xarray's locks stay locked if it comes betw
 
 import os
 import tempfile
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Hashable, Iterable
 from pathlib import Path
 from typing import Literal
 
@@ -14,7 +14,7 @@ import xarray as xr
 
 from contactstudy import InvalidInput
 from contactstudy.domain.files import append_checksum, is_damaged, reason, replacing, set_aside
-from studies.model.plain_text import one_line, quoted
+from studies.model.plain_text import Log, one_line, quoted
 from studies.store.stop import Stop
 
 
@@ -71,9 +71,7 @@ def read_any(path: Path) -> xr.Dataset:
     return read(path, "File", "give a file that contactstudy solve or run wrote")
 
 
-def check_kind(
-    path: Path, kind: Literal["solution", "study"], log: Callable[[str], object] = print
-) -> None:
+def check_kind(path: Path, kind: Literal["solution", "study"], log: Log = print) -> None:
     """Raise InvalidInput if `path` holds a file of the other kind, which would be replaced.
 
     A damaged file is set aside, which is reported to `log`.

@@ -101,8 +101,8 @@ def solve(
     start
         Pressure (x, y) [Pa] or answer to begin with. A contact with adhesion continues from the state of an answer.
     folder
-        Folder in which a scene that changes in time keeps its frames, to go on from there after a stop; those of a grid
-        that was refined in a folder of their own in it.
+        Folder in which a dry scene with state variables (creep, wear, yielding, fretting) keeps its frames, to go on
+        from there after a stop; those of a grid that was refined in a folder of their own in it.
     progress
         Called with a :class:`~contactstudy.Progress` as the solve goes on.
     device

@@ -1,1 +1,1 @@
-"""Scene files, units in files, and solutions as labelled datasets. May import everything else of the core."""
+"""Scene files, units in files, and solutions as labelled datasets. May import `planning` and below."""

@@ -45,8 +45,8 @@ if TYPE_CHECKING:
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
 Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
-# an offset from the first instant, not a date
-TIME = {"long_name": "time since the start", "units": "s", "axis": "T"}
+# a time of the scene's histories, not a date
+TIME = {"long_name": "time", "units": "s", "axis": "T"}
 
 
 def labelled(

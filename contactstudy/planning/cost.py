@@ -100,7 +100,8 @@ class CostModel:
     timings
         Measured solves.
     sample
-        Measures solves for a grid and a padding that have no timing; each key once.
+        Measures solves for a grid and a padding that have no timing: once for each pair of kinds of padding, and for one
+        cell along or several.
     """
 
     timings: Sequence[Timing] = ()
@@ -202,7 +203,7 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     sample = Grid(
         (CONSTANTS.sample_cells, 1 if grid.cells[1] == 1 else CONSTANTS.sample_cells), (2.4, 2.4)
     )
-    # half-width and modulus are 1
+    # the modulus is 1, and the grid is 3.4 half-widths wide
     elastic = HalfSpace(1.0, 0.0)
     scene = Scene(LineLoad(pi / 800), (elastic, HalfSpace(inf, 0.0)), (Cylinder(100.0),))
     counted: tuple[Padding, ...] = (along,)
@@ -273,16 +274,16 @@ class PriorConstants:
     Attributes
     ----------
     scale
-        Prior width of the logarithm of the scale. From 3 to 30 forecasts are the same.
+        Prior standard deviation of the logarithm of the scale. From 3 to 30 forecasts are the same.
     exponent
         That of the exponents beyond N log N. With 0.03 errors of forecasts grow by up to 1.6 times; 0.3 changes 5 %.
     curvature
         That of the curvatures, which follow sums such as a + b N. With 0.3 errors grow by up to 1.6 times.
-    spread, timings
-        Spread assumed of timings, and the number of timings that it counts as. Half or twice as many change errors by
-        4 %.
+    deviation, timings
+        Standard deviation assumed of the logarithms of timings, and the number of timings that it counts as. Half or
+        twice as many change errors by 4 %.
     iterations
-        Iterations of spread and fit, after which the spread changes by less than 1 %.
+        Iterations of deviation and fit, after which the deviation changes by less than 1 %.
     outlier
         Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
         From 2 to 5 errors change by 15 %.
@@ -291,7 +292,7 @@ class PriorConstants:
     scale: float = 10.0
     exponent: float = 0.1
     curvature: float = 0.1
-    spread: float = log(1.25)
+    deviation: float = log(1.25)
     timings: int = 2
     iterations: int = 3
     outlier: float = 3.0
@@ -302,9 +303,10 @@ PRIOR = PriorConstants()
 
 @dataclass(frozen=True, eq=False)
 class CostLaw:
-    """Log-quadratic regression ``log y = log(N log N) + log n + c0 + sum_k (p_k u_k + q_k u_k^2)`` for seconds y.
+    """Log-quadratic fit ``log y = log(N log N + b) + log n + m + c0 + sum_k (p_k u_k + q_k u_k^2)`` for seconds y.
 
-    N is a number of points, n one of repetitions, and u are their logarithms, less their means.
+    N is a number of points, n one of repetitions, and u are their logarithms, less their means. The overhead b of a
+    transform is `transform_overhead`, and m is `log_mean`.
 
     Attributes
     ----------
@@ -325,25 +327,25 @@ class CostLaw:
         """Fit the law to the `seconds` of some `sizes` (N, n).
 
         Least squares with a weak prior on every coefficient (ridge regression), which decides where the timings do not;
-        outliers count less. The spread is that of the errors of each timing when it is predicted from all others.
+        outliers count less. The standard deviation is that of the errors of each timing when predicted from all others.
         """
         logarithms = np.log(sizes)
         values = np.log(seconds) - [log_work(*size) for size in sizes]
         centre, mean = logarithms.mean(axis=0), float(values.mean())
         terms = _terms(logarithms - centre)
-        widths = [PRIOR.scale, *2 * [PRIOR.exponent], *2 * [PRIOR.curvature]]
-        prior = np.diag(np.array(widths) ** -2.0)
-        spread, weights = PRIOR.spread, np.ones(len(values))
+        deviations = [PRIOR.scale, *2 * [PRIOR.exponent], *2 * [PRIOR.curvature]]
+        prior = np.diag(np.array(deviations) ** -2.0)
+        deviation, weights = PRIOR.deviation, np.ones(len(values))
         for iteration in range(PRIOR.iterations + 1):
-            weighted = (terms * weights[:, None]).T / spread**2
+            weighted = (terms * weights[:, None]).T / deviation**2
             covariance = np.linalg.inv(weighted @ terms + prior)
             coefficients = covariance @ weighted @ (values - mean)
             if iteration == PRIOR.iterations:
                 break
-            leverage = weights * np.einsum("ij,jk,ik->i", terms, covariance, terms) / spread**2
+            leverage = weights * np.einsum("ij,jk,ik->i", terms, covariance, terms) / deviation**2
             left_out = (values - mean - terms @ coefficients) / np.maximum(1 - leverage, 1e-3)
-            total = float((left_out**2).sum()) + PRIOR.timings * PRIOR.spread**2
-            spread = float(np.sqrt(total / (len(values) + PRIOR.timings)))
+            total = float((left_out**2).sum()) + PRIOR.timings * PRIOR.deviation**2
+            deviation = float(np.sqrt(total / (len(values) + PRIOR.timings)))
             residual_ratio = left_out / max(float(np.median(np.abs(left_out))), 1e-3)
             weights = 1 / (1 + (residual_ratio / PRIOR.outlier) ** 2)
         return cls(centre, mean, coefficients)

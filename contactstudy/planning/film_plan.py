@@ -15,7 +15,7 @@ from contactstudy.scene.scene import Scene
 # with its part of the integration by double steps, from 9 films of 300 to 2,700 cells.
 SECONDS_PER_CELLS_SQUARED, MIN_SECONDS = 3.6e-7, 0.03
 STEP_SECONDS_PER_CELLS_SQUARED, MIN_STEP_SECONDS = 7.5e-8, 0.006
-# Steps in time: at the start, at least between two recorded instants, and at least in all.
+# Steps in time: those at the start, and beside them at least so many between two recorded instants and in all.
 STARTING_STEPS, STEPS_PER_INSTANT, MIN_STEPS = 5, 2, 30
 # Seconds per cell of a film that varies along its length, with its estimate: the median of 11 films of one wave along.
 SECONDS_PER_CELL = 3.5e-4

@@ -36,10 +36,10 @@ class ForecastConstants:
         Seconds of a solve with its error estimate, which takes another on cells of twice the size, over those of one
         solve.
     time_power
-        Power of the ratio of cells in the ratio of the seconds of the last grid to those of the last grid of a forecast;
-        from 18 solves on 7,000 to 480,000 cells, rough, coated, textured and rollers.
+        The seconds of the last grid of a solve, over those of the finest grid that its forecast solves, are the ratio of
+        their cells to this power; from 18 solves on 7,000 to 480,000 cells, rough, coated, textured and rollers.
     time_factor
-        Factor on that ratio for the grids between, from the same solves.
+        Factor on that ratio of seconds for the grids between, from the same solves.
     """
 
     max_cells: int = 2**14
@@ -178,6 +178,8 @@ def forecast_of_refinement(
 def forecast_of_grid(scene: Scene, requirements: GridRequirements, grid: Grid) -> GridForecast:
     """Return the forecast of a `grid`: by the law of a smooth contact, else from the first grids of a refinement.
 
+    Where these give no bound, it is a multiple of the law of rough contacts.
+
     Parameters
     ----------
     scene
@@ -257,7 +259,7 @@ def with_width(grid: Grid, width: float) -> Grid:
 
 
 def within_memory(grid: Grid, padding: Padding | Paddings, bytes_at_most: float) -> Grid:
-    """Return `grid`, or the finest of the same extent and elongation whose solve holds within `bytes_at_most`."""
+    """Return `grid`, or the finest of the same extent and aspect ratio whose solve holds within `bytes_at_most`."""
     needed = memory(grid, padding)
     while needed > bytes_at_most:
         shrink = (bytes_at_most / needed) ** (1 if grid.cells[1] == 1 else 0.5) * 0.99

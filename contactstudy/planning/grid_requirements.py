@@ -27,12 +27,14 @@ from contactstudy.scene.solids.bodies import Layered
 
 @dataclass(frozen=True)
 class GridConstants:
-    """Constants of planned grids. Plans meant are those of a smooth, a rough, a rolling and a changing contact at 1 %.
+    """Constants of planned grids.
+
+    Where an effect on plans is stated, these are plans of a smooth, a rough, a rolling and a changing contact at 1 %.
 
     Attributes
     ----------
     rough_error, area_power, rough_order
-        Relative L1 error of the pressure of a rough contact over ``(cell / finest wavelength)^rough_order``:
+        Relative L1 error of the pressure of a rough contact over ``(cell / shortest wavelength)^rough_order``:
         `rough_error` times the fraction of the area in contact to the power `area_power`, fitted to contacts with 9 %,
         30 % and 80 % in contact.
     width_factor
@@ -73,7 +75,7 @@ class GridRequirements:
     Attributes
     ----------
     hertz
-        Hertz's contact of the mean load.
+        Hertz's contact of the reference load: the largest one, or more with attraction.
     length_scales
         Wavelengths and heights of each shape.
     hardness
@@ -180,7 +182,7 @@ class GridRequirements:
         return max(hertz.half_width * relative_half_width * crown_factor, hardness_limited)
 
     def rough_error_factor(self) -> float:
-        """Return the factor of the error law of rough contacts, the error at cells of one finest wavelength."""
+        """Return the factor of the error law of rough contacts, the error at cells of one shortest wavelength."""
         slope = sqrt(sum(scales.slope**2 for scales in self.length_scales))
         if slope == 0:
             return CONSTANTS.rough_error
@@ -265,14 +267,14 @@ class GridRequirements:
         """Return the relative L1 error of the pressure to plan for where an `error` is requested.
 
         Where a part of the contact sticks, the border of slip lies somewhere in a cell. In plane strain, where cells
-        cost little, they are therefore planned about half as wide as this fraction of the half-width.
+        cost little, they are therefore planned about `error` / 2 of the half-width wide.
         """
         if not self.sticks or self.varies:
             return error
         return min(error, smooth_l1(max(error / 2, CONSTANTS.least_cell_of_border)))
 
     def padding(self) -> Padding | Paddings:
-        """Return the boundary conditions: open on both axes where a roller ends, else periodic with all images."""
+        """Return the boundary conditions: open along both axes if a roller ends, else open across and periodic along."""
         return (ZeroPadding(), ZeroPadding()) if self.roller_length else ExactPeriodicity()
 
     def period_check(self, period: float) -> str:
@@ -307,7 +309,7 @@ class GridRequirements:
         return ""
 
     def reasons(self, grid: Grid, error: float) -> tuple[str, ...]:
-        """Return a sentence each on the width, the cells, the dimension, the padding and the coatings of `grid`.
+        """Return a sentence each on width, cells, dimension, padding, coatings and friction on `grid`.
 
         Parameters
         ----------
@@ -325,7 +327,7 @@ class GridRequirements:
         cell = f"{nx} x {ny} cells: {a / grid.cell_size[0]:.3g} in a half-width"
         if self.is_rough:
             steps = zip(self.finest, grid.cell_size, strict=True)
-            cell += f", {min(wave / step for wave, step in steps):.3g} in the finest wavelength"
+            cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
         cell += f", for an error of {error:.1g}"
         is_for_slip = self.sticks and not self.varies
         cell += f"{', so small that they resolve where slip begins' * is_for_slip}."
@@ -386,7 +388,7 @@ class GridRequirements:
             if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
                     f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not resolve the "
-                    f"finest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} or more."
+                    f"shortest wavelength, {readable(wave)}, give {int(np.ceil(2 * grid.extent[axis] / wave))} or more."
                 )
         if fault := self.period_fault(grid.length):
             messages.append(fault)

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 DEFAULT_ERROR = 1e-2
 # Factor on a width that is too small for the contact.
 WIDENING = 1.5
-# Fraction of the machine's memory that a plan may take.
+# Fraction of the machine's free memory that a plan may take.
 MEMORY_FRACTION = 0.8
 
 
@@ -54,7 +54,7 @@ def plan(
     times: "ArrayLike | TimeSteps | None" = None,
     device: Device = ONE_THREAD,
 ) -> Plan:
-    """Choose a grid and a padding that solve a scene to a relative L1 error of the pressure.
+    """Choose a grid and a padding that solve a scene to a relative error.
 
     It solves the first grids of the solve itself, of up to some ten thousand cells. For a scene that changes in time or
     rolls it takes the steps on coarse cells to count them, for some seconds at most.
@@ -64,8 +64,8 @@ def plan(
     scene
         The scene, which may change in time or roll.
     error
-        Relative L1 error of the pressure, above 0. If it is None, a measured surface is solved at its own points, and
-        any other scene to 1 %.
+        Relative L1 error of the pressure, of a lubricated scene that of the film thickness, above 0. If it is None, a
+        measured surface is solved at its own points, and any other scene to 1 %.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -73,7 +73,7 @@ def plan(
     times
         Instants [s] to record, or :class:`~contactstudy.TimeSteps`, as for :func:`~contactstudy.solve`.
     device
-        Device that the seconds are for. A scene that changes in time is solved on one thread.
+        Device that the seconds of a dry static contact without adhesion are for; those of others are for one thread.
 
     Raises
     ------
@@ -119,7 +119,10 @@ def plan_grid(
     times: "ArrayLike | TimeSteps | None" = None,
     device: Device = ONE_THREAD,
 ) -> Plan:
-    """Return the plan as :func:`plan` does, with the seconds of one contact where a scene changes in time or rolls."""
+    """Return the plan as :func:`plan` does, with the seconds of one contact alone.
+
+    Those of its stress, and of its steps where it changes in time or rolls, are left out.
+    """
     checked(device, "plan.device")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")

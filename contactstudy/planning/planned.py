@@ -22,8 +22,8 @@ class Plan:
     dimension
         Dimension of the grid: 1 in plane strain, where nothing varies along the length; 2 in three dimensions.
     error
-        Relative L1 error of the pressure to expect, by a law for a smooth contact, else from solutions on coarse grids;
-        of a film, that of its thickness. Infinite where it is not predicted.
+        Relative L1 error of the pressure to expect: by a law for smooth contacts and those with adhesion, else from
+        solutions on coarse grids. Of a film, that of its thickness. Infinite where it is not predicted.
     seconds
         Seconds of processor time of a solve to the error: its plan, all grids and steps, their estimates, and the stress
         that a steady scene names, from solves timed just now. Imports, compilation, files and pictures are not counted.
@@ -36,7 +36,8 @@ class Plan:
     warnings
         A sentence for each fault of a grid that was given, and on a requested error that is out of reach.
     solves
-        Number of contacts or films that are solved one after the other, in a scene that changes in time or rolls.
+        Number of contacts or films that are solved one after the other, where a scene changes in time or rolls, or its
+        pull-off load is sought.
     device
         Device that the seconds are for.
     """

@@ -43,17 +43,18 @@ class RefinementConstants:
     safety
         Fraction of the requested error for which the next grid is chosen, whose bound is only expected.
     max_cell_ratio
-        Largest factor on the cells along an axis to the last grid; beyond it a grid of half the cells is solved between.
+        Largest factor on the cells along an axis, as the geometric mean of both axes, to the last grid. Beyond it a grid
+        of half the required cells along each axis is solved between.
     max_growth
-        Largest factor to any other grid.
+        Largest factor on the cells along an axis to a grid between.
     growth_without_bound
         Factor on the cells along each axis where the error has no bound.
     min_growth
-        Least factor on all cells elsewhere.
+        Least factor on the number of cells where the error has a bound.
     out_of_reach
-        Error on the most cells over that requested, from which the error is out of reach.
+        Ratio of the error expected on the most cells to the requested one, above which that is out of reach.
     max_cells_out_of_reach
-        Most cells where it is.
+        Most cells of a grid where the error is out of reach.
     widening
         Factor on a width that is too small for the contact.
     narrowing
@@ -102,7 +103,8 @@ class Refined:
         Its bounds, from all grids. Where the L1 bound of the pressure is above the requested error,
         its reason says why.
     grids
-        Grids that were solved, in order; the last one is that of the solution.
+        Grids with a bound, in order; the last one is that of the solution. The grid of half the cells that is solved
+        before the first, and grids of a width that was given up, are left out.
     """
 
     solution: Solution
@@ -125,7 +127,8 @@ def solve_to(
     """Solve a dry scene that neither changes in time nor rolls, to a relative L1 error of the pressure.
 
     Coarse grids come first. Each gives the start of the next, and contributes to its bound; the errors by the cells'
-    pressure along each axis determine which axis to refine. It ends at the first grid whose bound meets the error.
+    pressure along each axis determine which axis to refine. It ends at the first grid whose bound meets the error, or
+    where finer cells would change the bound little beside its other causes, or at `most_cells`.
 
     Parameters
     ----------
@@ -174,7 +177,24 @@ def solve_to(
 
 @dataclass(frozen=True, eq=False)
 class GridRefinement:
-    """Refinement of the grid of a scene, from coarse to fine, until its error is met."""
+    """Refinement of the grid of a scene, from coarse to fine, until its error is met.
+
+    Attributes
+    ----------
+    scene, requirements, padding
+        The scene, what it asks of a grid, and its boundary conditions.
+    error
+        Relative L1 error of the pressure to meet.
+    options, device
+        How and on what device each grid is solved, with a looser tolerance where the bound is not expected to meet the
+        error.
+    most_cells
+        Most cells of a grid.
+    progress
+        Called with the solution and the bounds on each grid.
+    keeps_width
+        True if the width stays as it is, whatever that of the contact.
+    """
 
     scene: Scene
     requirements: GridRequirements

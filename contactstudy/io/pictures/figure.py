@@ -33,7 +33,10 @@ LAW_STYLE: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.
 def panels(
     count: int, *, columns: int = 3, width: float = 3.4, height: float = 3.2, share: Share = "none"
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with `count` panels, and the panels; ``share="y"`` gives all of them one scale of it."""
+    """Return a figure with `count` panels, and the panels.
+
+    A panel is `width` by `height` in inches. Panels share no scale ("none"), that of y ("y"), or both ("both").
+    """
     columns = min(columns, count)
     rows = -(-count // columns)
     # not pyplot's: no figure stays open

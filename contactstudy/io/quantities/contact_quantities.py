@@ -1,4 +1,4 @@
-"""Quantities of a dry contact; those of its effects come first."""
+"""Quantities of a dry contact and of its effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -31,7 +31,7 @@ ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
 # Relative difference of largest values that are equal but for the residual of the solver.
 SYMMETRY = 1e-7
 NO_BOUND_OF_ONE_CELL = (
-    "No bound: the slip zone is one cell wide; solve again on cells of half the width."
+    "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 )
 
 
@@ -47,9 +47,9 @@ def contact_quantities(
     derived: Mapping[str, Field],
     rolling: "SteadyRolling | None" = None,
 ) -> dict[str, Quantity]:
-    """Return the quantities of a dry contact, those of the effects that its scene names first; none without a pressure.
+    """Return the quantities of a dry contact and of the effects that its scene names; none without a finite pressure.
 
-    Areas and volumes are per length where the scene has no length of its own.
+    Areas, energies and powers are per length where the scene has no length of its own.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def contact_quantities(
     }
     if scene is not None and scene.hardness < inf:
         depth = max(-float(gap.min()), 0.0)
-        quantities["yielded_depth"] = Quantity(depth, "m", "largest depth of yielding")
+        quantities["yielded_depth"] = Quantity(depth, "m", "largest plastic indentation")
     load, load_parts = solution.load_per_length * grid.length, estimate.load or solved
     quantities["load_per_length"] = with_bound(
         Quantity(load / (length or grid.length), "N m-1", "load per length"), load_parts

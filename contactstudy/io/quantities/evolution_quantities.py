@@ -215,7 +215,7 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     added = float(rolled.plastic_strain_increment[-1])
     displacement = float(rolled.forward_displacement[-1])
     forward = "displacement of the surface against the rolling direction, by the last pass"
-    yielding = "largest plastic strain that the last pass adds"
+    yielding = "largest equivalent plastic strain that the last pass adds"
     return {
         "lowest_residual_stress": Quantity(
             float(stress[lowest]), "Pa", compression, position=depth

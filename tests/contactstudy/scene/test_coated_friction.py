@@ -44,10 +44,10 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
 @pytest.mark.parametrize("thickness", [0.3, 0.06])
 def test_a_row_is_the_sum_of_its_cells(thickness: float, layer: LayerResponse, name: str) -> None:
     """Two methods: waves in a strip, and closed forms with a short-ranged rest."""
-    dx, dy, nx, ny = 0.1, 0.15, 12, 4
+    dx, dy, nx, ny = 0.1, 0.15, 6, 4
     field, x = CoatingShearCoefficients(layer, thickness, name, 1.0), np.arange(nx) * dx
     row = field.row(x[:, None], np.arange(ny) * dy, dx, dy, ny * dy)
-    images = 400
+    images = 100
     alone = field.cell(x[:, None], np.arange(images * ny) * dy, dx, dy)
     both = np.concatenate([field.parity[1] * alone[:, :0:-1], alone], axis=1)
     middle, sums = images * ny - 1, []

@@ -209,7 +209,8 @@ class Evolution(Answer):
     def to_dataset(self) -> "xr.Dataset":
         """Return fields over (time, x, y) and quantities with units, long names, bounds and the scene."""
         with needed_for("Evolution.to_dataset"):
-            from contactstudy.io import dataset as labels
+            from contactstudy.io import evolution_dataset as labels
+            from contactstudy.io.dataset import labelled
 
         if self.passes is not None:
             return labels.passes_dataset(self.passes, self.quantities)
@@ -219,7 +220,7 @@ class Evolution(Answer):
         contacts = [frame.to_dataset() for frame in self.frames]
         dataset = labels.films_dataset(self.times, contacts, self.quantities)
         step_error = self.films.step_error
-        dataset["step_error"] = labels.labelled(
+        dataset["step_error"] = labelled(
             (), step_error, "1", "largest error of a step, of the film in L1 over its mean",
             comment="in the Hertzian zone" if isfinite(step_error) else NO_STEP_ERROR,
         )  # fmt: skip

@@ -1,13 +1,12 @@
-"""Labelled datasets (xarray) of a solution, of an evolution and of repeated rolling."""
+"""Labelled datasets (xarray) of a dry and of a lubricated contact."""
 
 import shlex
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
 from enum import Enum
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -15,11 +14,9 @@ import xarray as xr
 from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.errors import ErrorEstimate
-from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from contactstudy.domain.version import VERSION
-from contactstudy.elasticity.kernels.stress_cell import COMPONENTS
-from contactstudy.io.quantities.quantity import Quantities, per_length, roller_length
+from contactstudy.io.quantities.quantity import Quantities
 from contactstudy.io.scene_files.scene_writer import scene_text
 from contactstudy.problem.problem import DependsOnShear, Field
 from contactstudy.scene.loads.constant_load import ConstantLoad
@@ -32,21 +29,14 @@ from contactstudy.solvers.solution import (
     AdhesiveTraction,
     Branch,
     Solution,
-    Status,
     TangentialTraction,
 )
 
 if TYPE_CHECKING:
-    from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
-    from contactstudy.evolution.states.state_variables import CoupledStateVariable
-    from contactstudy.evolution.trajectory import Trajectory
     from contactstudy.lubrication.lubricated_contact import FilmSolution
 
 X = {"units": "m", "axis": "X", "long_name": "position across the contact"}
 Y = {"units": "m", "axis": "Y", "long_name": "position along the contact"}
-Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
-# a time of the scene's histories, not a date
-TIME = {"long_name": "time", "units": "s", "axis": "T"}
 
 
 def labelled(
@@ -71,19 +61,15 @@ def flags(
     return xr.Variable(tuple(dimensions), np.asarray(values, dtype=np.int8), attributes)
 
 
-def _statuses(dimension: str, statuses: Sequence[Status], long_name: str) -> xr.Variable:
-    """Return the statuses of solves along `dimension`, as CF flags."""
-    values = [list(Status).index(status) for status in statuses]
-    return flags((dimension,), values, list(Status.__members__), long_name)
-
-
-def _field_variable(field: Field) -> xr.Variable:
+def field_variable(field: Field) -> xr.Variable:
+    """Return a field as a variable with its unit, long name and attributes."""
     return labelled(
         field.dimensions, field.values, field.units, field.long_name, **field.attributes
     )
 
 
-def _attributes(title: str) -> dict[str, str]:
+def title_attributes(title: str) -> dict[str, str]:
+    """Return the attributes of a dataset with this `title`: its conventions, and this program as the source."""
     return {"Conventions": "CF-1.11", "title": title, "source": f"contactstudy {VERSION}"}
 
 
@@ -102,7 +88,7 @@ def contact_fields(solution: Solution) -> xr.Dataset:
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
     )
-    effects = _traction_variables(solution.traction) | _adhesion_variables(solution.adhesion)
+    effects = traction_variables(solution.traction) | _adhesion_variables(solution.adhesion)
     return dataset.assign(effects)
 
 
@@ -128,13 +114,13 @@ def contact_dataset(
     """
     description = solution.problem.description
     dataset = contact_fields(solution)
-    dataset.attrs = _attributes("line contact") | {
+    dataset.attrs = title_attributes("line contact") | {
         "history": f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}"
     }
     if isinstance(description, PosedScene):
         dataset = dataset.assign(_scene_variables(description))
         dataset.attrs |= _measured_surfaces(description) | {"scene": scene_attribute(description)}
-    dataset = dataset.assign({name: _field_variable(field) for name, field in derived.items()})
+    dataset = dataset.assign({name: field_variable(field) for name, field in derived.items()})
     return with_quantities(_with_errors(dataset, error), quantities)
 
 
@@ -200,7 +186,7 @@ def scene_attribute(posed: PosedScene) -> str:
         return f"# {error}\n# {posed!r}\n"
 
 
-def _traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
+def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
     """Return the two components of shear and the area of stick; empty without friction."""
     if traction is None:
         return {}
@@ -261,176 +247,6 @@ def _with_errors(dataset: xr.Dataset, estimate: ErrorEstimate) -> xr.Dataset:
     return dataset
 
 
-def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dataset:
-    """Return a dry scene in time with dimensions (time, x, y), units and long names; ``status`` as CF flags.
-
-    The fields of ``Scene.outputs`` are computed here, at every instant.
-    """
-    frames, grid = evolution.frames, evolution.grid
-
-    def over_time(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
-        stacked = {
-            name: np.stack([getattr(frame, name) for frame in frames]) for name, *_ in labels
-        }
-        return {
-            name: labelled(("time", *dimensions), stacked[name], units, long_name)
-            for name, units, long_name, *dimensions in labels
-        }
-
-    length = roller_length(evolution.description)
-    of_one = per_length(1.0, "m2", "contact area", length, grid.length)
-    area = labelled("time", evolution.contact_area * of_one.value, of_one.unit, of_one.label)
-    statuses = [frame.status for frame in frames]
-    dataset = xr.Dataset(
-        over_time(
-            ("pressure", "Pa", "contact pressure", "x", "y"),
-            ("gap", "m", "gap after deformation", "x", "y"),
-            ("load", "N m-1", "load per length"),
-            ("approach", "m", "approach of the bodies"),
-            ("peak_pressure", "Pa", "peak pressure"),
-        )
-        | {"contact_area": area}
-        | over_time(
-            ("step_error", "1", "estimated L1 error by steps in time"),
-            ("grid_error", "1", "estimated L1 error by cells"),
-            ("residual", "1", "residual of the solver"),
-            ("solves", "1", "contact solves since the previous instant"),
-            ("iterations", "1", "iterations since the previous instant"),
-            ("convolutions", "1", "transform pairs since the previous instant"),
-        )
-        | {"status": _statuses("time", statuses, "worst status since the previous instant")},
-        coords={
-            "time": ("time", evolution.times, TIME),
-            "x": ("x", grid.x, X),
-            "y": ("y", grid.y, Y),
-        },
-        attrs=_attributes("evolution of a line contact")
-        | {"scene": scene_attribute(evolution.description)},
-    )
-    for fields in (_states, _tractions, _outputs):
-        dataset = dataset.assign(fields(evolution))
-    return with_quantities(dataset, quantities)
-
-
-def plastic_variables(
-    coupled: "CoupledStateVariable", states: Sequence[Mapping[str, Array]]
-) -> dict[str, xr.Variable]:
-    """Return residual displacement and plastic strain of bodies that yield, at every instant."""
-    fields = _over_time([coupled.fields(state) for state in states])
-    return fields | {
-        name: _field_variable(field) for name, field in coupled.over_time(states).items()
-    }
-
-
-def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return shear and stick at every instant; empty without friction."""
-    tractions = [_traction_variables(evolution.traction(frame)) for frame in evolution.frames]
-    return {
-        name: xr.Variable.concat(
-            [traction[name] for traction in tractions], "time", combine_attrs="override"
-        )
-        for name in tractions[0]
-    }
-
-
-def _states(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return the state variables of bodies and wear, such as worn depth and plastic strain, at every instant."""
-    frames = evolution.frames
-    fields = _over_time([frame.fields for frame in frames])
-    if evolution.coupled is not None:
-        states = [frame.coupled_state for frame in frames]
-        plastic_fields = evolution.coupled.over_time(states)
-        fields |= {name: _field_variable(field) for name, field in plastic_fields.items()}
-    return fields
-
-
-def _outputs(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return the fields of ``Scene.outputs`` at every instant, at the depths that the highest pressure chooses."""
-    fields: dict[str, xr.Variable] = {}
-    highest = max(evolution.frames, key=lambda frame: frame.peak_pressure)
-    for output in evolution.problem.outputs:
-        chosen: Any = output
-        if hasattr(output, "depths"):
-            worst = evolution.derived(highest, output).fields(highest.net_pressure)
-            chosen = replace(chosen, depths=tuple(worst["z"].values))
-        instants = [
-            evolution.derived(frame, chosen).fields(frame.net_pressure)
-            for frame in evolution.frames
-        ]
-        fields |= _over_time(instants)
-    return fields
-
-
-def _over_time(instants: Sequence[Mapping[str, Field]]) -> dict[str, xr.Variable]:
-    """Return fields of several instants along the dimension ``time``; coordinates are taken from the first."""
-    fields: dict[str, xr.Variable] = {}
-    for name, field in instants[0].items():
-        variable = _field_variable(field)
-        if field.dimensions != (name,):
-            values = np.stack([instant[name].values for instant in instants])
-            variable = xr.Variable(("time", *field.dimensions), values, variable.attrs)
-        fields[name] = variable
-    return fields
-
-
-def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dataset:
-    """Return the state after each pass over (pass, component, z), and the last window over (component, z, x)."""
-    passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
-    window = "component", "z", "x"
-    pressure = passes[-1].solution.pressure[:, 0]
-    strain = np.einsum("ct,cl...->tl...", track.operator.basis, track.strain)[..., 0]
-    below = "plastic strain below the contact in the last pass"
-    stress = rolling.unloaded.residual_stress()[..., 0]
-    unloaded = "residual stress after unloading, tension positive"
-    dataset = xr.Dataset(
-        {
-            **_pass_variables(rolling),
-            "pressure": labelled("x", pressure, "Pa", "contact pressure in the last pass"),
-            "window_plastic_strain": labelled(window, strain, "1", below),
-            "window_residual_stress": labelled(window, stress, "Pa", unloaded),
-        },
-        coords={
-            "pass": ("pass", np.arange(1, len(passes) + 1), {"long_name": "number of the pass"}),
-            "component": ("component", list(COMPONENTS)),
-            "z": ("z", volume.depths, Z),
-            "x": ("x", volume.grid.x, X),
-        },
-        attrs=_attributes("repeated rolling of a line contact")
-        | {"scene": scene_attribute(rolling.description)},
-    )
-    return with_quantities(dataset, quantities)
-
-
-def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
-    """Return strain, stress and displacement after each pass."""
-
-    def after(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
-        return {
-            name: labelled(("pass", *dimensions), getattr(rolling, name), units, long_name)
-            for name, units, long_name, *dimensions in labels
-        }
-
-    stress = "stress far behind the contact, tension positive"
-    distances = [each_pass.distance for each_pass in rolling.passes]
-    statuses = [each_pass.status for each_pass in rolling.passes]
-    return after(
-        ("plastic_strain", "1", "plastic strain", "component", "z"),
-        ("equivalent_plastic_strain", "1", "equivalent plastic strain", "z"),
-        ("residual_stress", "Pa", stress, "component", "z"),
-        ("shear_strain_increment", "1", "shear strain added by the pass", "z"),
-        (
-            "forward_displacement",
-            "m",
-            "displacement of the surface against the rolling direction, by the pass",
-        ),
-        ("plastic_strain_increment", "1", "largest equivalent plastic strain added by the pass"),
-        ("peak_pressure", "Pa", "peak pressure at the end of the pass"),
-    ) | {
-        "distance": labelled("pass", np.array(distances), "m", "distance rolled"),
-        "status": _statuses("pass", statuses, "worst status of the steps"),
-    }
-
-
 def film_dataset(
     contact: "FilmSolution", error: ErrorEstimate, quantities: Quantities
 ) -> xr.Dataset:
@@ -442,7 +258,7 @@ def film_dataset(
             # friction across on the first body
             derived = derived.with_shear(np.stack((-contact.shear, np.zeros_like(contact.shear))))
         for name, field in derived.fields(contact.pressure).items():
-            dataset[name] = _field_variable(field)
+            dataset[name] = field_variable(field)
     return with_quantities(_with_errors(dataset, error), quantities)
 
 
@@ -477,18 +293,6 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
             "status": _status(contact.status),
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
-        attrs=_attributes("lubricated line contact")
+        attrs=title_attributes("lubricated line contact")
         | {"scene": scene_attribute(PosedScene(contact.scene, grid, contact.padding))},
     )
-
-
-def films_dataset(
-    times: Array, contacts: Sequence[xr.Dataset], quantities: Quantities
-) -> xr.Dataset:
-    """Return the datasets of a film at `times` [s] with the dimension ``time``."""
-    time = xr.Variable("time", times, TIME)
-    dataset = xr.concat(
-        contacts, time, data_vars="all", coords="minimal", compat="override",
-        join="exact", combine_attrs="override",
-    )  # fmt: skip
-    return with_quantities(dataset, quantities)

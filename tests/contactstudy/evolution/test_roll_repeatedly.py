@@ -10,7 +10,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling, roll_repeatedly
-from contactstudy.io.dataset import passes_dataset
+from contactstudy.io.evolution_dataset import passes_dataset
 
 E, NU, Y = 500.0, 0.3, 1.0
 K = Y / 3**0.5

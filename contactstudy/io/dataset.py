@@ -199,7 +199,7 @@ def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Vari
         "stick": _plane(stick, "1", "1 where the bodies stick, 0 elsewhere"),
     }
     if isinstance(traction, FrettingTraction):
-        displacement = "rigid displacement of the second against the first body along x"
+        displacement = "rigid-body displacement of the second against the first body along x"
         forces = labelled("step", traction.forces, "N", "tangential force after each step")
         return variables | {
             "slip_distance": _plane(traction.slip_distance, "m", "distance slipped in a cycle"),

@@ -21,7 +21,7 @@ from contactstudy.scene.scene import Scene
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice its radius and range.
 FADING_DISTANCE = 3.7
-# Transform pairs of a solve over the square of Tabor's parameter, and at least; solves of a search for the pull-off.
+# Transform pairs of a solve over the square of the Tabor parameter, and at least; solves of a search for the pull-off.
 PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10
 
 

@@ -144,7 +144,7 @@ def approach_datum(solution: Solution) -> float | None:
 def _of_adhesion(
     solution: Solution, adhesion: AdhesiveTraction, estimate: ErrorEstimate
 ) -> dict[str, Quantity]:
-    """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor's parameter, 1 if detached."""
+    """Return pull-off load, attraction, its energy and range, cells in its zone, Tabor parameter, 1 if detached."""
     grid = solution.problem.grid
     attraction = float(adhesion.attraction.sum() * grid.cell_area / grid.length)
     touching = bool(solution.pressure.any())
@@ -160,7 +160,7 @@ def _of_adhesion(
         "detached": Quantity(float(not touching), "1", "1 if the bodies do not touch", 0.0, ""),
     }  # fmt: skip
     if adhesion.tabor is not None:
-        quantities["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor's parameter", 0.0, "")
+        quantities["tabor_parameter"] = Quantity(adhesion.tabor, "1", "Tabor parameter", 0.0, "")
     if adhesion.first_unstable_load is not None:
         pull_off = Quantity(-solution.load_per_length, "N m-1", "pull-off load")
         quantities = {
@@ -225,7 +225,7 @@ def _at_stick_slip_border(solution: Solution, traction: TangentialTraction) -> N
 def _of_cycle(
     solution: Solution, traction: FrettingTraction, estimate: ErrorEstimate, length: float | None
 ) -> dict[str, Quantity]:
-    """Return the energy that the last cycle of a fretting contact lost, its largest slip, and the largest shear.
+    """Return the energy lost in the last cycle of a fretting contact, its largest slip and its largest shear traction.
 
     The border of the slip zone is uncertain by one cell. Slip starts there with zero slope, so that for a zone n cells
     wide the relative error of the energy is about 1 / n^2. The largest slip is bounded by that of a slightly wider zone.
@@ -248,7 +248,9 @@ def _of_cycle(
     return {
         "energy_per_cycle": dissipated,
         "largest_slip": largest_slip,
-        "largest_shear": Quantity(traction.largest_shear, "Pa", "largest shear of all steps"),
+        "largest_shear": Quantity(
+            traction.largest_shear, "Pa", "largest shear traction of all steps"
+        ),
     }
 
 

@@ -1,4 +1,4 @@
-"""Numbers of a contact in time, and of one under repeated rolling."""
+"""Quantities of a contact in time, and of one under repeated rolling."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace

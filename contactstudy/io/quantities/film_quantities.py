@@ -1,4 +1,4 @@
-"""Numbers of a lubricated contact."""
+"""Quantities of a lubricated contact."""
 
 from math import inf, pi
 from typing import TYPE_CHECKING

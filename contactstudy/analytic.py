@@ -82,7 +82,7 @@ class HertzLine:
 
 
 def first_yield(
-    radius: float, contact_modulus: float, yield_strength: float, poisson_ratio: float
+    radius: float, contact_modulus: float, yield_stress: float, poisson_ratio: float
 ) -> HertzLine:
     """Return the line contact in which a half-space first yields, after von Mises.
 
@@ -96,7 +96,7 @@ def first_yield(
         R [m], with 1/R = 1/R1 + 1/R2.
     contact_modulus
         E* [Pa].
-    yield_strength
+    yield_stress
         Tensile stress [Pa] at which the half-space yields.
     poisson_ratio
         Its Poisson's ratio.
@@ -106,14 +106,14 @@ def first_yield(
     InvalidInput
         If a value is not above 0.
     """
-    positive("yield_strength", yield_strength, "give a stress above 0")
+    positive("yield_stress", yield_stress, "give a stress above 0")
     unit = HertzLine(1.0, radius, contact_modulus)
     depth = np.linspace(0, 2, 4001) * unit.half_width
     xx, zz, _ = unit.stress(0.0, depth)
     yy = poisson_ratio * (xx + zz)
     mises = np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2)
     # stresses grow as the square root of the load
-    return HertzLine((yield_strength / float(mises.max())) ** 2, radius, contact_modulus)
+    return HertzLine((yield_stress / float(mises.max())) ** 2, radius, contact_modulus)
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ def implausible(solution: Solution) -> str:
 def beyond_strength(solution: Solution) -> str:
     """Return a sentence if the peak pressure is beyond the hardness or the first yield of an elastic body, or ``""``.
 
-    Hardness and yield strength are those of the bodies, the load at first yield that of the smooth line contact. Nothing
+    Hardness and yield stress are those of the bodies, the load at first yield that of the smooth line contact. Nothing
     is said of a body that yields, nor together with ``Scene.hardness``, which caps the pressure.
     """
     posed = solution.problem.description
@@ -68,36 +68,36 @@ def beyond_strength(solution: Solution) -> str:
             f"Scene.solids[{softer}], {hardness[softer] / 1e9:.3g} GPa: give Scene.hardness, or a body that yields."
         )
     for number, body in enumerate(scene.solids):
-        # first yield is above the strength
-        if not isinstance(body, HalfSpace) or not body.yield_strength < peak:
+        # first yield is above the yield stress
+        if not isinstance(body, HalfSpace) or not body.yield_stress < peak:
             continue
-        strength = body.yield_strength
+        limit = body.yield_stress
         radius = scene.hertz.radius if scene.hertz else 1.0
-        first = first_yield(radius, scene.contact_modulus, strength, body.poisson_ratio)
+        first = first_yield(radius, scene.contact_modulus, limit, body.poisson_ratio)
         if peak > first.peak_pressure:
             at = f" at {first.load_per_length / 1e3:.3g} N/mm" if scene.hertz else ""
             return (
                 f"The peak pressure of {peak / 1e9:.3g} GPa is {peak / first.peak_pressure:.2g} times that at which "
                 f"Scene.solids[{number}] first yields in a smooth line contact{at}: give an ElasticPlasticHalfSpace, or "
-                "the yield_strength of your material."
+                "the yield_stress of your material."
             )
     return ""
 
 
-def strength_of_outputs(scene: Scene) -> float:
-    """Return the lowest yield strength [Pa] of the bodies whose stress is an output; infinite where none is known."""
+def yield_stress_of_outputs(scene: Scene) -> float:
+    """Return the lowest yield stress [Pa] of the elastic bodies whose stress is an output; infinite if none is known."""
     solids = (scene.solids[out.body] for out in scene.outputs if hasattr(out, "body"))
-    return min((float(getattr(body, "yield_strength", inf)) for body in solids), default=inf)
+    return min((body.yield_stress for body in solids if isinstance(body, HalfSpace)), default=inf)
 
 
-def stress_beyond_strength(scene: Scene, von_mises: float) -> str:
-    """Return a sentence if the von Mises stress [Pa] below the surface is beyond the yield strength, or ``""``."""
-    strength = strength_of_outputs(scene)
-    if von_mises <= strength:
+def stress_beyond_yield(scene: Scene, von_mises: float) -> str:
+    """Return a sentence if the von Mises stress [Pa] below the surface is beyond the yield stress, or ``""``."""
+    limit = yield_stress_of_outputs(scene)
+    if von_mises <= limit:
         return ""
     return (
-        f"The von Mises stress of {von_mises / 1e6:.3g} MPa is {von_mises / strength:.3g} times the yield strength: "
-        "give an ElasticPlasticHalfSpace, or the yield_strength of your material."
+        f"The von Mises stress of {von_mises / 1e6:.3g} MPa is {von_mises / limit:.3g} times the yield stress: "
+        "give an ElasticPlasticHalfSpace, or the yield_stress of your material."
     )
 
 

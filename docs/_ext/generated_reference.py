@@ -306,13 +306,13 @@ def material_table() -> str:
         '`material = "steel"` in a solid of a scene file, `cs.material("steel")` in Python. Keys beside it take the place of these',
         "values. Moduli of one batch differ by some per cent, those of coatings and polymers by far more. A body of a material",
         "stays elastic; a warning says where the peak pressure is beyond its hardness or its first yield. Strength depends on",
-        "grade and heat treatment: give `yield_strength` and `hardness` of yours.",
+        "grade and heat treatment: give `yield_stress` and `hardness` of yours.",
         "",
-        "| material | Young's modulus [GPa] | Poisson's ratio | yield strength [GPa] | hardness [GPa] | synonyms | source |",
+        "| material | Young's modulus [GPa] | Poisson's ratio | yield stress [GPa] | hardness [GPa] | synonyms | source |",
         "|---|---|---|---|---|---|---|",
     ]
     text += [
-        f"| `{m.name}` | {m.youngs_modulus / 1e9:g} | {m.poisson_ratio:g} | {_known(m.yield_strength)} | {_known(m.hardness)} | "
+        f"| `{m.name}` | {m.youngs_modulus / 1e9:g} | {m.poisson_ratio:g} | {_known(m.yield_stress)} | {_known(m.hardness)} | "
         f"{', '.join(m.synonyms)} | {m.source} |"
         for m in materials().values()
     ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from contactstudy.accuracy.plausibility import strength_of_outputs
+from contactstudy.accuracy.plausibility import yield_stress_of_outputs
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -310,9 +310,9 @@ def _of_stress(
         quantities["largest_von_mises_depth"] = with_bound(
             depth, estimate.largest_von_mises_depth, fallback_reasons
         )
-    strength = strength_of_outputs(scene)
+    strength = yield_stress_of_outputs(scene)
     if strength < inf and largest:
-        margin = Quantity(strength / largest, "1", f"yield strength over von Mises stress{where}")
+        margin = Quantity(strength / largest, "1", f"yield stress over von Mises stress{where}")
         error = estimate.largest_von_mises
         if error is not None and error.total < 1:
             bound = margin.value * error.total / (1 - error.total)

@@ -13,7 +13,7 @@ from contactstudy.scene.solids.bodies import HalfSpace
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
 
 # Entries of the table in GPa.
-PRESSURES = ("youngs_modulus", "yield_strength", "hardness")
+PRESSURES = ("youngs_modulus", "yield_stress", "hardness")
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Material:
         Publications that give the constants and the strength.
     synonyms
         Further names by which the table is searched.
-    yield_strength
+    yield_stress
         Tensile stress at which it yields [Pa], infinite for brittle materials.
     hardness
         Indentation hardness [Pa].
@@ -43,7 +43,7 @@ class Material:
     poisson_ratio: float
     source: str
     synonyms: tuple[str, ...] = ()
-    yield_strength: float = inf
+    yield_stress: float = inf
     hardness: float = inf
 
     def body_fields(self, kind: object = None) -> dict[str, float]:
@@ -51,9 +51,9 @@ class Material:
         elastic = {"youngs_modulus": self.youngs_modulus, "poisson_ratio": self.poisson_ratio}
         if kind == ElasticPlasticHalfSpace.__name__:
             return elastic | (
-                {"yield_stress": self.yield_strength} if self.yield_strength < inf else {}
+                {"yield_stress": self.yield_stress} if self.yield_stress < inf else {}
             )
-        return elastic | {"yield_strength": self.yield_strength, "hardness": self.hardness}
+        return elastic | {"yield_stress": self.yield_stress, "hardness": self.hardness}
 
 
 @cache

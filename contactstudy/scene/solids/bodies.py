@@ -63,7 +63,7 @@ class HalfSpace:
         Young's modulus [Pa], above zero; ``math.inf`` is a rigid body.
     poisson_ratio
         Poisson's ratio, above -1 and up to 0.5 (incompressible).
-    yield_strength
+    yield_stress
         Tensile stress [Pa] at which the material yields, infinite if it is not known. The body stays elastic: the
         largest von Mises stress is compared with it.
     hardness
@@ -78,7 +78,7 @@ class HalfSpace:
 
     youngs_modulus: Pascals
     poisson_ratio: Number
-    yield_strength: Pascals = math.inf
+    yield_stress: Pascals = math.inf
     hardness: Pascals = math.inf
 
     def __post_init__(self) -> None:
@@ -88,7 +88,7 @@ class HalfSpace:
             self,
             youngs_modulus=(in_range_or_infinite, modulus),
             poisson_ratio=(poisson_ratio, POISSON_RATIO),
-            yield_strength=(in_range_or_infinite, stress),
+            yield_stress=(in_range_or_infinite, stress),
             hardness=(in_range_or_infinite, stress),
         )
 

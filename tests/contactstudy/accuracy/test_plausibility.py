@@ -65,7 +65,7 @@ def of_strength(contact: LineContact, **strength: float) -> list[str]:
 def test_a_pressure_beyond_the_hardness_of_a_body_is_said_with_the_remedy(
     line_contact: LineContact,
 ) -> None:
-    (warning,) = of_strength(line_contact, hardness=0.5, yield_strength=0.2)
+    (warning,) = of_strength(line_contact, hardness=0.5, yield_stress=0.2)
     assert "2 times the hardness of Scene.solids[0]" in warning
     assert "give Scene.hardness, or a body that yields" in warning
     assert of_strength(line_contact, hardness=1.1) == []
@@ -74,10 +74,10 @@ def test_a_pressure_beyond_the_hardness_of_a_body_is_said_with_the_remedy(
 def test_a_pressure_beyond_first_yield_is_said_with_the_load_of_first_yield(
     line_contact: LineContact,
 ) -> None:
-    (warning,) = of_strength(line_contact, yield_strength=0.5)
+    (warning,) = of_strength(line_contact, yield_stress=0.5)
     load = line_contact.scene.load.largest * (0.5 / 0.5577) ** 2
     assert f"first yields in a smooth line contact at {load / 1e3:.3g} N/mm" in warning
-    assert of_strength(line_contact, yield_strength=0.6) == []
+    assert of_strength(line_contact, yield_stress=0.6) == []
 
 
 def test_a_hardness_that_caps_the_pressure_needs_no_warning(line_contact: LineContact) -> None:
@@ -96,7 +96,7 @@ def test_a_stress_below_the_surface_beyond_the_strength_is_said(line_contact: Li
     grid = line_contact.grid((32, 1), 1.4)
     largest = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities["largest_von_mises"].value
     for ratio in (0.97, 1.03):
-        bodies = tuple(replace(body, yield_strength=ratio * largest) for body in scene.solids)
+        bodies = tuple(replace(body, yield_stress=ratio * largest) for body in scene.solids)
         contact = cs.solve(replace(scene, solids=bodies), grid, cs.ExactPeriodicity())
-        said = [text for text in contact.error.warnings if "yield strength" in text]
+        said = [text for text in contact.error.warnings if "yield stress" in text]
         assert len(said) == (ratio < 1)

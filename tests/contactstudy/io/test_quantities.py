@@ -110,7 +110,7 @@ def test_the_largest_stress_has_its_place(line_contact: LineContact) -> None:
 def test_a_stress_says_whether_it_is_the_largest_of_given_depths_alone(
     depths: str | tuple[float, ...], line_contact: LineContact
 ) -> None:
-    steel = replace(STEEL, yield_strength=1e9)
+    steel = replace(STEEL, yield_stress=1e9)
     scene = replace(
         line_contact.scene, solids=(steel, steel), outputs=(cs.SubsurfaceStress(depths),)
     )
@@ -120,7 +120,7 @@ def test_a_stress_says_whether_it_is_the_largest_of_given_depths_alone(
 
 
 def test_a_safety_factor_holds_within_the_bound_of_the_stress(line_contact: LineContact) -> None:
-    steel = replace(STEEL, yield_strength=1e9)
+    steel = replace(STEEL, yield_stress=1e9)
     outputs = (cs.SubsurfaceStress((2e-5, 4e-5, 8e-5)),)
     scene = replace(line_contact.scene, solids=(steel, steel), outputs=outputs)
     numbers = cs.solve(scene, line_contact.grid((32, 1), 1.4), cs.ExactPeriodicity()).quantities
@@ -228,7 +228,7 @@ def test_a_peak_that_stands_again_on_the_other_end_says_where() -> None:
 
 
 def test_a_warning_of_many_instants_is_said_once_of_the_highest_pressure() -> None:
-    steel = cs.HalfSpace(2.1e11, 0.3, yield_strength=1e8)
+    steel = cs.HalfSpace(2.1e11, 0.3, yield_stress=1e8)
     load = cs.LoadHistory((0.0, 1.0, 2.0), (5e4, 1e5, 5e4))
     scene = cs.Scene(load, (steel, steel), (cs.Cylinder(0.01),), wear=cs.Wear(1e-20, 0.1))
     grid = cs.Grid((32, 1), (3e-4, 3e-4))

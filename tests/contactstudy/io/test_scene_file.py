@@ -232,9 +232,9 @@ def test_every_material_has_a_source() -> None:
     for entry in materials().values():
         assert len(entry.source) > 20, entry.name
         assert cs.material(entry.name) == cs.HalfSpace(
-            entry.youngs_modulus, entry.poisson_ratio, entry.yield_strength, entry.hardness
+            entry.youngs_modulus, entry.poisson_ratio, entry.yield_stress, entry.hardness
         )
-        assert 1.3 * entry.yield_strength < entry.hardness or entry.yield_strength == inf
+        assert 1.3 * entry.yield_stress < entry.hardness or entry.yield_stress == inf
 
 
 def test_a_material_gives_a_body_that_yields_its_yield_stress(tmp_path: Path) -> None:

@@ -2,8 +2,8 @@
 
 Film and plastic strain are solved together as a dry contact and plastic strain are: the film over a surface that is
 lowered by the residual displacement gives the pressure, whose stress is mapped back to the yield surface. In Newton's
-method for the strain, the pressure of the film changes as that of a dry contact of the loaded cells would. The shear of
-the film, some hundredths of its pressure, is left out: a tenth raises the largest von Mises stress by 1.4 %.
+method for the strain, the pressure of the film changes as that of a dry contact of the loaded cells would. The shear
+stress of the film, some hundredths of its pressure, is left out: a tenth raises the largest von Mises stress by 1.4 %.
 """
 
 from collections.abc import Callable

@@ -197,7 +197,7 @@ def solve_rolling(
     problem = replace(problem, description=PosedScene(scene, grid, padding))
     if any(map(creeps, scene.solids)):
         problem = replace(rolling(problem), source=source.with_problem_step(rolling))
-    # between dissimilar bodies shear changes the pressure, else it is found once, under the last one
+    # the traction changes the pressure between dissimilar bodies; else it is solved once, under the last one
     law = problem.friction
     is_coupled = getattr(law, "coupling", None) is not None
     lagged = solve_with_mixing(

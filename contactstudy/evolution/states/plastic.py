@@ -235,9 +235,9 @@ class PlasticState:
         """Return the residual displacement (x, y) [m], the sum over both surfaces, positive into the bodies."""
         strains, _ = self._in_volumes(state)
         parts = zip(self.operators, strains, strict=True)
-        # of the surface, into the bodies
-        sunk = np.asarray(sum(operator.residual_displacement(strain) for operator, strain in parts))
-        return {"residual_displacement": Field(("x", "y"), sunk, "m", "residual displacement")}
+        displacement = sum(operator.residual_displacement(strain) for operator, strain in parts)
+        plane, label = ("x", "y"), "residual displacement"
+        return {"residual_displacement": Field(plane, np.asarray(displacement), "m", label)}
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step added much more plastic strain than all since the last step without plastic flow.

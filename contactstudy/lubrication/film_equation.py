@@ -162,10 +162,13 @@ class Linearised:
     equation: "FilmEquation"
     inverse_time_step: float = 0.0
 
-    def with_time_step(self, inverse: float, moved: Array | float = 0.0) -> "Linearised":
+    def with_time_step(
+        self, inverse: float, moved: Array | float = 0.0, stored: Array | float = 0.0
+    ) -> "Linearised":
         """Return the balance with the squeeze term of an implicit Euler step of length 1 / inverse.
 
-        The film that it is squeezed from is lower than that of the linearisation by ``moved`` (x, y).
+        The film that it is squeezed from is lower than that of the linearisation by ``moved`` (x, y). A unit change of
+        pressure stores further content ``stored`` (x, y).
         """
         scaled = inverse * self.equation.cell[0] * ~self.equation.fixed
         bands = (
@@ -176,6 +179,7 @@ class Linearised:
         )
         pressure, thickness, void = bands
         residual = self.residual + scaled * self.content_slopes[1] * moved
+        pressure[0, 0] = pressure[0, 0] + scaled * stored
         return replace(
             self,
             residual=residual,

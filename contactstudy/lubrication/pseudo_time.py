@@ -60,6 +60,10 @@ class PseudoTimeTuning:
     unconverged_rise
         Largest factor of the residual in a step of a mixed film whose active sets have not converged; beyond it the
         step is rejected: some of these steps lost all that the iteration had gained.
+    artificial_compressibility, near_contact
+        Compressibility of the lubricant in a step in pseudo-time, over 1 / p_H, in cells that touch or whose film is
+        thinner than ``near_contact`` boundary films (Chorin 1967). A narrow transition took 12 steps for 27 on 64 x 16
+        cells, with 0.1 and 3 three times as many; on 256 x 64 it converges, where the residual had stayed at 5e-2.
     contact_tolerance
         A cell enters the contact where its film is thinner than the boundary film by this fraction, which is above the
         rounding of heights.
@@ -82,6 +86,8 @@ class PseudoTimeTuning:
     longest: float = 90.0
     reduction: float = 0.3
     unconverged_rise: float = 1.5
+    artificial_compressibility: float = 0.3
+    near_contact: float = 2.0
     contact_tolerance: float = 1e-9
     max_rounding: float = 1e-3
 
@@ -107,6 +113,11 @@ class ActiveSets(NamedTuple):
 
     cavitated: Mask
     touching: Mask | None = None
+
+    @property
+    def touches(self) -> bool:
+        """True if a cell touches."""
+        return self.touching is not None and bool(self.touching.any())
 
     def changes(self, sets: "ActiveSets") -> int:
         """Return the number of differences between these sets and others."""
@@ -312,7 +323,9 @@ def _step_of_active_sets(
     """Return a step in pseudo-time whose active sets are corrected until they hold, recur, or at the limit."""
     film, next_active, iterations = last.film, last.active, 0
     linear = last.linear.with_time_step(
-        1 / time_step, _height_off_boundary(last.linear.equation, film)
+        1 / time_step,
+        _height_off_boundary(last.linear.equation, film),
+        _artificial_storage(last),
     )
     load_residual = last.linear.equation.load_residual(film)
     # near the solution every cell counts
@@ -366,6 +379,19 @@ def _height_off_boundary(equation: FilmEquation, film: Film) -> Array | float:
     return np.where((film.asperity_pressure > 0) | (height < 0), height, 0.0)
 
 
+def _artificial_storage(last: FilmIteration) -> Array | float:
+    """Return the content (x, y) that a unit pressure adds to cells in contact or near it, by artificial compressibility.
+
+    The film of touching cells is given, and hardly any lubricant flows in them: without this their pressure would change
+    without limit in a short step in pseudo-time. It has no effect on a steady film.
+    """
+    touching, boundary = last.active.touching, last.linear.equation.boundary_film
+    if touching is None or not touching.any():
+        return 0.0
+    near = touching | (last.film.thickness < TUNING.near_contact * boundary)
+    return TUNING.artificial_compressibility * boundary * near
+
+
 def _corrected_active_sets(
     last: FilmIteration, active: ActiveSets, change: FilmCorrection
 ) -> ActiveSets:
@@ -408,9 +434,10 @@ def _damping_factor(last: FilmIteration, step: _ActiveSetStep, controls: FilmCon
         return 0.0
     rise = _change_of_thickness(equation, change) / film.thickness
     log_change = equation.log_viscosity(film.pressure)[1] * np.abs(change.pressure)
-    if step.active.touching is None:
+    if not step.active.touches:
         viscous = np.quantile(log_change, 1 - TUNING.clipped)
     else:  # where asperities take over pressure, its fall has no limit
+        assert step.active.touching is not None
         taken_over = step.active.touching & (change.pressure < 0)
         viscous = log_change[~taken_over].max(initial=0.0)
     # each change over its limit
@@ -428,7 +455,7 @@ def _updated_film(
     """Return the film after a damped step, with pressures and void fractions clipped to their ranges."""
     film, equation, change = last.film, last.linear.equation, step.change
     pressure_change = damping * change.pressure
-    if film.asperity_pressure is None:
+    if not step.active.touches:
         largest = np.full_like(pressure_change, inf)
         log_slope = equation.log_viscosity(film.pressure)[1]
         np.divide(controls.viscosity_change, log_slope, out=largest, where=log_slope > 0)

@@ -44,6 +44,7 @@ NO_BOUND_OF_STATES = (
     "No bound: the errors in area, gap, approach and stress of a contact that has crept, worn or yielded "
     "are not estimated."
 )
+CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
 NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of quantities count that of all steps."
 NO_BOUND_OF_FILMS = (
     "No bound for the discretisation error: that of a film that changes in time is not estimated."
@@ -263,6 +264,8 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     problem = replace(problem, outputs=outputs)
     steps = replace(frame.grid_error_parts, steps=frame.step_error)
     reason = next(iter(frame.warnings), "")
+    if frame.status is Status.YIELD_AT_EDGE:
+        steps, reason = replace(steps, discretisation=inf), CUT_OFF_STRAIN
     if frame.step_error == inf:
         reason = reason or "No bound: the time-discretisation error was not estimated."
     l1 = replace(steps, reason=reason)

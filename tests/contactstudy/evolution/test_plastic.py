@@ -335,10 +335,13 @@ def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPat
     assert "shorter steps" in str(found.status)
 
 
-def test_strain_that_reaches_the_edge_of_the_width_is_said() -> None:
+def test_strain_that_reaches_the_edge_of_the_width_is_said_and_has_no_bound() -> None:
     grid = grid_of(3, 0.1, 2.5)
     found = evolve(pressed(3), grid, EXACT, times=np.linspace(0, 1, 9))
     assert found.status is cs.Status.YIELD_AT_EDGE
+    last = evolution_answer(found).frames[-1]
+    assert last.error.l1.discretisation == inf
+    assert "cut off" in last.error.l1.reason
 
 
 def test_a_body_that_yields_can_wear() -> None:

@@ -22,7 +22,7 @@ MOST_CASES = 4  # of one test in the default tier
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
-        "--cases", type=int, default=MOST_CASES, help="most of one test in the default tier"
+        "--cases", type=int, help="most of one test in the default tier, whatever its mark says"
     )
     parser.addoption("--rest", action="store_true", help="run what is left out without --whole")
     parser.addoption(
@@ -56,10 +56,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = [item for item in items if id(item) in chosen]
 
 
-def spread(cases: list[pytest.Item], most: int) -> list[pytest.Item]:
-    """At most so many cases, or as few as the test is marked with, evenly from the first to the last."""
+def spread(cases: list[pytest.Item], limit: int | None) -> list[pytest.Item]:
+    """As many cases as the test is marked with, or four, or at most the limit, evenly from the first to the last."""
     mark = cases[0].get_closest_marker("cases")
-    most = min(mark.args[0], most) if mark else most
+    most = min(mark.args[0] if mark else MOST_CASES, limit or len(cases))
     if len(cases) <= most or most == 1:
         return cases[:most]
     return [cases[round(k * (len(cases) - 1) / (most - 1))] for k in range(most)]

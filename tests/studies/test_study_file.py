@@ -26,6 +26,7 @@ def figure(dataset): return ()
 AXIS = 'Axis("number", (1, 2), "a number"),'
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

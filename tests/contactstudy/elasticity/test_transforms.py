@@ -26,6 +26,7 @@ SIZES = [
 ]
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("transforms", KINDS, ids=lambda kind: type(kind).__name__)
 @pytest.mark.parametrize(("cells", "padded"), SIZES)
 @pytest.mark.parametrize("real", [np.float64, np.float32])

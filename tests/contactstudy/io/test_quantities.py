@@ -19,6 +19,7 @@ GRID = cs.Grid((4, 2), (4e-3, 6e-3))
 PRESSURE = np.array([[0.0, 0.0], [1e6, 0.0], [2e6, 5e6], [0.0, 0.0]])
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("value", "units", "text"),
     [

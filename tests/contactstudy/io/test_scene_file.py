@@ -114,6 +114,7 @@ def test_either_axis_has_its_padding(tmp_path: Path) -> None:
         read('padding_across = "ZeroPadding"\n' + text, tmp_path)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("good", "bad", "said"),
     [
@@ -260,6 +261,7 @@ def test_a_total_load_is_spread_over_the_roller_or_the_grid(
     assert read(STEEL_ROLLER + extra, tmp_path).scene.load == cs.TotalLoad(2e3, length)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("old", "new", "sentence"),
     [

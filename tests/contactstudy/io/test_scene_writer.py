@@ -46,6 +46,7 @@ def read_back(described: cs.Scene | cs.SceneFile, folder: Path) -> cs.SceneFile:
     return cs.read_scene(folder / "scene.toml")
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: type(shape).__name__)
 def test_every_shape_reads_back_as_it_was_written(shape: cs.Shape, tmp_path: Path) -> None:
     written = scene(cs.Cylinder(0.02), shape)

@@ -18,6 +18,7 @@ LOAD = Unit("N/m", "a load per length", "100 N/mm")
 NUMBER = Unit("", "a number", "0.3")
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("written", "unit", "expected"),
     [
@@ -40,7 +41,7 @@ def test_a_text_with_a_unit_is_the_number_in_si(
         assert in_si("field", written, unit) == expected
 
 
-@pytest.mark.cases(20)
+@pytest.mark.cases(400)
 @pytest.mark.parametrize("symbol", sorted(KNOWN))
 @pytest.mark.parametrize("written", ["{}", "1/{}", "N*{}^-2/mm", "{} / s"])
 def test_a_decimal_unit_is_that_of_the_library_of_units(symbol: str, written: str) -> None:
@@ -55,6 +56,7 @@ def test_a_decimal_unit_is_that_of_the_library_of_units(symbol: str, written: st
     assert float(read.magnitude) == float(base.magnitude)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     "written",
     [

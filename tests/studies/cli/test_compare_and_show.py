@@ -140,6 +140,7 @@ def test_a_file_of_another_kind_is_not_replaced_nor_drawn(folder: Path) -> None:
         said("draw", "padding", "--out", other)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -8,6 +8,7 @@ REAL = Axis("period", (2.4,), "L")
 NAME = Axis("padding", ("zero",), "mode")
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("axis", "text", "values"),
     [
@@ -32,6 +33,7 @@ def test_values_may_come_from_python() -> None:
     assert REAL.override([1, 2.5]).values == (1.0, 2.5)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("axis", "text"),
     [

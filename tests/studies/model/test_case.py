@@ -80,6 +80,7 @@ def sample(wall: float, cpu: float | None = None, calibration_time: float = 0.0)
     return TimedRun(wall / 4, 3 * wall / 4, cpu / 4, 3 * cpu / 4, 1, calibration_time)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("samples", "calibration_time", "contended"),
     [

@@ -40,6 +40,7 @@ ATTRIBUTES = (
 )  # fmt: skip
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     "measured",
     [
@@ -62,6 +63,7 @@ def test_nan_is_an_error_of_its_own(value: Any) -> None:
         measured_variables({"q": value}, AXES)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     "value",
     [

@@ -27,6 +27,7 @@ def test_control_characters_are_not_stored(text: str, storable: bool) -> None:  
     assert is_storable(text) == storable
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("name", "said"),
     [

@@ -6,6 +6,7 @@ from contactstudy import InvalidInput
 from studies.scene_study.values import parse_values
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("text", "kind", "wanted"),
     [
@@ -29,6 +30,7 @@ def test_lists_ranges_and_units(text: str, kind: type, wanted: list[object]) -> 
     assert [type(one) for one in found] == [type(one) for one in wanted]
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("text", "kind", "said"),
     [

@@ -102,6 +102,7 @@ def test_coefficient_is_exact_on_edges_and_corners_and_between_zones(aspect: flo
     assert cell_error(STEPS[:, None], STEPS[None] * aspect, 1.0, aspect) < EXACT
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("aspect", ASPECTS)
 @pytest.mark.parametrize("begin", [MIDDLE_DISTANCE, FAR_DISTANCE])
 def test_coefficient_is_exact_where_multipoles_begin(begin: float, aspect: float) -> None:

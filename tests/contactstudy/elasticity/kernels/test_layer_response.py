@@ -64,6 +64,7 @@ def judged_layer(
         return moved / (2 * (1 - mpf(coating_poisson_ratio)))
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("name", LAYERS)
 @pytest.mark.parametrize("k", [1e-4, 0.013, 0.4, 1.7, 6.0])
 def test_the_response_is_that_of_the_layered_boundary_value_problem(name: str, k: float) -> None:

@@ -50,6 +50,7 @@ def test_a_row_of_sheared_cells_is_the_sum_of_its_images(name: str) -> None:
     assert np.abs(row - total).max() <= rest + 1e-12
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("name", STRESSES)
 def test_far_from_a_row_nothing_is_left_of_the_period(name: str) -> None:
     """Where the closed form of the strip takes over, both forms agree to exp(-2 pi 6)."""

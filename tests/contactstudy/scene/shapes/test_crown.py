@@ -135,6 +135,7 @@ def test_a_lundberg_profile_removes_the_peak_at_the_ends(line_contact: LineConta
     assert np.abs(axis / p_h - 1).max() < 0.03
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("make", "field"),
     [

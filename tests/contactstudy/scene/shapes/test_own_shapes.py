@@ -28,6 +28,7 @@ def solved(own: Own) -> cs.Solution:
     return cs.solve(scene.problem(GRID, cs.ExactPeriodicity()))
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("heights", "message"),
     [

@@ -45,6 +45,7 @@ def test_no_height_and_no_slope_are_no_surface(none: float | RmsSlope) -> None:
     assert not heights.any()
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("field", "value"),
     [

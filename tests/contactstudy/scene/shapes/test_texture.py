@@ -69,6 +69,7 @@ def test_grooves_run_along_or_across_the_length() -> None:
     np.testing.assert_allclose(depths[0], expected, rtol=0, atol=1e-18)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -151,6 +151,7 @@ def test_labelled_heights_bring_their_sizes() -> None:
         cs.MeasuredSurface(labelled, extent=(1.0, 1.0))
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -32,6 +32,7 @@ def test_masked_points_and_infinite_ones_are_missing() -> None:
     assert np.isnan(measurement(np.array([[np.inf, 1.0, -np.inf]]))[0]).sum() == 2
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     "heights",
     [1.0, [1.0, 2.0], np.zeros((2, 2, 2)), np.zeros((0, 3)), [["a"]], [[1, 2], [3]], None,
@@ -171,6 +172,7 @@ def rows(separator: str, *, decimal: str = ".", end: str = "") -> str:
     return "".join(f"{line.replace('.', decimal)}{end}\n" for line in lines)
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("name", "text"),
     [
@@ -222,6 +224,7 @@ def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
     np.testing.assert_allclose(extent, (1e-3, 0.75e-3), rtol=1e-12)  # type: ignore[arg-type]
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("name", "text", "sentence"),
     [

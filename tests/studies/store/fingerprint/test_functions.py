@@ -87,6 +87,7 @@ KINDS: dict[str, Callable[[float], Any]] = {
 }
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_a_function_holds_tells_it_from_another(kind: str) -> None:
     first, again, other = (state(KINDS[kind](scale)) for scale in (1.0, 1.0, 2.0))
@@ -113,6 +114,7 @@ class Changeable:
         return self.scale * result
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize(
     "measures",
     [

@@ -100,6 +100,7 @@ def part(path: Path, text: str) -> Mapping[str, str]:
     return Request.of(load(str(path))).context.part
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("edit", EDITS)
 def test_an_edit_of_what_makes_the_numbers_is_noticed(edit: str, tmp_path: Path) -> None:
     text, old, new = EDITS[edit]
@@ -109,6 +110,7 @@ def test_an_edit_of_what_makes_the_numbers_is_noticed(edit: str, tmp_path: Path)
     assert before != after
 
 
+@pytest.mark.cases(100)
 @pytest.mark.parametrize("edit", KEPT)
 def test_an_edit_of_what_only_people_see_is_none(edit: str, tmp_path: Path) -> None:
     text = f"{HEAD}def f(r): return r\n{MEASURES}"

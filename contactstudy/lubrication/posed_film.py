@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import ceil, inf, sqrt
+from math import ceil, inf
 from typing import Literal
 
 import numpy as np
@@ -33,8 +33,8 @@ from contactstudy.scene.solids.bodies import contact_modulus, creeps, instantane
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Length of the outlet in half-widths, and its growth over sqrt(2 H).
-OUTLET, OUTLET_GROWTH = 1.5, 2.5
+# Length of the outlet over the half-width that carries load.
+OUTLET = 1.5
 # Least width of a grid over that of the pressure.
 MIN_WIDTH = 1.2
 # A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than SHARP_END
@@ -196,8 +196,8 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
         )
     hertz = scales.hertz
-    outlet = max(OUTLET, 1 + OUTLET_GROWTH * sqrt(2 * scales.expected_film)) * hertz.half_width
-    rows = min(ROW_MULTIPLE * ceil(np.count_nonzero(grid.x < outlet) / ROW_MULTIPLE), grid.cells[0])
+    upstream_cells = np.count_nonzero(grid.x < OUTLET * pressure_half_width)
+    rows = min(ROW_MULTIPLE * ceil(upstream_cells / ROW_MULTIPLE), grid.cells[0])
     oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
     bodies = rolling_bodies(scene.solids, scales.lubrication.contact_speeds)
     weights = response(bodies, problem.scales.length)

@@ -115,13 +115,12 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
     assert good.warnings == ()
     assert cs.plan(scene, grid=good.grid).warnings == ()
     narrow = replace(good.grid, extent=(2 * a, good.grid.length))
-    (said,) = [
-        text for text in cs.plan(scene, grid=narrow).warnings if "the contact is wider" in text
-    ]
+    planned = cs.plan(scene, grid=narrow)
+    (said,) = [text for text in planned.warnings if "the contact is wider" in text]
     # the width to try holds it, or comes nearer
     wide = 1e-6 * float(said.partition("give a width of ")[2].split()[0])
     assert narrow.extent[0] < wide < 4 * good.grid.extent[0]
-    assert cs.plan(scene, grid=narrow).error == inf
+    assert planned.error == inf
     short = replace(good.grid, extent=(good.grid.extent[0], 2 * a))
     assert "longest wavelengths" in " ".join(cs.plan(scene, grid=short).warnings)
     coarse = replace(good.grid, cells=(16, 16))
@@ -231,8 +230,9 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
         shapes=(cs.MeasuredSurface(heights, extent=(32e-6, 24e-6)),),
     )
     exact = cs.ExactPeriodicity()
-    assert cs.plan(flat).grid == cs.Grid((16, 12), (32e-6, 24e-6))
-    assert cs.plan(flat).padding == (exact, exact)
+    planned = cs.plan(flat)
+    assert planned.grid == cs.Grid((16, 12), (32e-6, 24e-6))
+    assert planned.padding == (exact, exact)
     answer = cs.solve(flat)
     assert answer.pressure.shape == (16, 12)
     assert answer.status is cs.Status.CONVERGED

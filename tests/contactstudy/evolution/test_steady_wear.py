@@ -60,8 +60,8 @@ def test_a_drive_that_slides_fully_wears_like_a_roller_that_slides_as_fast() -> 
     driven = replace(
         ROLLER, rolling=None, friction=drive, wear=cs.Wear(1e-15, 0.0, circumference=AROUND)
     )
-    times = (0.0, 300.0, 3000.0)
-    known, found = (cs.solve(scene, GRID, ACROSS_FREE, times=times) for scene in (slides, driven))
+    grid, times = cs.Grid((24, 8), GRID.extent), (0.0, 300.0, 3000.0)
+    known, found = (cs.solve(scene, grid, ACROSS_FREE, times=times) for scene in (slides, driven))
     assert worn(found) == pytest.approx(worn(known), rel=0.01)
     assert found.quantities["worn_volume"].bound == inf  # of slip
     for name in ("approach", "mean_gap"):

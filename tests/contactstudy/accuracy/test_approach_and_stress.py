@@ -9,7 +9,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.accuracy.approach_and_stress import approach_error, stress_errors
 from contactstudy.accuracy.discretisation.coarser import coarse_solution
-from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.accuracy.estimate import ErrorParts, error_estimate
 from tests.conftest import LineContact
 
 EXACT = cs.ExactPeriodicity()
@@ -66,3 +66,19 @@ def test_stress_without_a_coarser_solution_has_no_bound(line_contact: LineContac
     )
     assert [part.total for part in parts] == [inf, inf]
     assert all("twice the size" in part.reason for part in parts)
+
+
+def test_the_error_of_the_peak_counts_below_it_like_the_stress_of_a_wave_of_two_cells(
+    line_contact: LineContact,
+) -> None:
+    """(1 + k z) exp(-k z) of a wave k under pressure, here with k z = 2 (Johnson 1985, sect. 13.2)."""
+    grid = line_contact.grid((48, 1), 1.0)
+    solution = cs.solve(line_contact.scene.problem(grid, EXACT))
+    estimate, depths = error_estimate(solution), np.array([2 * grid.cell_size[0] / np.pi])
+
+    def bound(peak: float) -> float:
+        of_peak = replace(estimate, peak_pressure=ErrorParts(0.0, peak, 0.0))
+        coarse = coarse_solution(solution.problem)
+        return stress_errors(solution, np.ones((1, 48, 1)), depths, of_peak, coarse)[0].total
+
+    assert bound(0.3) - bound(0.1) == pytest.approx(0.2 * 3 * np.exp(-2))

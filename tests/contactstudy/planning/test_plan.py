@@ -214,6 +214,13 @@ def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked
     assert cs.solve(scene.problem(found.grid, found.padding)).status is cs.Status.CONVERGED
 
 
+def test_a_plan_of_adhesion_resolves_the_waves_of_the_surfaces(line_contact: LineContact) -> None:
+    shapes = (*line_contact.scene.shapes, cs.Waviness(1e-8, across=4e-6))
+    adhesion = cs.Adhesion(0.05, range=1e-7)
+    planned = cs.plan(replace(line_contact.scene, shapes=shapes, adhesion=adhesion), error=1e-2)
+    assert 8 < 4e-6 / planned.grid.cell_size[0] < 50
+
+
 def test_what_memory_does_not_hold_is_refused_before_it_is_made(line_contact: LineContact) -> None:
     grid = cs.Grid((2**22, 2**22), (1e-3, 1e-3))
     with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells is .* GB and this machine has "):

@@ -10,6 +10,7 @@ from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.plan import plan, plan_grid
+from contactstudy.planning.transient_requirements import expected_plastic_zone
 from tests.conftest import STEEL
 from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 
@@ -82,6 +83,19 @@ def test_a_plan_makes_room_for_what_yields(ratio: float) -> None:
     layers = found.frames[-1].coupled_state["equivalent0"].shape[0]
     assert f"{ratio:.3g} times the lowest yield stress" in said
     assert 0.7 < int(said.split("some ")[1].split()[0]) / layers < 1.4
+
+
+def test_what_is_expected_to_yield_holds_what_yields_and_not_much_more() -> None:
+    """At four times the yield stress; of 64 cells in ten half-widths, whole ones yield."""
+    elastic = cs.Scene(cs.LineLoad(1e6), (STEEL, cs.HalfSpace(np.inf, 0.0)), (cs.Cylinder(0.01),))
+    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, elastic.hertz.peak_pressure / 4, 2e9)
+    history = cs.LoadHistory((0.0, 1.0), (0.0, 1e6))
+    scene = replace(elastic, load=history, solids=(body, elastic.solids[1]))
+    grid = cs.Grid((64, 1), (10 * elastic.hertz.half_width, elastic.hertz.half_width))
+    found = evolve(scene, grid, cs.ExactPeriodicity(), times=np.linspace(0, 1, 5))
+    yielded = (found.frames[-1].coupled_state["equivalent0"] > 0).any(axis=(0, 2))
+    half_extent = yielded.sum() * grid.cell_size[0] / 2
+    assert half_extent < expected_plastic_zone(scene).half_extent < 1.5 * half_extent
 
 
 BODY = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)

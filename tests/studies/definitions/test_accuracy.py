@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
 from studies.definitions.accuracy import KINDS, USES, case_at, use_of
 from studies.reference.accuracy.case import errors
@@ -56,8 +57,13 @@ def test_a_seed_chooses_other_random_contacts_and_the_same_matrix() -> None:
     assert known[0] is known[1]
 
 
+@pytest.mark.cases(len(RANDOM))
 @pytest.mark.parametrize("kind", RANDOM)
 def test_every_random_contact_has_a_problem(kind: str) -> None:
     for seed in range(3):
-        problem = case_at({"case": f"{kind} 0", "seed": seed}).prepare()
-        assert np.isfinite(problem.undeformed_gap).all()
+        run = case_at({"case": f"{kind} 0", "seed": seed})
+        assert np.isfinite(run.prepare().undeformed_gap).all()
+        for shape in run.case.scene.shapes:
+            if isinstance(shape, cs.Waviness) and shape.along < np.inf:
+                waves = run.case.grid.length / shape.along
+                assert waves == pytest.approx(max(round(waves), 1))

@@ -1,119 +1,173 @@
 """Changes the code in one place at a time and tells which changes no test notices.
 
-``python -m tests.mutation.campaign --count 70 --seed 1`` runs, in a copy of the project and on each change,
-the tests of the changed module and then those that execute the changed statement, the quickest first. A test
-counts only if it passes on the unchanged code, run in the same manner.
+``python -m tests.mutation.campaign --count 70 --seed 1`` collects the tests once. Each change is made in a fork of that
+process, which runs the tests of the changed module and then those that call the changed function, the quickest first.
+A test counts only if it passes on the unchanged code.
 """
 
 import argparse
+import json
 import os
 import random
-import shutil
-import tempfile
+import resource
+import select
+import signal
+import sys
+from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from types import FrameType
 
-from tests.mutation.coverage_record import CoverageRecord, statement_in_function
-from tests.mutation.forked import first_failure, import_libraries
-from tests.mutation.mutations import Mutation, chosen, mutations
+import pytest
+
+from tests.mutation.in_place import changed_function, put_in_place
+from tests.mutation.mutations import Mutation, chosen
 
 ROOT = Path(__file__).parents[2]
-COPIED = (
-    "contactstudy", "studies", "tests", "docs", "examples",
-    "README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CITATION.cff", "LICENSE", "pyproject.toml",
-)  # fmt: skip
-SURVIVED = "survived"
+SURVIVED, NOT_TRIED = "survived", "cannot be made in a loaded module"
+BUSY = 30  # times the processor time passes on a busy machine
 
 
-@dataclass
+def forked(run: Callable[[], str], seconds: float) -> str:
+    """What a function says in a fork; or that it ended, as after so many seconds of processor time."""
+    reader, writer = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        silent = os.open(os.devnull, os.O_RDWR)
+        for stream in (0, 1, 2):
+            os.dup2(silent, stream)
+        try:
+            limit = int(spent() + seconds) + 1
+            resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
+            os.write(writer, run().encode() or b"\0")
+        finally:
+            os._exit(0)
+    os.close(writer)
+    select.select([reader], [], [], BUSY * seconds)
+    os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    os.set_blocking(reader, False)
+    with os.fdopen(reader, "rb") as said:
+        return (said.read() or b"the end of the process").decode().strip("\0")
+
+
+def spent() -> float:
+    """Processor time [s] of this process and of those that it started and that ended."""
+    return sum(os.times()[:4])
+
+
+@dataclass(eq=False)
 class Campaign:
-    """In a copy of the project; on each change, tests that take so many seconds of processor time together."""
+    """A pytest plugin: tries the changes in place of running the tests; ``seconds`` of tests on each."""
 
-    record: CoverageRecord
-    copy: Path
+    changes: list[Mutation]
     seconds: float
-    red: set[str] = field(default_factory=set)  # on the unchanged code
-    green: set[str] = field(default_factory=set)
+    record: Path
+    failed: str = ""
+    tests: dict[str, list[pytest.Item]] = field(default_factory=lambda: defaultdict(list))
+    green: set[str] = field(default_factory=set)  # on the unchanged code
 
-    def fate(self, mutation: Mutation) -> str:
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        if report.failed:
+            self.failed = self.failed or report.nodeid
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        for item in session.items:
+            self.tests[item.nodeid.partition("[")[0]].append(item)
+        known = self._known()
+        survivors = []
+        for change in self.changes:
+            fate = self._fate(change, known)
+            print(f"{change}: {fate}", flush=True)
+            survivors += [change] * (fate == SURVIVED)
+        print(f"{len(survivors)} of {len(self.changes)} changes survived", end=" ")
+        print(f"in {spent():.0f} s of processor time:", *survivors, sep="\n", flush=True)
+        return True
+
+    def _known(self) -> dict[str, list]:
+        """Processor time [s] of one case of each test, and the functions that it calls."""
+        if not self.record.exists():
+            noted: dict[str, list] = {}
+            for test, items in self.tests.items():
+                said = forked(partial(self._calls, items[0]), 600)
+                noted[test] = json.loads(said) if said.startswith("[") else [600.0, []]
+            self.record.write_text(json.dumps(noted), encoding="utf-8")
+        return json.loads(self.record.read_text(encoding="utf-8"))
+
+    def _calls(self, item: pytest.Item) -> str:
+        called = {}
+
+        def note(frame: FrameType, event: str, _: object) -> None:
+            called[id(frame.f_code)] = frame.f_code
+
+        before = spent()
+        sys.setprofile(note)
+        self._first_failure([item])
+        sys.setprofile(None)
+        inside = f"{ROOT}{os.sep}"
+        names = {
+            f"{code.co_filename.removeprefix(inside)}:{code.co_qualname}"
+            for code in called.values()
+            if code.co_filename.startswith((f"{inside}contactstudy", f"{inside}studies"))
+        }
+        return json.dumps([spent() - before, sorted(names)])
+
+    def _first_failure(self, items: list[pytest.Item]) -> str:
+        for item, following in zip(items, [*items[1:], None], strict=True):
+            item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+            if self.failed:
+                break
+        return self.failed
+
+    def _fate(self, change: Mutation, known: dict[str, list]) -> str:
         """What noticed the change, if anything did."""
-        for tests in self._stages(mutation):
-            while tests and (failed := self._first_failure(tests, mutation)):
-                if self._passes_unchanged(failed):
+        text = (ROOT / change.path).read_text(encoding="utf-8")
+
+        def under_change(items: list[pytest.Item]) -> str:
+            return self._first_failure(items) if put_in_place(change, text) else NOT_TRIED
+
+        for tests in self._stages(change, text, known):
+            limit = 60 + 10 * sum(known.get(test, [0.0])[0] for test in tests)
+            left = [item for test in tests for item in self.tests[test]]
+            while left and (failed := forked(partial(under_change, left), limit)):
+                if failed == NOT_TRIED:
+                    return NOT_TRIED
+                alone = [item for item in left if item.nodeid == failed] or left
+                # in a process of its own, so that no test before it counts
+                if forked(partial(under_change, alone), limit) and self._passes(alone, limit):
                     return f"noticed by {failed}"
-                tests = [one for one in tests if one not in self.red]
+                left = [item for item in left if item not in alone]
         return SURVIVED
 
-    def _stages(self, mutation: Mutation) -> tuple[list[str], list[str]]:
-        """The module's own files of tests, then the tests that execute the statement, the quickest first.
+    def _passes(self, items: list[pytest.Item], limit: float) -> bool:
+        names = {item.nodeid for item in items}
+        if not names <= self.green and not forked(partial(self._first_failure, items), limit):
+            self.green |= names
+        return names <= self.green
 
-        Of a statement that is executed at the import, those of the module's folder too; of one that none is known
-        to execute, all files of the folder.
+    def _stages(self, change: Mutation, text: str, known: dict[str, list]) -> list[list[str]]:
+        """The module's own files of tests, then the tests that call the function, the quickest first.
+
+        Of what no test is known to call, as of what is executed at the import, those of the module's folder.
         """
-        folder = Path("tests", mutation.path).parent
-        while not (self.copy / folder).is_dir():
+        folder = Path("tests", change.path).parent
+        while not (ROOT / folder).is_dir():
             folder = folder.parent
-        files = sorted((self.copy / folder).glob(f"test_{Path(mutation.path).stem}*.py"))
-        text = (self.copy / mutation.path).read_text(encoding="utf-8")
-        executing = self.record.tests_of(mutation, text)
-        seconds = self.record.seconds
-        if not statement_in_function(text, mutation.line):
-            # the import was noted for the test that was the first to import the module
-            own_folder = {one for one in seconds if one.startswith(f"{folder.as_posix()}/")}
-            executing = sorted(own_folder.union(executing), key=seconds.__getitem__)
-        if not executing:  # by another process, or by nothing when that was measured
-            files += sorted(set((self.copy / folder).glob("test_*.py")) - set(files))
-        own = [str(file.relative_to(self.copy)) for file in files]
+        own = f"{folder.as_posix()}/test_{Path(change.path).stem}"
+        first = [test for test in self.tests if test.startswith((f"{own}.py", f"{own}_"))]
+        function = changed_function(change, text)
+        calling = [test for test, (_, names) in known.items() if function in names]
+        if not calling:
+            calling = [test for test in self.tests if test.startswith(f"{folder.as_posix()}/")]
         left, quickest = self.seconds, []
-        for test in executing:
-            if test.partition("::")[0] not in own and left > 0:
-                left -= seconds[test]
+        for test in sorted(calling, key=lambda test: known.get(test, [0.0])[0]):
+            if test in self.tests and test not in first and left > 0:
+                left -= known.get(test, [0.0])[0]
                 quickest.append(test)
-        return own, quickest
-
-    def _first_failure(self, tests: list[str], mutation: Mutation) -> str:
-        target = self.copy / mutation.path
-        text, times = target.read_text(encoding="utf-8"), target.stat()
-        for compiled in target.parent.glob(f"__pycache__/{target.stem}.*.pyc"):
-            compiled.unlink()
-        target.write_text(mutation.applied(text), encoding="utf-8")
-        try:
-            return first_failure(tests, self.red, self.copy, self._patience(tests))
-        finally:
-            target.write_text(text, encoding="utf-8")
-            os.utime(target, ns=(times.st_atime_ns, times.st_mtime_ns))
-
-    def _passes_unchanged(self, test: str) -> bool:
-        if test not in self.green | self.red:
-            failed = first_failure([test], set(), self.copy, self._patience([test]))
-            if failed:
-                print(f"{test} is red on the unchanged code and does not count", flush=True)
-            (self.red if failed else self.green).add(test)
-        return test in self.green
-
-    def _patience(self, tests: list[str]) -> int:
-        known = self.record.seconds
-        return 60 + round(10 * sum(known[one] for one in known if one.startswith(tuple(tests))))
-
-
-def _copy(folder: Path) -> Path:
-    for name in COPIED:
-        if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, folder / name)
-        else:
-            shutil.copy2(ROOT / name, folder)
-    return folder
-
-
-def _asked_for(asked: argparse.Namespace, root: Path) -> list[Mutation]:
-    """In no order, so that a campaign that is stopped has been everywhere."""
-    if asked.again:
-        lines = set(asked.again.read_text(encoding="utf-8").splitlines())
-        paths = sorted({line.partition(":")[0] for line in lines if ".py:" in line})
-        texts = {path: (root / path).read_text(encoding="utf-8") for path in paths}
-        return [one for path in paths for one in mutations(path, texts[path]) if str(one) in lines]
-    changes = chosen(root, asked.count, asked.seed, asked.only)
-    return random.Random(asked.seed).sample(changes, len(changes))
+        return [stage for stage in (first, quickest) if stage]
 
 
 def main() -> None:
@@ -122,35 +176,25 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=70)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", help="modules whose path begins so")
-    parser.add_argument("--again", type=Path, help="a file with the changes to try, one a line")
     parser.add_argument(
         "--seconds", type=float, default=30.0, help="of processor time of tests on each change"
     )
     parser.add_argument("--tier", choices=("default", "whole"), default="default", help="of tests")
     parser.add_argument(
-        "--record", type=Path, default=ROOT / ".mutation", help="folder of which test executes what"
+        "--record", type=Path, default=ROOT / ".mutation", help="file of which test calls what"
     )
     parser.add_argument("--list", action="store_true", help="list the changes and run nothing")
     asked = parser.parse_args()
+    changes = chosen(ROOT, asked.count, asked.seed, asked.only)
+    # in no order, so that a campaign that is stopped has been everywhere
+    changes = random.Random(asked.seed).sample(changes, len(changes))
     if asked.list:
-        print(*_asked_for(asked, ROOT), sep="\n")
+        print(*changes, sep="\n")
         return
-    os.environ["TESTS"] = asked.tier
-    record = CoverageRecord(asked.record / asked.tier)
-    survivors = []
-    with tempfile.TemporaryDirectory() as name:
-        copy = _copy(Path(name))
-        import_libraries()
-        record.measure(copy)
-        changes = _asked_for(asked, copy)
-        campaign = Campaign(record, copy, asked.seconds)
-        for mutation in changes:
-            fate = campaign.fate(mutation)
-            print(f"{mutation}: {fate}", flush=True)
-            survivors += [mutation] * (fate == SURVIVED)
-    print(f"{len(changes) - len(survivors)} of {len(changes)} changes were noticed", end=" ")
-    print(f"in {sum(os.times()[:4]):.0f} s of processor time; these survived:")
-    print(*survivors, sep="\n")
+    os.chdir(ROOT)
+    os.environ |= {"TESTS": asked.tier, "PYTHONPATH": str(ROOT)}
+    options = ["-q", "-s", "-n", "0", "-p", "no:cacheprovider", "tests"]
+    pytest.main(options, plugins=[Campaign(changes, asked.seconds, asked.record)])
 
 
 if __name__ == "__main__":

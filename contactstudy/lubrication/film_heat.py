@@ -8,9 +8,9 @@
 3. The viscosity falls with that mean by the law of Roelands (1966), at first by the factor ``exp(-beta T)``, then less.
    With his law of pressure the logarithm of that factor grows by ``(1 + p / p0)^z``, threefold at 1 GPa. Newton's method
    makes stress and temperature consistent, line by line along the motion: conduction along the length is neglected.
-4. The inlet is heated by its own shear. The sheared film is thinner by the factor of Gupta et al. (1992), of the load
-   ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter ``L = beta eta0 u_m^2 / k_f``. Beyond L = 10
-   friction and temperatures have no bound.
+4. The inlet is heated by its own shear. The film that is sheared and conducts is thinner by the factor of Gupta et al.
+   (1992), of the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
+   ``L = beta eta0 u_m^2 / k_f``. Beyond L = 10 friction and temperatures have no bound.
 """
 
 from typing import NamedTuple
@@ -58,15 +58,16 @@ def thermal_shear(
     shear, surface = np.zeros_like(pressure), np.zeros((2, *pressure.shape))
     mean, largest_residual = np.zeros_like(pressure), 0.0
     for column in range(pressure.shape[1]):
+        heated = reduction * film[:, column]
         line = _Line(
             scales,
             mean_speed,
             pressure[:, column],
-            reduction * film[:, column],
+            heated,
             film_fraction[:, column],
             None if contact is None else contact[:, column],
         )
-        surfaces, of_film = _temperature_influence(influence, heat.conductivity / film[:, column])
+        surfaces, of_film = _temperature_influence(influence, heat.conductivity / heated)
         mean[:, column], residual = _solve_temperature(of_film, sliding, line)
         shear[:, column] = line.stress(mean[:, column])
         largest_residual = max(largest_residual, residual)

@@ -112,6 +112,17 @@ def test_the_slower_surface_is_the_hotter_one() -> None:
     assert slow > fast
 
 
+def test_the_film_is_hotter_than_its_surfaces_by_conduction_over_its_heated_thickness() -> None:
+    """Heat tau du, uniform over the thickness h, has a mean rise of tau du h / (12 k) above that of the surfaces."""
+    contact = solve_lubricated(_at(heated(1.0), 20.0), grid(160, 6))
+    temperatures = contact.temperatures
+    assert temperatures.reduction < 0.95
+    heat = np.abs(contact.shear) * contact.sliding_speed
+    above = heat * temperatures.reduction * contact.film / (12 * OF_STEEL.conductivity)
+    rise = temperatures.film - temperatures.surface.mean(axis=0)
+    assert rise == pytest.approx(above, abs=1e-6 * float(rise.max()))
+
+
 def test_a_heated_inlet_thins_the_film_by_more_at_higher_speeds() -> None:
     slow, fast = (
         solve_lubricated(by_speed, grid(160, 4.5)).temperatures

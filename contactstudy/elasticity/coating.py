@@ -166,10 +166,9 @@ class CoatingShearCoefficients:
             )
             return np.asarray(remainder + 2 * coupling * (upper - lower))
         if self.name in ("xx", "yy"):
-            parallel, perpendicular = (along, across) if self.name == "xx" else (across, along)
-            # a point's field less that across, whose integral along y is 2
-            line = 2 * log(self.datum) - 2 - log_mean(np.abs(x), dx / 2, depth)
-            return np.asarray(remainder + dx * (parallel * line + 2 * perpendicular))
+            # as of a half-space, whose surface at the datum stays where it is
+            line = 2 * log(self.datum) - log_mean(np.abs(x), dx / 2, depth)
+            return np.asarray(remainder + dx * (along if self.name == "xx" else across) * line)
         return remainder
 
     def lattice(

@@ -114,6 +114,19 @@ def test_a_coating_alike_or_thick_or_thin_gives_the_shear_of_one_material(
     assert coated.status is plain.status
 
 
+@pytest.mark.parametrize("name", ["xx", "yy"])
+def test_beside_a_row_of_loads_a_thin_coating_moves_as_its_substrate(name: str) -> None:
+    """Both count displacement from the same datum, which friction by a given displacement feels."""
+    x, cell = np.array([[0.2], [0.5]]), (0.1, 0.6, 0.6)
+
+    def displacement(body: cs.HalfSpace | cs.CoatedHalfSpace) -> np.ndarray:
+        parts = body.shear_compliance(3.0)[name].items()
+        return sum(weight * field.row(x, np.zeros(1), *cell) for field, weight in parts)
+
+    coated, substrate = map(displacement, (cs.CoatedHalfSpace(STIFF, 1e-8, STEEL), STEEL))
+    np.testing.assert_allclose(coated, substrate, rtol=1e-6)
+
+
 def test_one_coated_body_slides_as_unlike_bodies_do_where_the_coating_is_thick_or_thin() -> None:
     def shift(first: object) -> float:
         contact = shear(cs.Sliding(0.3), first, STEEL, CYLINDER, EXACT)

@@ -41,8 +41,8 @@ HALF_ORDER_FACTOR = 1 / (2**0.5 - 1)
 # the ratios were up to 3.6.
 GROWTH_PER_STATE_VARIABLE, GROWTH_PLASTIC = 1.2, 4.0
 # State of an integrator in its checkpoint.
-CHECKPOINTED = ("breakpoint", "arrived", "step_error", "largest_grid_error", "double_step", "rejected", "restarts",
-                "solves", "iterations", "convolutions")  # fmt: skip
+CHECKPOINTED = ("breakpoint", "step_error", "largest_grid_error", "double_step", "rejected", "restarts", "solves",
+                "iterations", "convolutions")  # fmt: skip
 
 
 class _Outcome(Enum):
@@ -99,7 +99,7 @@ class AdaptiveIntegrator:
 
     def _begin(self) -> None:
         """Return to the first breakpoint, with a short pair of steps."""
-        self.breakpoint, self.arrived = 0, False
+        self.breakpoint = 0
         self.fine = self.coarse = self.stepper.start(self.breakpoints[0].time)
         self.solution: Solution | None = None
         self.step_error = self.largest_grid_error = 0.0
@@ -121,15 +121,13 @@ class AdaptiveIntegrator:
                     return
                 if outcome is _Outcome.RESTART:
                     continue
-            if not self.arrived:
-                self.arrived = True
-                if point.times_recorded == 2:
-                    self._record()
+            if point.times_recorded == 2:
+                self._record()
             if point.jumps and not self._jump(point.after):
                 return
             if point.times_recorded or (self.records_all and point.jumps):
                 self._record()
-            self.breakpoint, self.arrived = self.breakpoint + 1, False
+            self.breakpoint += 1
             self._save()
 
     def _integrate_to(self, point: Breakpoint) -> _Outcome:
@@ -209,7 +207,9 @@ class AdaptiveIntegrator:
                 self._record()
             elif self.progress is not None:
                 self.progress(self.fine.time, self.breakpoints[-1].time)
-            self._save()
+            # at the point itself the solution is still to be recorded, and a checkpoint does not hold it
+            if not reaches_point:
+                self._save()
         return _Outcome.REACHED
 
     def _error_increment(self, fine: Instant, coarse: Instant) -> float:

@@ -65,3 +65,8 @@ def test_one_term_is_the_standard_solid() -> None:
 def test_a_maxwell_fluid_flows() -> None:
     assert creep_from_relaxation(0.0, ((2.0, 3.0),)) == Creep(0.5, (), 1 / 6)
     assert creep_from_relaxation(0.0, ((2.0, 3.0),)).equilibrium_compliance == inf
+
+
+def test_terms_of_equal_times_are_one_term() -> None:
+    twice = creep_from_relaxation(1.0, ((2.0, 0.7), (1.0, 0.7)))
+    assert twice == creep_from_relaxation(1.0, ((3.0, 0.7),))

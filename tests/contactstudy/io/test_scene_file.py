@@ -300,8 +300,12 @@ def test_a_wrong_roller_is_refused(old: str, new: str, sentence: str, tmp_path: 
             cs.LundbergProfile.iso_16281(0.01, 8e-3),
         ),
         ('kind = "Crown"\nend_drop = "5 um"\nlength = "8 mm"', cs.Crown.of_drop(5e-6, 8e-3)),
+        (
+            'kind = "LundbergProfile"\nlength = "8 mm"\namplitude = "1 um"\nend_drop = "9 um"',
+            cs.LundbergProfile(1e-6, 9e-6, 8e-3),
+        ),
     ],
-    ids=["for a load", "ISO", "crown of a drop"],
+    ids=["for a load", "ISO", "crown of a drop", "of a drop"],
 )
 def test_a_profile_may_be_given_as_in_python(keys: str, shape: cs.Shape, tmp_path: Path) -> None:
     text = STEEL_ROLLER.replace("total = ", "length = '8 mm'\ntotal = ") + f"[[shapes]]\n{keys}\n"

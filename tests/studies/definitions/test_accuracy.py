@@ -63,7 +63,10 @@ def test_every_random_contact_has_a_problem(kind: str) -> None:
     for seed in range(3):
         run = case_at({"case": f"{kind} 0", "seed": seed})
         assert np.isfinite(run.prepare().undeformed_gap).all()
+        dx, dy = run.case.grid.cell_size
         for shape in run.case.scene.shapes:
+            if isinstance(shape, cs.Roughness):
+                assert dy == pytest.approx(dx, rel=0.05)
             if isinstance(shape, cs.Waviness) and shape.along < np.inf:
                 waves = run.case.grid.length / shape.along
                 assert waves == pytest.approx(max(round(waves), 1))

@@ -16,6 +16,7 @@ def test_a_contact_lies_on_its_grid_in_many_cells() -> None:
             assert 2.2 * half_width <= case.grid.extent[0] <= 12 * half_width, name
             assert case.grid.cell_size[0] < half_width / 2, name
         assert case.grid.length <= 40 * half_width, name
+        assert case.problem().undeformed_gap.shape == case.grid.cells, name
 
 
 CLOSED = [name for name, case in matrix().items() if isinstance(case.find_truth, ClosedForm)]

@@ -38,6 +38,10 @@ from contactstudy.scene.solids.bodies import is_layered
 from contactstudy.solvers.solution import Solution
 
 SHARP_EDGE = "a sharp edge or corner"
+NO_DATUM = (
+    "No bound at a given approach: it counts from a place that depends on the images that the padding leaves out, give "
+    "ExactPeriodicity."
+)
 UNKNOWN_HEIGHTS = (
     "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
     "known of them between the cell centres; make the problem from a Scene."
@@ -188,6 +192,13 @@ def error_estimate(
     peak = ErrorParts(peak_images, cells.peak_pressure, peak_residual)
     area = ErrorParts(l1_images, cells.contact_area, l1_residual)
     gap = ErrorParts(CONSTANTS.gap_error_by_images * l1_images, cells.mean_gap, l1_residual)
+    load = ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None
+    if problem.control.approach is not None and l1_images:
+        l1, peak, area, gap, load = (
+            replace(parts, images=inf, reason=NO_DATUM)
+            for parts in (l1, peak, area, gap, load or ErrorParts())
+        )
+        cells = replace(cells, warnings=(NO_DATUM, *cells.warnings))
     if by_range := range_errors(solution):
         l1_by_range, area_by_range = by_range
         l1 = replace(l1, range=l1_by_range)
@@ -199,7 +210,7 @@ def error_estimate(
         peak,
         area,
         gap,
-        load=ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None,
+        load=load,
         pull_off=_at_pull_off(solution, cells),
         warnings=(
             *filter(None, (beyond_strength(solution),)),

@@ -50,6 +50,9 @@ class AdhesionConstants:
     change_in_tolerances
         Relative change of the attraction in the last outer iteration, in tolerances of the contact. A tenth of it takes
         up to 14 % more convolutions.
+    max_change
+        Largest relative change of the attraction in the last outer iteration at any tolerance. A change of 1 would leave
+        an attraction of zero.
     max_inner_error
         Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of
         the last change of the attraction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
@@ -65,6 +68,7 @@ class AdhesionConstants:
     """
 
     change_in_tolerances: float = 1e3
+    max_change: float = 0.1
     max_inner_error: float = 1e-3
     plain_iterations: int = 2
     negligible: float = 1e-3
@@ -199,7 +203,9 @@ class OuterIteration:
 
         The first contact begins with the pressure `start` (x, y) [Pa].
         """
-        tolerance = CONSTANTS.change_in_tolerances * self.options.tolerance
+        tolerance = min(
+            CONSTANTS.change_in_tolerances * self.options.tolerance, CONSTANTS.max_change
+        )
         loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else CONSTANTS.max_inner_error
         gap_error, mixing = loosest, AndersonMixing(self.solver.depth)
         plain_left = plain_after_rejection = CONSTANTS.plain_iterations
@@ -213,7 +219,7 @@ class OuterIteration:
             displacement = self.problem.operator(attraction)
             self.convolutions += 1
             if last is not None and self._is_negligible(attraction, displacement, last):
-                return self._ended(replace(last, change=0.0))
+                return self._ended(replace(last, attraction=attraction, change=0.0))
             state = (
                 self._frozen(attraction, displacement, load, pressure, gap_error)
                 if load > 0

@@ -58,7 +58,8 @@ class PullOffSearch:
         ):
             assert last_stable.adhesion is not None
             pull = LOAD_STEP * float(last_stable.adhesion.attraction.sum())
-            trial = load - pull if first_unstable == -inf else (load + first_unstable) / 2
+            # bodies that attract each other do not separate under a load of at least 0
+            trial = min(load - pull, 0.0) if first_unstable == -inf else (load + first_unstable) / 2
             lowered = replace(problem, control=PrescribedLoad(trial))
             state = self.solver.after(last_stable).solve(
                 lowered, options, last_stable.pressure, device

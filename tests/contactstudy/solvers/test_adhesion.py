@@ -61,6 +61,22 @@ def test_a_stiff_cylinder_separates_as_a_rigid_one(lam: float, width: float, lim
     assert limit * (1 - 0.1 * lam) < -force(found) / UNIT < limit
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-9])
+def test_a_negligible_attraction_holds_an_undeformed_cylinder_after_any_load(
+    tolerance: float,
+) -> None:
+    width, reach, error = 1.0, 5e-3, 1e-2
+    grid = cs.Grid((64, 1), (width, 1.0))
+    adhesion = cs.Adhesion(1e-12, reach)
+    scene = cs.Scene(cs.PullOff(0.05, error), (SOFT, RIGID), (cs.Cylinder(1.0),), adhesion=adhesion)
+    found = cs.solve(scene, grid, LINE, tolerance=tolerance)
+    assert found.status is cs.Status.CONVERGED
+    gap = found.problem.undeformed_gap
+    attraction = adhesion.work / reach * np.exp((gap.min() - gap) / reach)
+    held = attraction.sum() * grid.cell_size[0]
+    assert -found.adhesion.first_unstable_load == pytest.approx(held, rel=error + 1e-6)
+
+
 def test_the_law_of_dugdale_has_the_pull_off_load_of_baney_and_hui() -> None:
     found = pulled(cylinder(1.0, 0.5, "dugdale"), cs.Grid((2048, 1), (36.0, 1.0)), 2e-4)
     # the fall of the attraction over a fifth of its range takes up to 2.1e-4

@@ -67,6 +67,10 @@ class Status(Enum):
         "converged, but plastic strain reaches the edge of the width and is cut off there: "
         "give Grid.extent a larger width"
     )
+    PASS_NOT_STEADY = (
+        "converged, but the plastic strain that a pass leaves at the edge of the grid did not become steady: "
+        "give a longer Rolling.distance, or none, or a larger Rolling.steady"
+    )
     DETACHED = (
         "the bodies do not touch: under this load there is no equilibrium in contact, or at this approach they only "
         "attract each other across the gap"
@@ -89,7 +93,7 @@ class Status(Enum):
         """True if the residual of a contact or film is below the tolerance, whatever else the status warns of."""
         return self in (
             Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.ATTRACTION_AT_EDGE,
-            Status.STARVED_INLET, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS,
+            Status.STARVED_INLET, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS, Status.PASS_NOT_STEADY,
         )  # fmt: skip
 
     @property
@@ -103,8 +107,8 @@ def worst(statuses: Sequence[Status]) -> Status:
     order = (
         Status.NOT_FINITE, Status.NO_ADMISSIBLE_PRESSURE, Status.SHEAR_BEYOND_YIELD, Status.NOT_CONVERGED,
         Status.FILM_NOT_CONVERGED, Status.STALLED, Status.ITERATION_LIMIT, Status.PRECISION_LIMIT,
-        Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.SEVERAL_FILMS, Status.FILM_BELOW_CELL,
-        Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED, Status.CONVERGED,
+        Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.PASS_NOT_STEADY, Status.SEVERAL_FILMS,
+        Status.FILM_BELOW_CELL, Status.STARVED_INLET, Status.ATTRACTION_AT_EDGE, Status.DETACHED, Status.CONVERGED,
     )  # fmt: skip
     return min(statuses, key=order.index, default=Status.CONVERGED)
 

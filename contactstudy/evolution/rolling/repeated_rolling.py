@@ -44,7 +44,8 @@ class RollingPass:
     solution
         The contact at the end of the pass.
     status
-        The worst status of its steps; NOT_CONVERGED also where the plastic strain did not become steady.
+        The worst status of its steps; PASS_NOT_STEADY where what it leaves behind did not become steady, as in a given
+        distance of little more than a width of the grid or less, and YIELD_AT_EDGE where yield reaches an edge.
     steps
         Number of steps.
     iterations
@@ -64,8 +65,8 @@ class RepeatedRolling:
     """Passes of a contact over an elastic-plastic half-space.
 
     Arrays are (pass, z) or (pass, component, z): components xx, yy, zz, yz, xz, xy with x in the direction of travel
-    and z into the body, stress tension positive. Each is taken after the pass and far behind the contact, where nothing
-    changes along x.
+    and z into the body, stress tension positive. Each is taken at the left edge of the
+    grid after the pass: far behind the contact, where nothing changes along x, unless the status is PASS_NOT_STEADY.
 
     Attributes
     ----------
@@ -305,15 +306,15 @@ class _Rolling:
             steps.append(step)
             profiles.append(track.left_profile)
             report(min((len(profiles) - 1) / least_steps, 1.0))
-            if self.max_steps is None and len(profiles) > grid.cells[0] + self.lag:
+            if len(profiles) > grid.cells[0] + self.lag:
                 strain = track.left_profile.strain
                 references = profiles[-1 - self.lag].strain, track.mean_strain_behind
                 change = max(_strain_change(reference, strain) for reference in references)
-                if change < self.steady:
+                if self.max_steps is None and change < self.steady:
                     break
         statuses = [solution.status for solution, _ in steps]
-        if self.max_steps is None and change >= self.steady:
-            statuses.append(Status.NOT_CONVERGED)
+        if change >= self.steady:
+            statuses.append(Status.PASS_NOT_STEADY)
         # checked at the end only: until the strain is steady, the mean strain behind differs from the strain that leaves
         # the window
         flow = track.equivalent - embedded(before.equivalent, 0, track.operator.volume)

@@ -15,12 +15,12 @@ from studies.model.study import Point
 # In units of the radius, of E* under a sudden load, and of the retardation time; HALF_WIDTH is under a sudden load.
 RADIUS, HALF_WIDTH, END = 1.0, 0.1, 2.0
 LOAD = pi * HALF_WIDTH**2 / (4 * RADIUS)
-# Creep 1 + 1.5 (1 - exp(-t)).
+# Creep compliance over its instantaneous value: 1 + 1.5 (1 - exp(-t)).
 BODY = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.6, 0.4),))
 SCENE = cs.Scene(cs.LineLoad(LOAD), (BODY, cs.HalfSpace(inf, 0.3)), (cs.Cylinder(RADIUS),))
 LEE_RADOK = cs.analytic.LeeRadok(LOAD, RADIUS, 0.4, ((0.6, 0.4),), BODY.creep)
 WIDTH = 0.36
-INSTANTS = 10  # recorded, the same for every number of steps
+INSTANTS = 10  # stored, for any number of steps
 
 axes = (
     Axis("steps", (10, 20, 40, 80, 160), "steps over two retardation times"),
@@ -44,26 +44,27 @@ def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
     """Return half-width and peak pressure over time, and errors against the closed form."""
     x = case.grid.x
     recorded = result.trajectory.frames
-    indices = np.unique(np.linspace(0, len(recorded) - 1, INSTANTS + 1).round().astype(int))
-    frames = [recorded[index] for index in indices]
     time = np.linspace(0, END, INSTANTS + 1)
-    padded = (0, INSTANTS + 1 - len(frames))
 
     def series(values: Sequence[float], long_name: str) -> xr.Variable:
-        filled = np.pad(np.array(values, dtype=float), padded, constant_values=np.nan)
-        return dimensionless(filled, long_name, "time")
+        """Return values of the steps at the stored instants, linear between steps; nan after the last step."""
+        stored = np.interp(time, [frame.time for frame in recorded], values, right=np.nan)
+        return dimensionless(stored, long_name, "time")
+
+    indices = np.unique(np.linspace(0, len(recorded) - 1, INSTANTS + 1).round().astype(int))
+    # the first instant is left out, because it follows the jump of the load
+    frames = [recorded[index] for index in indices[1:]]
 
     def largest(error: str) -> float:
-        return max(float(getattr(frame, error)) for frame in frames[1:])
+        return max(float(getattr(frame, error)) for frame in frames)
 
-    # the first instant is left out, because it follows the jump of the load
     errors = []
-    for frame in frames[1:]:
+    for frame in frames:
         exact = LEE_RADOK.pressure(x, frame.time)
         errors.append(float(np.abs(frame.pressure[:, 0] - exact).sum() / exact.sum()))
     cell = case.grid.cell_size[0]
-    widths = [np.count_nonzero(frame.pressure) * cell / 2 / HALF_WIDTH for frame in frames]
-    peaks = [frame.peak_pressure / (HALF_WIDTH / 2) for frame in frames]
+    widths = [np.count_nonzero(frame.pressure) * cell / 2 / HALF_WIDTH for frame in recorded]
+    peaks = [frame.peak_pressure / (HALF_WIDTH / 2) for frame in recorded]
     return {
         "time": dimensionless(time, "time over the retardation time", "time"),
         "half_width": series(widths, "half-width over that of a sudden load"),

@@ -76,6 +76,9 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate() -> None:
         # creep multiplies compliance by 1 + 1.5 (1 - exp(-2)), the half-width by its root
         widening = np.sqrt(1 + 1.5 * (1 - np.exp(-2)))
         assert float(one["half_width"][-1]) == pytest.approx(widening, abs=0.36 / 512 / 0.1)
+    # of four steps the second is at the sixth of the instants that are stored
+    halfway = measured("creep", steps=4, grid=64)["half_width"][5]
+    assert float(halfway) == pytest.approx(np.sqrt(1 + 1.5 * (1 - np.exp(-1))), abs=0.36 / 64 / 0.1)
 
 
 def test_explicit_wear_breaks_before_its_limit_and_implicit_never() -> None:
@@ -91,6 +94,9 @@ def test_explicit_wear_breaks_before_its_limit_and_implicit_never() -> None:
     assert error["two-stage", 32] < error["implicit", 32] < error["implicit", 8] / 2
     # between the rigid law and that of the cubes added, and a little above: 2 and 9^(1/3) = 2.08
     assert 2 < float(one["half_width"][-1]) < 2.2
+    # of two steps the first is halfway, and what is stored before it lies on the line to it
+    start, *between, first = measured("wear", steps=2, grid=32)["half_width"][:5].values
+    assert between == pytest.approx(np.linspace(start, first, 5)[1:-1])
 
 
 def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not() -> None:

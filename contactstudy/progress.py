@@ -87,10 +87,10 @@ def of_passes(report: Report) -> Callable[[float, int], None]:
 
 
 def of_time(report: Report) -> Callable[[float, float], None]:
-    """Return a function of the time reached and the last time [s], for a scene that changes in time."""
+    """Return a function of the time since the start and that of the whole [s], for a scene that changes in time."""
 
-    def report_time(time: float, end: float) -> None:
-        report(Progress(time / end if end else 1.0, f"{time:.3g} s of {end:.3g} s"))
+    def report_time(done: float, whole: float) -> None:
+        report(Progress(done / whole if whole else 1.0, f"{done:.3g} s of {whole:.3g} s"))
 
     return report_time
 

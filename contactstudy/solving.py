@@ -225,7 +225,7 @@ class _Request:
 
     @property
     def _report_time(self) -> Callable[[float, float], None] | None:
-        """Function of the time reached and the last time [s] that reports them; None without `progress`."""
+        """Function of the time since the start and that of the whole [s]; None without `progress`."""
         return self.progress and of_time(self.progress)
 
     @property

@@ -116,7 +116,7 @@ def evolve_lubricated(
     tolerance
         Residual of each step.
     progress
-        Called with time and end [s] after each step.
+        Called with the time since the start and that of the whole [s], after each step.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def _integrate(
             stepper, steps, largest_error = advanced, steps + 1, max(largest_error, step_error)
             double.follow(stepper)
             if progress is not None:
-                progress(stepper.time, instants[-1])
+                progress(stepper.time - instants[0], instants[-1] - instants[0])
             grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
             # a step shortened to end at an instant does not limit the next one
             length = step or max(grown, length if trial < length else 0.0)

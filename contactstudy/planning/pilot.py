@@ -193,10 +193,10 @@ class _Watch:
         self._begin, self._limit = process_time(), limit
         self.reports: list[tuple[float, float]] = []
 
-    def __call__(self, done: float, end: float) -> None:
-        """Record that `done` of `end` is done."""
+    def __call__(self, done: float, whole: float) -> None:
+        """Record that `done` of the `whole` is done."""
         seconds = self.seconds
-        self.reports.append((done / end, seconds))
+        self.reports.append((done / whole if whole else 1.0, seconds))
         if seconds > self._limit:
             raise _TimeLimitReached
 

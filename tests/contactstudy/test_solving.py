@@ -6,13 +6,17 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.domain.device import threads
-from tests.contactstudy.evolution.creeping import SOLID, rolling_cylinder
+from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
 from tests.contactstudy.lubrication import scenes as films
 
 EXACT = cs.ExactPeriodicity()
-# A scene of each kind that a method of its own solves at one instant, with its grid.
+# A scene of each of these kinds, with its grid.
 KINDS = {
+    "creep": (
+        rolling_cylinder(SOLID, load=cs.LoadHistory((-2.0, -1.0), (0.5 * LOAD, LOAD))),
+        cs.Grid((24, 1), (0.6, 1.0)),
+    ),
     "static": (films.DRY, films.grid(24, 1.2)),
     "rolling": (
         rolling_cylinder(SOLID, rolling=cs.Rolling(speed=0.1)),
@@ -26,6 +30,7 @@ KINDS = {
 }
 
 
+@pytest.mark.cases(5)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_solve_reports_its_progress(kind: str) -> None:
     seen: list[cs.Progress] = []

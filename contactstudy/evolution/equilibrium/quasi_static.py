@@ -62,7 +62,7 @@ def follow_load(
     options
         How each contact is solved.
     progress
-        Called with the time reached and the last time [s].
+        Called with the time since the start and that of the whole [s].
 
     Returns
     -------
@@ -114,7 +114,8 @@ def follow_load(
                 frames.append(_with_work_of(since_recorded))
                 since_recorded = []
         if progress is not None:
-            progress(point.time, breakpoints[-1].time)
+            start = breakpoints[0].time
+            progress(point.time - start, breakpoints[-1].time - start)
     return Trajectory(largest, tuple(frames), 0, 0, PosedScene(scene, grid, padding))
 
 

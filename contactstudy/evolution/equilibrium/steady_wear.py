@@ -165,7 +165,7 @@ class _WearingContact(Generic[Contact]):
         error
             Largest relative L1 change of the pressure by the correction of a step.
         progress
-            Called with time and end [s] after each pair of steps.
+            Called with the time since the start and that of the whole [s], after each pair of steps.
         """
         start, depth = min(0.0, times[0]), np.zeros(cells)
         first = self.solved(depth, None)
@@ -194,7 +194,7 @@ class _WearingContact(Generic[Contact]):
                 # a step shortened to end at an instant does not limit the next one
                 length = max(next_length, length if duration < length else 0.0)
                 if progress is not None:
-                    progress(fine.time, times[-1])
+                    progress(fine.time - start, times[-1] - start)
             instants.append(replace(fine, time=target, status=status, coarse=coarse, work=work))
             work, status = NO_WORK, fine.contact.status
         return instants
@@ -225,7 +225,7 @@ def follow_wear(
     options
         How each contact is solved.
     progress
-        Called with time and end [s] after each pair of steps.
+        Called with the time since the start and that of the whole [s], after each pair of steps.
 
     Returns
     -------

@@ -141,7 +141,7 @@ def follow_yielding_film(
     options
         Tolerance and limit of the steps of each film.
     progress
-        Called with time and end [s] after each instant.
+        Called with the time since the start and that of the whole [s], after each instant.
     """
     instants = instants_of(scene, times)
     check_loaded(scene, instants)
@@ -199,7 +199,7 @@ def _with_increments(
         contacts.append(replace(film, scene=scene, status=worst([*statuses, film.status])))
         states.append(state)
         if progress is not None:
-            progress(time, instants[-1])
+            progress(time - instants[0], instants[-1] - instants[0])
     return YieldingFilms(
         tuple(instants),
         tuple(contacts),

@@ -77,7 +77,7 @@ class AdaptiveIntegrator:
     checkpoint
         Folder that frames and states are written to; None writes none.
     progress
-        Called with the time reached and the last time [s]; None calls nothing.
+        Called with the time since the start and that of the whole [s]; None calls nothing.
     """
 
     stepper: TimeStepper
@@ -205,8 +205,8 @@ class AdaptiveIntegrator:
             )
             if self.records_all:
                 self._record()
-            elif self.progress is not None:
-                self.progress(self.fine.time, self.breakpoints[-1].time)
+            else:
+                self._report()
             # at the point itself the solution is still to be recorded, and a checkpoint does not hold it
             if not reaches_point:
                 self._save()
@@ -392,10 +392,15 @@ class AdaptiveIntegrator:
             )
         )
         self._reset_counts()
-        if self.progress is not None:
-            self.progress(self.fine.time, self.breakpoints[-1].time)
+        self._report()
         if not self.step_doubling or self.coarse.time == self.fine.time:
             self._finish_frames()
+
+    def _report(self) -> None:
+        """Report the time since the start and that of the whole."""
+        if self.progress is not None:
+            start = self.breakpoints[0].time
+            self.progress(self.fine.time - start, self.breakpoints[-1].time - start)
 
     def _finish_frames(self, step_error: float | None = None) -> None:
         """Add a step error, by default the present one, to the waiting frames, and write them to the checkpoint."""

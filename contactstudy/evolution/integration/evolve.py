@@ -145,7 +145,7 @@ def evolve(
     folder
         Folder for frames and states. An integration that was stopped continues from there.
     progress
-        Called with the time reached and the last time [s].
+        Called with the time since the start and that of the whole [s].
 
     Returns
     -------

@@ -256,7 +256,8 @@ def _of_steady_rolling(
     """Return the seconds and the outer iterations of steady rolling, at all instants of a load history."""
     instants, steady = 1, scene
     if scene.takes_times:
-        instants = np.size(steps.instants_of(scene.load) or 1)
+        recorded = steps.instants_of(scene.load)
+        instants = 1 if recorded is None else np.size(recorded)
         steady = replace(scene, load=LineLoad(scene.load.largest))
     watch, fraction = _Watch(CONSTANTS.time_limit), fraction_of_fall()
 

@@ -3,11 +3,12 @@
 from dataclasses import replace
 from itertools import count
 
+import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.planning import pilot
-from tests.contactstudy.evolution.creeping import SOLID, rolling_cylinder
+from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -19,7 +20,13 @@ WORN = rolling_cylinder(
 )
 KINDS = {
     "wear": (WORN, GRID, cs.TimeSteps((1.0, 20.0))),
-    "rolling": (rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), GRID, cs.TimeSteps()),
+    "rolling": (
+        rolling_cylinder(
+            SOLID, load=cs.LoadHistory((0.0, 100.0), (LOAD, 0.5 * LOAD)), rolling=cs.Rolling(0.1)
+        ),
+        GRID,
+        cs.TimeSteps(np.linspace(0.0, 100.0, 3)),  # type: ignore[arg-type]
+    ),
     "passes": (
         replace(yielding_cylinder(2.2), rolling=cs.Rolling(passes=12, distance=1.6)),
         cs.Grid((24, 1), (4.8, 1.0)),

@@ -1,7 +1,7 @@
 """Heights that move with a body through a contact with a film."""
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self, cast
 
 import numpy as np
 from scipy import ndimage
@@ -9,7 +9,7 @@ from scipy import ndimage
 from contactstudy.domain.checks import InvalidInput, body_index, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
-from contactstudy.scene.shapes.shape import LengthScales, Shape
+from contactstudy.scene.shapes.shape import LengthScales, Shape, length_scales_of
 
 
 @dataclass(frozen=True)
@@ -29,20 +29,20 @@ class ShiftedGrid(Grid):
 class MovingShape:
     """A shape on the surface of a body, which moves with it to larger x: see :func:`~contactstudy.solve`.
 
-    At time zero it is not shifted. In a contact without a film it stays there; one that rolls refuses it. Heights of a
-    measured surface repeat across with the width of the grid.
+    At time zero it is not shifted. A contact without a film ignores the motion, and one that rolls refuses it. Heights
+    of a measured surface repeat across with the width of the grid.
 
     Parameters
     ----------
     shape
-        Roughness, texture, waves: a shape without curvature.
+        Roughness, texture, waves: a shape that has no curvature and neither ends nor crowns a roller.
     body
         Index (0 or 1) of the body in ``Scene.solids`` with which it moves.
 
     Raises
     ------
     InvalidInput
-        For a shape with curvature, or another body.
+        For another shape, or another body.
     """
 
     #: Curvature [1/m]: what moves has none.
@@ -57,15 +57,23 @@ class MovingShape:
             isinstance(self.shape, type)
             or not isinstance(self.shape, Shape)
             or self.shape.curvature
+            or any(scales.roller for scales in length_scales_of([self.shape]))
         ):
             raise InvalidInput(
-                f"MovingShape.shape is {self.shape!r}: give heights without curvature, such as Roughness."
+                f"MovingShape.shape is {self.shape!r}: give heights that shape no roller, such as Roughness."
             )
 
     @property
     def length_scales(self) -> LengthScales:
-        """Length scales of the shape."""
-        return getattr(self.shape, "length_scales", LengthScales())
+        """Length scales of the shape; none, as an AttributeError says, if it does not name its own."""
+        scales: LengthScales = cast(Any, self.shape).length_scales
+        return scales
+
+    def with_extent_of(self, grid: Grid) -> Self:
+        """Return this shape, where heights that are given cell by cell get the extent of `grid`."""
+        if not hasattr(self.shape, "with_extent_of"):
+            return self
+        return replace(self, shape=self.shape.with_extent_of(grid))
 
     def gap(self, grid: Grid) -> Array:
         """Return the contribution to the gap [m] at time zero."""

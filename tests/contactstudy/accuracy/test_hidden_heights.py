@@ -1,5 +1,6 @@
 """Heights between cell centres: a bound sees them, or is infinite and says why."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -68,12 +69,27 @@ def test_heights_of_an_unknown_shape_that_protrude_between_centres_have_no_bound
     assert "between the cell centres" in estimate.warnings[0]
 
 
-@pytest.mark.parametrize("place", [0.1, 0.3])
-def test_one_hidden_peak_is_enough(place: float, line_contact: LineContact) -> None:
+@pytest.mark.parametrize("place", [0.1, 0.25])
+@pytest.mark.parametrize("moving", [lambda shape: shape, cs.MovingShape], ids=["at rest", "moving"])
+def test_one_hidden_peak_is_enough(
+    moving: Callable[[cs.Shape], cs.Shape], place: float, line_contact: LineContact
+) -> None:
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
-    spike = Spike(place * grid.cell_size[0], 0.05 * grid.cell_size[0])
+    spike = moving(Spike(place * grid.cell_size[0], 0.02 * grid.cell_size[0]))
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, spike))
     assert estimate_of(scene, grid).l1.total == inf
+
+
+def test_measured_heights_that_move_have_the_bound_of_those_at_rest(
+    line_contact: LineContact,
+) -> None:
+    grid = line_contact.grid((96, 1), 1.0, width=3.0)
+    measured = cs.MeasuredSurface(1e-9 * np.cos(grid.x / 4 / grid.cell_size[0])[:, None])
+    of_both = [
+        estimate_of(replace(line_contact.scene, shapes=(*line_contact.scene.shapes, shape)), grid)
+        for shape in (measured, cs.MovingShape(measured))
+    ]
+    assert of_both[0].l1.total == of_both[1].l1.total < inf
 
 
 def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> None:

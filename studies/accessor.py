@@ -56,7 +56,12 @@ class StudyAccessor:
         Least squares through the logarithms; points where the error is zero or missing are left out.
         """
         one_of("axis", axis, self.axes)
-        line = abs(self._variable(error).sel(at).squeeze())
+        for name, value in at.items():
+            one_of("order", name, [other for other in self.axes if other != axis])
+            if value not in self._dataset[name].values:
+                raise InvalidInput(f"order is at {name} {value!r}, which is not on that axis.")
+        line = abs(self._variable(error).sel(at))
+        line = line.squeeze([name for name in line.dims if name != axis and line.sizes[name] == 1])
         if line.dims != (axis,):
             other_axes = [str(name) for name in line.dims if name != axis]
             raise InvalidInput(
@@ -85,8 +90,10 @@ class StudyAccessor:
         table = self._priced(error)
         good = table[table[error] <= at_most]
         if good.empty:
+            least = f"the least is {table[error].min():.3g}; refine an axis"
+            remedy = "no point has an error and a time; run the study with times"
             raise InvalidInput(
-                f"{error} is nowhere below {at_most:g}: the least is {table[error].min():.3g}; refine an axis."
+                f"{error} is nowhere below {at_most:g}: {remedy if table.empty else least}."
             )
         return good.loc[good["cost"].idxmin()]
 
@@ -100,12 +107,14 @@ class StudyAccessor:
         return [drawn.figure for drawn in load_drawing(str(name)).figure(self._dataset)]
 
     def table(self, variables: Sequence[str] = ()) -> "pd.DataFrame":
-        """Return a row for every point, with the axes and `variables`; by default all without further dimensions."""
-        names = [self._variable(name).name for name in variables] or [
-            name for name, variable in self._dataset.data_vars.items() if variable.dims == self.axes
+        """Return a row for every point, with the axes and `variables`; all that have no further dimension if empty."""
+        names = [
+            str(name)
+            for name, variable in self._dataset.data_vars.items()
+            if variable.dims == self.axes
         ]
-        further = [name for name in self._dataset.coords if name not in self.axes]
-        flat = self._dataset[names].drop_vars(further)
+        chosen = [one_of("variable", name, names) for name in variables] or names
+        flat = self._dataset[chosen].reset_coords(drop=True)
         return flat.to_dataframe(dim_order=list(self.axes)).reset_index()
 
     def _priced(self, error: str) -> "pd.DataFrame":

@@ -123,7 +123,7 @@ def _csv(dataset: "xr.Dataset") -> str:
     flat = dataset[names].assign({name: _with_flag_meanings(dataset[name]) for name in names})
     if "contended" not in flat or (flat["contended"] == "not_timed").all():
         flat = flat.drop_vars([name for name in names if _is_time(name)])
-    flat = flat.drop_vars([name for name in flat.coords if name not in axes])
+    flat = flat.reset_coords(drop=True)
     if axes:
         table = flat.to_dataframe(dim_order=axes).reset_index()
     else:

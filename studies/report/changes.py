@@ -15,7 +15,8 @@ LEFT_OUT = ("_time", "residual", "iterations", "convolutions", "_estimate_residu
 def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     """Return sentences on statuses and flags that differ, measures that changed (the largest change first), and times.
 
-    Points are compared that both have. Raises :class:`~contactstudy.InvalidInput` for studies of other axes.
+    Points are compared that both have, and measures of further dimensions value by value.
+    Raises :class:`~contactstudy.InvalidInput` for studies of other axes.
     """
     axes = [str(name) for name in first["case_status"].dims]
     second_axes = [str(name) for name in second["case_status"].dims]
@@ -23,7 +24,8 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         raise InvalidInput(
             f"The studies have the axes {axes} and {second_axes}: compare two runs of one study."
         )
-    a, b = xr.align(first, second, join="inner")
+    unindexed = {dim for run in (first, second) for dim in run.dims if dim not in run.indexes}
+    a, b = xr.align(first, second, join="inner", exclude=unindexed)
     points = int(np.prod([a.sizes[axis] for axis in axes], dtype=int))
     sentences = [
         f"{points} points in both, of {first['case_status'].size} and {second['case_status'].size}"
@@ -31,22 +33,35 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     if not points:
         return sentences
     changed = []
-    for name in sorted({str(n) for n in a.data_vars} & {str(n) for n in b.data_vars}):
-        is_measure = not any(part in name for part in LEFT_OUT) and set(a[name].dims) == set(axes)
-        if not is_measure or not {a[name].dtype.kind, b[name].dtype.kind} <= set("biuf"):
+    for name in sorted({str(n) for run in (a, b) for n in run.data_vars}):
+        runs = [run for run in (a, b) if name in run]
+        is_measure = all(
+            run[name].dtype.kind in "biuf" and set(axes) <= set(run[name].dims) for run in runs
+        )
+        if not is_measure or any(part in name for part in LEFT_OUT):
             continue
-        before, after = (run[name].transpose(*axes).values.astype(float) for run in (a, b))
+        if len(runs) == 1:
+            sentences.append(f"{name} is in the {'first' if name in a else 'second'} run alone")
+            continue
+        dims = [*axes, *(str(dim) for dim in a[name].dims if dim not in axes)]
+        if dict(a[name].sizes) != dict(b[name].sizes) or not a[name].size:
+            sentences.append(f"{name} is not compared: its values along {dims[-1]} are others")
+            continue
+        before, after = (run[name].transpose(*dims).values.astype(float) for run in (a, b))
         if name in STATUSES or "flag_meanings" in a[name].attrs:
             differ = np.count_nonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
             sentences += [f"{name} differs at {differ} of {points} points"] * bool(differ)
             continue
+        is_missing = a[name].isnull() != b[name].isnull()
+        if missing := int((is_missing & (a["case_status"] == b["case_status"])).sum()):
+            sentences.append(f"{name} is nan at {missing} points of one run alone")
         with np.errstate(invalid="ignore"):  # two infinite bounds are equal
             change = np.abs(after - before)
         if not np.nan_to_num(change).any():
             continue
         scale = float(np.nanmax(np.abs(before)))
         index = np.unravel_index(int(np.nanargmax(change)), change.shape)
-        at = {axis: a[axis].values[k] for axis, k in zip(axes, index, strict=True)}
+        at = {dim: a[dim].values[k] for dim, k in zip(dims, index, strict=True)}
         x, y = float(before[index]), float(after[index])
         where = ", ".join(f"{axis} {value}" for axis, value in at.items())
         relative = abs(y - x) / scale if scale else np.inf
@@ -60,7 +75,7 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
 
 
 def _speed(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
-    """Compare the times of the cases, where one machine timed both."""
+    """Compare the times of the cases, where one model of processor with one number of cores timed both."""
     sentences = []
     for name in ("solve_time", "solve_time_cpu"):
         if name not in first or name not in second:

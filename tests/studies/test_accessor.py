@@ -22,7 +22,7 @@ def dataset() -> xr.Dataset:
             "case_status": (dims, np.full((2, 4), CaseStatus.OK, dtype=np.int8)),
             "profile": ((*dims, "x"), np.zeros((2, 4, 3))),
         },
-        {"mode": ["a", "b"], "grid": GRID},
+        {"mode": ["a", "b"], "grid": GRID, "x": [0.0, 0.5, 1.0]},
     )
 
 
@@ -84,5 +84,14 @@ def test_what_is_not_there_is_refused_with_a_remedy(dataset: xr.Dataset) -> None
         dataset.study.order("error_max", "grid")
     with pytest.raises(InvalidInput, match="the least is"):
         dataset.study.cheapest("error_max", 1e-9)
-    with pytest.raises(InvalidInput, match="give three or more"):
-        dataset.isel(grid=slice(2)).study.order("error_max", "grid", mode="a")
+    with pytest.raises(InvalidInput, match="no point has an error and a time"):
+        dataset.isel(grid=[]).study.cheapest("error_max", 1e-9)
+    for points in (1, 2):
+        with pytest.raises(InvalidInput, match="give three or more"):
+            dataset.isel(grid=slice(points)).study.order("error_max", "grid", mode="a")
+    with pytest.raises(InvalidInput, match="order is 'nmode': did you mean 'mode'"):
+        dataset.study.order("error_max", "grid", nmode="a")
+    with pytest.raises(InvalidInput, match="order is at mode 'c', which is not on that axis"):
+        dataset.study.order("error_max", "grid", mode="c")
+    with pytest.raises(InvalidInput, match="variable is 'profile'"):
+        dataset.study.table(["profile"])

@@ -80,6 +80,25 @@ def test_counts_and_flags_that_differ_are_said_and_a_missing_status_is_none() ->
     assert changes(before, before)[1] == "no measure differs"
 
 
+@pytest.mark.parametrize(
+    ("of_first", "of_second", "sentence"),
+    [
+        ([1.0, 2.0], [1.0, 2.5], "profile: from 2 to 2.5 at padding exact, grid 16, x 1, 0.25 of the largest value"),
+        ([1.0, 2.0], [1.0, np.nan], "profile is nan at 6 points of one run alone"),
+        ([1.0, 2.0], [1.0], "profile is not compared: its values along x are others"),
+        ([1.0, 2.0], None, "profile is in the first run alone"),
+    ],
+)  # fmt: skip
+def test_a_measure_along_a_dimension_of_its_own_is_compared(
+    of_first: list[float], of_second: list[float] | None, sentence: str
+) -> None:
+    runs = [stored(), stored()]
+    for run, profile in zip(runs, (of_first, of_second), strict=True):
+        if profile is not None:
+            run["profile"] = (*AXES, "x"), np.tile(np.array(profile), (2, 3, 1))
+    assert changes(*runs)[1] == sentence
+
+
 def test_times_are_compared_by_their_ratio_on_one_processor_alone() -> None:
     slower = stored()
     slower["solve_time"] = slower["solve_time"] * np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 1.0]])

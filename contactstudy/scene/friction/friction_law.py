@@ -77,13 +77,16 @@ def dundurs(solids: tuple[Body, ...]) -> float:
 
 
 def _dundurs(first: Homogeneous, second: Homogeneous) -> float:
-    """Return Dundurs' beta ``(a1 - a2) / (2 (b1 + b2))`` of two materials, a = (1 - 2 nu) / G and b = (1 - nu) / G."""
+    """Return Dundurs' beta ``(a1 - a2) / (2 (b1 + b2))`` of two materials, a = (1 - 2 nu) / G and b = (1 - nu) / G.
+
+    It is 0 for two rigid materials, neither of which is displaced.
+    """
     (a1, b1), (a2, b2) = (
         ((1 - 2 * solid.poisson_ratio) / shear, (1 - solid.poisson_ratio) / shear)
         for solid in (first, second)
         for shear in (solid.youngs_modulus / (2 * (1 + solid.poisson_ratio)),)
     )
-    return float((a1 - a2) / (2 * (b1 + b2)))
+    return float((a1 - a2) / (2 * (b1 + b2))) if b1 + b2 else 0.0
 
 
 def _materials(solid: Body) -> tuple[Homogeneous, ...]:

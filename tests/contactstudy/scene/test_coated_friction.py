@@ -1,6 +1,7 @@
 """Coated bodies under shear: waves, paddings against each other, and the limits of the coating."""
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 import pytest
@@ -128,8 +129,8 @@ def test_beside_a_row_of_loads_a_thin_coating_moves_as_its_substrate(name: str) 
 
 
 def test_one_coated_body_slides_as_unlike_bodies_do_where_the_coating_is_thick_or_thin() -> None:
-    def shift(first: object) -> float:
-        contact = shear(cs.Sliding(0.3), first, STEEL, CYLINDER, EXACT)
+    def shift(first: object, second: object = STEEL) -> float:
+        contact = shear(cs.Sliding(0.3), first, second, CYLINDER, EXACT)
         assert contact.status is cs.Status.CONVERGED
         x = contact.grid.x[:, None]
         return float((contact.pressure * x).sum() / contact.pressure.sum())
@@ -139,6 +140,9 @@ def test_one_coated_body_slides_as_unlike_bodies_do_where_the_coating_is_thick_o
     assert thick == pytest.approx(unlike, rel=1e-3)
     assert abs(thin) < 1e-6 * unlike
     assert 0.02 * unlike < between < 0.5 * unlike
+    rigid = cs.HalfSpace(inf, 0.3)
+    on_rigid = shift(cs.CoatedHalfSpace(STIFF, 1.0, rigid), rigid)
+    assert on_rigid == pytest.approx(shift(STIFF, rigid), rel=1e-3)
 
 
 def test_a_stiff_coating_sticks_less_under_a_smaller_creepage() -> None:

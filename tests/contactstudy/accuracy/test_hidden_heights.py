@@ -197,15 +197,19 @@ def test_a_roller_may_end_in_a_cell(beyond: float, rows: int, line_contact: Line
     assert 0 < estimate.l1.total < inf
 
 
+LOADS = cs.LineLoad(1e5), cs.Approach(1.5e-6)
+
+
+@pytest.mark.parametrize("load", LOADS, ids=str)
 @pytest.mark.parametrize("cells", [1.0, 1.4, 2.0, 2.7])
 @pytest.mark.parametrize("height", [1e-9, 1e-8, 3e-8])
 def test_a_wave_of_few_cells_is_seen_between_the_centres(
-    height: float, cells: float, line_contact: LineContact
+    height: float, cells: float, load: cs.LineLoad | cs.Approach, line_contact: LineContact
 ) -> None:
     """With a hundred cells, all centres lie on the zeros of a wave of two."""
     grid = line_contact.grid((100, 1), 1.0, width=3.2)
     wave = cs.Waviness(height, across=cells * grid.cell_size[0])
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, wave))
+    scene = replace(line_contact.scene, load=load, shapes=(*line_contact.scene.shapes, wave))
     coarse = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     fine_grid = cs.Grid((3200, 1), grid.extent)
     fine = cs.solve(scene.problem(fine_grid, cs.ExactPeriodicity()), tolerance=1e-6)
@@ -216,6 +220,32 @@ def test_a_wave_of_few_cells_is_seen_between_the_centres(
     assert peak <= estimate.peak_pressure.total
     area = (coarse.pressure > 0).mean() / (fine.pressure > 0).mean()
     assert abs(area - 1) <= estimate.contact_area.total
+    if estimate.load is not None:
+        assert abs(fine.load_per_length / coarse.load_per_length - 1) <= estimate.load.total
+
+
+@dataclass(frozen=True)
+class Wedge:
+    """A user's own shape: two flanks that meet at an edge."""
+
+    curvature = 0.0
+
+    def gap(self, grid: cs.Grid) -> np.ndarray:
+        return 0.02 * np.abs(grid.x)[:, None]
+
+
+@pytest.mark.parametrize("adhesion", [None, cs.Adhesion(1e-3, range=2e-7)], ids=["dry", "adhesive"])
+@pytest.mark.parametrize("load", LOADS, ids=str)
+def test_an_edge_and_waves_within_cells_leave_no_bound_whatever_is_given(
+    load: cs.LineLoad | cs.Approach, adhesion: cs.Adhesion | None, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid((97, 1), 1.0, width=6.0)
+    waves = Bumps(2e-7, 0.3, (0.5, 0.0), (grid.cell_size[0] / 4, inf))
+    for shapes, reason in (((Wedge(),), "a sharp edge"), ((cs.Cylinder(0.01), waves), "protrudes")):
+        scene = replace(line_contact.scene, load=load, shapes=shapes, adhesion=adhesion)
+        estimate = estimate_of(scene, grid)
+        assert estimate.peak_pressure.total == inf
+        assert any(reason in said for said in estimate.warnings)
 
 
 @pytest.mark.parametrize("length", [0.1, 0.3, 0.9])

@@ -183,7 +183,8 @@ def error_estimate(
         )  # imported only where it is named
 
         # the change of the attraction that counts as much as this residual
-        l1_residual += OUTER.change_in_tolerances * solution.residual
+        change = OUTER.change_in_tolerances * solution.residual
+        peak_residual, l1_residual = peak_residual + change, l1_residual + change
     # the heights on several grids have the same waves
     with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
         cells = _cells(solution, coarse, heights, confidence)

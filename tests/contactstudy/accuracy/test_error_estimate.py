@@ -297,3 +297,17 @@ def test_a_contact_cut_off_at_the_edge_has_no_bound(
     estimate = error_estimate(cs.solve(problem, max_iterations=max_iterations))
     assert estimate.l1.total == inf
     assert "cut off at the edge" in estimate.warnings[0]
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5])
+def test_the_residual_part_bounds_what_the_attraction_still_changes(tolerance: float) -> None:
+    solids = cs.HalfSpace(1e7, 0.4), cs.HalfSpace(inf, 0.3)
+    adhesion = cs.Adhesion(0.05, range=1e-6)
+    scene = cs.Scene(cs.LineLoad(1e3), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
+    problem = scene.problem(cs.Grid((256, 1), (5e-3, 1e-3)), EXACT)
+    done, early = (cs.solve(problem, tolerance=one) for one in (1e-10, tolerance))
+    estimate = error_estimate(early)
+    change = np.abs(early.pressure - done.pressure)
+    assert change.sum() / done.pressure.sum() <= estimate.l1.residual
+    peak = abs(early.pressure.max() / done.pressure.max() - 1)
+    assert 1e-6 < peak <= estimate.peak_pressure.residual

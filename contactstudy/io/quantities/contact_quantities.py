@@ -72,7 +72,14 @@ def contact_quantities(
     total = float(pressure.sum() * grid.cell_area)
     coordinates = {"x": grid.x, "y": grid.y}
     peak, place = _largest(pressure, coordinates)
-    half_width = _half_width(touching, grid.cell_size[0])
+    half_width = Quantity(
+        _half_width(touching, grid.cell_size[0]), "m", "half-width of the contact (outermost cells)"
+    )
+    area_error = estimate.contact_area
+    if area_error is not None and isfinite(area_error.total):
+        half_width = replace(half_width, bound=grid.cell_size[0], reason="")
+    else:
+        half_width = with_bound(half_width, area_error, fallback_reasons)
     solved = ErrorParts(residual=solution.residual)
     paddings = solution.problem.paddings
     wraps = paddings is not None and paddings[0].wraps
@@ -94,13 +101,16 @@ def contact_quantities(
         quantities |= _of_adhesion(solution, solution.adhesion, estimate)
     in_contact = per_length(area, "m2", "contact area", length, grid.length)
     mean = Quantity(total / area if area else 0.0, "Pa", "mean pressure in contact")
-    mean_error = estimate.contact_area
+    mean_error = area_error
     if solution.adhesion is not None and solution.adhesion.regularised:
         mean_error = estimate.peak_pressure
+    if mean_error is not None and estimate.load is not None:  # at a given approach
+        both = mean_error.total + estimate.load.total
+        mean_error = ErrorParts(discretisation=both, reason=mean_error.reason)
     mean_gap = Quantity(solution.mean_gap, "m", "mean gap", detail=width_note)
     quantities |= {
-        "contact_area": with_bound(in_contact, estimate.contact_area, fallback_reasons),
-        "half_width": Quantity(half_width, "m", "outermost half-width", grid.cell_size[0], ""),
+        "contact_area": with_bound(in_contact, area_error, fallback_reasons),
+        "half_width": half_width,
         "mean_pressure": with_bound(mean, mean_error, fallback_reasons),
         "mean_gap": with_bound(mean_gap, estimate.mean_gap, fallback_reasons),
         "approach": _approach(solution, estimate),
@@ -260,14 +270,18 @@ def _of_creepage(
     """Return what tractive rolling adds to the numbers of a traction: creepage, and power with its bound."""
     total = float(traction.power.sum() * grid.cell_area)
     power = per_length(total, "W", "frictional power", length, grid.length)
-    by_cells = traction.power_outside_contact + (traction.errors.power / total if total else 0.0)
+    over_length = 1.0 if length is not None else 1 / grid.length
+    outside = traction.power_outside_contact * abs(power.value)
+    bound = outside + traction.errors.power * over_length
+    if isfinite(bound):
+        power = replace(power, bound=bound, reason="")
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
     of_creepage = 0.0 if traction.creepage_given else traction.errors.creepage
     if isfinite(of_creepage):
         creepage = replace(creepage, bound=of_creepage, reason="")
     return {
         "creepage": creepage,
-        "frictional_power": with_bound(power, ErrorParts(discretisation=by_cells)),
+        "frictional_power": power,
     }
 
 

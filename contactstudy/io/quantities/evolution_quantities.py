@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -26,7 +27,7 @@ EXTREMES: tuple[tuple[str, Callable[[list[float]], float], str], ...] = (
     ("largest_von_mises", max, "largest von Mises stress in time"),
     ("central_film", min, "lowest central film thickness in time"),
     ("minimum_film", min, "minimum film thickness in time"),
-    ("friction_coefficient", max, "largest friction force over load in time"),
+    ("friction_coefficient", partial(max, key=abs), "largest friction force over load in time"),
     ("traction_coefficient", max, "largest tangential force over load in time"),
     ("frictional_power", max, "largest frictional power in time"),
     ("rolling_resistance", max, "largest coefficient of rolling resistance in time"),

@@ -63,7 +63,8 @@ def film_quantities(contact: "FilmSolution", estimate: ErrorEstimate) -> dict[st
     errors = dict(estimate)
     # the loss by sliding is that of the friction, at a known speed
     if "friction_coefficient" in errors:
-        errors["sliding_loss"] = errors["friction_coefficient"]
+        slides = scales.lubrication.slide_roll_ratio
+        errors["sliding_loss"] = errors["friction_coefficient"] if slides else ErrorParts()
     return {
         name: with_bound(quantity, errors.get(name), fallback_reasons)
         for name, quantity in quantities.items()

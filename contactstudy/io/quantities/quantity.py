@@ -11,6 +11,7 @@ from contactstudy.scene.scene import PosedScene
 from contactstudy.scene.shapes.shape import length_scales_of
 
 NO_ESTIMATE = "No bound: no estimate of its error is known."
+RELATIVE_TO_ZERO = "No bound: the value is 0, and its error is known relative to it alone."
 FORMULA = "No bound: the value is that of a formula."
 
 
@@ -81,6 +82,8 @@ def with_bound(
     """
     if parts is None:
         return quantity
+    if not quantity.value and 0 < parts.total < inf:
+        return replace(quantity, reason=RELATIVE_TO_ZERO)
     if isfinite(parts.total):
         return replace(quantity, bound=parts.total * abs(quantity.value), reason="")
     return replace(quantity, reason=parts.reason or next(iter(fallback_reasons), NO_ESTIMATE))

@@ -10,7 +10,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.domain.units import readable
 from contactstudy.io.quantities.evolution_quantities import evolution_quantities
-from contactstudy.io.quantities.quantity import as_json, as_text
+from contactstudy.io.quantities.quantity import as_json, as_text, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
 from tests.conftest import STEEL, LineContact
@@ -67,6 +67,13 @@ def test_bounds_are_those_of_the_error_and_hold(line_contact: LineContact) -> No
         one = contact.quantities[name]
         assert one.bound == getattr(contact.error, name).total * one.value
         assert not one.reason
+    pressed = replace(line_contact.scene, load=cs.Approach(float(contact.approach)))
+    mean, error = (lambda one: (one.quantities["mean_pressure"], one.error))(
+        cs.solve(pressed, contact.grid, cs.ExactPeriodicity())
+    )
+    # the load is a result as the area is
+    relative = error.contact_area.total + error.load.total  # type: ignore[union-attr]
+    assert mean.relative_bound == pytest.approx(relative, rel=1e-12)
     hertz = line_contact.hertz
     peak, half_width = (contact.quantities[name] for name in ("peak_pressure", "half_width"))
     assert abs(peak.value - hertz.peak_pressure) <= peak.bound
@@ -78,11 +85,26 @@ def test_a_bound_that_is_not_known_has_a_reason() -> None:
         cs.Grid((32, 1), (3e-4, 1e-3)), cs.ExactPeriodicity()
     )
     contact = cs.solve(replace(problem, source=None))
-    assert contact.quantities["peak_pressure"].bound == inf
-    assert contact.quantities["peak_pressure"].reason.startswith(
-        "No bound for the discretisation error"
-    )
+    for name in ("peak_pressure", "half_width"):
+        assert contact.quantities[name].bound == inf
+        assert contact.quantities[name].reason.startswith("No bound for the discretisation error")
     assert contact.met is None
+
+
+def test_an_error_relative_to_zero_bounds_nothing() -> None:
+    parts = cs.ErrorParts(discretisation=0.1)
+    unknown = with_bound(cs.Quantity(0.0, "1", "fraction"), parts)
+    assert unknown.bound == inf
+    assert "relative to it" in unknown.reason
+    assert with_bound(unknown, cs.ErrorParts()).bound == 0
+
+
+def test_the_largest_friction_in_time_is_that_of_the_largest_size() -> None:
+    frames = [{"friction_coefficient": cs.Quantity(value, "1", "")} for value in (-1e-4, -2e-4)]
+    scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL))
+    posed = PosedScene(scene, GRID, cs.ZeroPadding())
+    numbers = evolution_quantities(frames, [0.0, 1.0], {}, {}, posed, cs.ErrorParts())
+    assert numbers["friction_coefficient"].value == -2e-4
 
 
 def test_the_load_of_a_roller_is_spread_over_its_length() -> None:

@@ -112,7 +112,9 @@ class Evolution(Answer):
     def error(self) -> ErrorEstimate:
         """Estimate of the errors at the worst instant, by cause."""
         # separated bodies have no pressure, hence no relative error
-        touching = [frame for frame in self.frames if frame.status is not Status.DETACHED]
+        touching = [
+            frame for frame in self.frames if frame.pressure.any() or frame.status.is_failure
+        ]
         by_pressure = sorted(touching or self.frames, key=lambda frame: -frame.pressure.max())
         estimates = [frame.error for frame in by_pressure]
         largest = max(estimates, key=lambda estimate: estimate.l1.total)

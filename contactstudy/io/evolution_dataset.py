@@ -107,13 +107,17 @@ def plastic_variables(
 
 
 def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return shear and stick at every instant; empty without friction."""
+    """Return shear and stick at every instant, zeros without load; empty without friction."""
     tractions = [traction_variables(evolution.traction(frame)) for frame in evolution.frames]
+    loaded: dict[str, xr.Variable] = next(filter(None, tractions), {})
+    unloaded = {name: xr.zeros_like(variable) for name, variable in loaded.items()}
     return {
         name: xr.Variable.concat(
-            [traction[name] for traction in tractions], "time", combine_attrs="override"
+            [(traction or unloaded)[name] for traction in tractions],
+            "time",
+            combine_attrs="override",
         )
-        for name in tractions[0]
+        for name in loaded
     }
 
 

@@ -103,7 +103,7 @@ def follow_load(
                 continue  # without adhesion the contact does not depend on those before
             rolling = None
             if value == 0 and law is None:
-                last = unloaded(largest)
+                last = unloaded(replace(largest, control=PrescribedLoad(0.0)))
             elif speed is not None and law is None:
                 rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
                 last = rolling.solution

@@ -77,16 +77,17 @@ def evolution_quantities(
 def _extremes(
     frames: Sequence[Mapping[str, Quantity]], times: Sequence[float]
 ) -> dict[str, Quantity]:
-    """Return the extremes over time, each with its instant."""
+    """Return the extremes over time, each with its instant, of the instants that have the quantity."""
     quantities = {}
     for name, extreme, label in EXTREMES:
-        if name in frames[0]:
-            values = [frame[name].value for frame in frames]
-            number = values.index(extreme(values))
-            position = {"time": float(times[number])}
-            quantities[name] = replace(
-                frames[number][name], label=label, position=position, detail=""
-            )
+        known = [
+            (frame[name], time) for frame, time in zip(frames, times, strict=True) if name in frame
+        ]
+        values = [quantity.value for quantity, _ in known]
+        if values:
+            found, time = known[values.index(extreme(values))]
+            position = {"time": float(time)}
+            quantities[name] = replace(found, label=label, position=position, detail="")
     return quantities
 
 

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from contactstudy.domain.fields import Array
+from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -83,7 +84,7 @@ CONSTANTS = MixingConstants()
 
 @dataclass(frozen=True, eq=False)
 class LaggedSolution:
-    """Solution with a lagged displacement: that of the pressure of the outer iteration before.
+    """Solution with a lagged displacement: that of a mixture of the pressures of the outer iterations before.
 
     Where the outer iterations have converged it is that of the pressure itself.
 
@@ -131,7 +132,8 @@ def solve_with_mixing(
     change
         Change of the pressure in an outer iteration to stop at, relative in L1.
     max_outer
-        Number of outer iterations after which the status is :attr:`~contactstudy.Status.NOT_CONVERGED`.
+        Number of outer iterations after which the status is :attr:`~contactstudy.Status.NOT_CONVERGED`, and the residual
+        at least the change of the pressure.
     progress
         Called after each outer iteration with the change of the pressure in it, and with `change`.
 
@@ -160,13 +162,15 @@ def solve_with_mixing(
         if not np.isfinite(solution.residual):
             return LaggedSolution(solution, np.inf, outer, iterations, convolutions)
         step = solution.pressure - guess
-        last_change = float(np.abs(step).sum() / solution.pressure.sum())
+        distance = float(np.abs(step).sum())
+        last_change = distance / float(solution.pressure.sum()) if distance else 0.0
         if progress is not None:
             progress(last_change, change)
         converged = last_change <= change and solution.residual <= options.tolerance
         if converged or outer == max_outer:
             if not converged:
-                solution = replace(solution, status=Status.NOT_CONVERGED)
+                residual = largest_of(solution.residual, last_change)
+                solution = replace(solution, status=Status.NOT_CONVERGED, residual=residual)
             return LaggedSolution(solution, last_change, outer, iterations, convolutions)
         mixing.record(guess, step)
         guess = mixing.mixture()

@@ -14,13 +14,14 @@ from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.elasticity.coefficients import Coefficients
 from contactstudy.elasticity.convolution import by_symmetry, odd_convolution, superposed
+from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.scene import PosedScene, Scene
 from contactstudy.scene.shapes_source import ShapesSource
 from contactstudy.scene.solids.bodies import creeps, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.anderson import LaggedSolution, solve_with_mixing
-from contactstudy.solvers.solution import Solution, worst
+from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Fine cells per cell across, at least 2, and the largest number of fine cells beyond that, for the retarded displacement
@@ -122,9 +123,24 @@ class SteadyRolling:
 
     @cached_property
     def _pressure_errors(self) -> ErrorEstimate:
-        """Estimate of the errors, with :attr:`coarse` where the pressure alone does not show them."""
+        """Estimate of the errors, with :attr:`coarse` where the pressure alone does not show them.
+
+        The change of the pressure in the last outer iteration adds to the residual, which is infinite where the
+        iterations did not converge.
+        """
         coarse = None if self.coarse is None else self.coarse.solution
-        return error_estimate(self.solution, coarse=coarse)
+        estimate, status = error_estimate(self.solution, coarse=coarse), self.solution.status
+        change, reason = self.lagged.change, ""
+        if status is Status.NOT_CONVERGED:
+            change, reason = inf, f"No bound: {status}"
+        parts = {
+            name: replace(
+                part, residual=(part.residual or 0.0) + change, reason=part.reason or reason
+            )
+            for name, part in estimate
+        }
+        warnings = (*filter(None, (reason,)), *estimate.warnings)
+        return replace(estimate, **parts, warnings=warnings)
 
     def error_estimate(self) -> ErrorEstimate:
         """Return the estimated errors of the contact and of its coefficient of rolling resistance."""
@@ -215,7 +231,9 @@ def solve_rolling(
         status = worst([last.status, sheared.status])
         lagged = replace(
             lagged,
-            solution=replace(sheared, status=status),
+            solution=replace(
+                sheared, status=status, residual=largest_of(last.residual, sheared.residual)
+            ),
             outer_iterations=lagged.outer_iterations + 1,
             iterations=lagged.iterations + sheared.iterations,
             convolutions=lagged.convolutions + sheared.convolutions,

@@ -67,6 +67,19 @@ def test_a_soft_body_far_from_elastic_settles_by_mixing() -> None:
     assert found.lagged.outer_iterations < 60
 
 
+@pytest.mark.parametrize("change", [1e-8, 1e-3])
+def test_the_last_change_of_the_pressure_is_part_of_its_error(change: float) -> None:
+    grid = cs.Grid((50, 1), (0.6, 1.0))
+    found = solve_rolling(rolling(SOLID, A), grid, EXACT, change=change)
+    exact = solve_rolling(rolling(SOLID, A), grid, EXACT, change=1e-10).solution.pressure
+    error = np.abs(found.solution.pressure - exact).sum() / exact.sum()
+    assert error <= found.error_estimate().l1.residual <= 2 * change
+    few = solve_rolling(rolling(SOLID, A), grid, EXACT, change=change, max_outer=2)
+    assert few.solution.residual > change
+    l1 = few.error_estimate().l1
+    assert (l1.residual, l1.reason) == (inf, f"No bound: {cs.Status.NOT_CONVERGED}")
+
+
 @pytest.mark.parametrize("speed", [0.02, 0.3, 4.0])
 def test_a_wave_in_full_contact_slides_against_the_complex_modulus(speed: float) -> None:
     """``p = q A / 2 E*(i q v)`` of a wave of height A: its size, and its lead over the heights.

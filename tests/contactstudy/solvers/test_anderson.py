@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.problem.constraint import PrescribedApproach
 from contactstudy.solvers.anderson import solve_with_mixing
 from tests.conftest import LineContact
 
@@ -37,4 +38,11 @@ def test_mixing_ends_where_the_lagged_displacement_is_that_of_its_own_pressure(
     assert found.convolutions > found.solution.convolutions
     few = solve_with_mixing(problem, lagged, cs.SolveOptions(1e-10), change=1e-8, max_outer=2)
     assert (few.outer_iterations, few.solution.status) == (2, cs.Status.NOT_CONVERGED)
-    assert few.change > 1e-8
+    assert few.solution.residual >= few.change > 1e-8
+
+
+def test_mixing_of_bodies_that_do_not_touch_ends_at_once(problem: cs.Problem) -> None:
+    apart = replace(problem, control=PrescribedApproach(float(problem.undeformed_gap.min()) - 1))
+    found = solve_with_mixing(apart, problem.operator)
+    assert (found.outer_iterations, found.change) == (1, 0.0)
+    assert not found.solution.pressure.any()

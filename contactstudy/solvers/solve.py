@@ -63,7 +63,8 @@ class SolveOptions:
     max_iterations
         Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of tangential traction,
         applications of its response; with adhesion, inner and outer iterations together, and ten times as many for each
-        load of a pull-off but the first.
+        load of a pull-off but the first. Where a step of bodies that yield, or a displacement that follows from the
+        pressure, takes several contacts, each has this limit.
     solver
         The iteration, such as :class:`~contactstudy.PreconditionedCG`.
     precision

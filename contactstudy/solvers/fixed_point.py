@@ -7,6 +7,7 @@ import numpy as np
 
 from contactstudy.domain.device import Device
 from contactstudy.domain.fields import Array
+from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
@@ -56,13 +57,13 @@ def solve_by_fixed_point_iteration(
         outer += 1
     status = solution.status
     if status.has_converged and not change <= options.tolerance:
-        status = Status.NOT_CONVERGED
+        status = Status.NOT_CONVERGED if np.isfinite(change) else Status.NOT_FINITE
     return replace(
         solution,
         problem=problem,
         displacement=solution.displacement + added,
         status=status,
-        residual=max(solution.residual, change),
+        residual=largest_of(solution.residual, change),
         iterations=iterations,
         convolutions=convolutions,
         note=f"{solution.note} {outer} outer iterations over the coupled displacement.".lstrip(),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
+from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Problem
 
 
@@ -306,7 +307,7 @@ def with_traction(
     return replace(
         solution,
         status=worst([solution.status, status]),
-        residual=max(solution.residual, residual),
+        residual=largest_of(solution.residual, residual),
         iterations=solution.iterations + iterations,
         convolutions=solution.convolutions + convolutions,
         traction=traction,

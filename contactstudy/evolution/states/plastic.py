@@ -23,6 +23,7 @@ from contactstudy.evolution.states.plastic_volume import (
     union,
 )
 from contactstudy.evolution.states.state_variables import Contact, State
+from contactstudy.problem.constraint import largest_of
 from contactstudy.problem.problem import Field, Problem, ResidualStress
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.elastic_plastic import ElasticPlasticHalfSpace
@@ -208,7 +209,7 @@ class PlasticState:
             is_last = outer_iterations == MAX_OUTER_ITERATIONS or not np.isfinite(change)
             if change <= tolerance or is_last:
                 break
-        residual = max(step.residual, change)
+        residual = largest_of(step.residual, change)
         return replace(step, contacts=tuple(contacts), residual=residual)
 
     def _stress_of_friction(self, bodies: YieldingBodies, solution: Solution) -> Array:
@@ -446,7 +447,7 @@ def step_solution(step: ElastoplasticStep, tolerance: float) -> Solution:
         last,
         status=status,
         note=note,
-        residual=max(last.residual, step.residual),
+        residual=largest_of(last.residual, step.residual),
         iterations=sum(contact.iterations for contact in step.contacts),
         convolutions=sum(contact.convolutions for contact in step.contacts),
     )

@@ -14,7 +14,7 @@ Source: semismooth Newton of Alart & Curnier (1991); Saad & Schultz (1986); extr
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import sqrt
+from math import isnan, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,6 +68,8 @@ def shear_status(
     """Return the status of a tangential traction with this `residual`, after so many `applications` of its response."""
     if residual <= tolerance:
         return Status.CONVERGED
+    if isnan(residual):
+        return Status.NOT_FINITE
     return Status.ITERATION_LIMIT if applications >= max_applications else Status.STALLED
 
 

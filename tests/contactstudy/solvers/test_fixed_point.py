@@ -1,10 +1,16 @@
 """Fixed-point iteration over the displacement that sliding friction adds to a contact of unlike bodies."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.device import Cpu
+from contactstudy.solvers.fixed_point import solve_by_fixed_point_iteration
 from contactstudy.solvers.friction import laws
+from contactstudy.solvers.friction.coulomb_newton import shear_status
+from contactstudy.solvers.solution import TangentialTraction, with_traction
 
 UNLIKE = cs.Scene(
     cs.LineLoad(1e5),
@@ -36,3 +42,18 @@ def test_outer_iterations_that_do_not_converge_have_a_status(
     found = cs.solve(posed, tolerance=1e-9)
     assert found.status is cs.Status.NOT_CONVERGED
     assert found.residual > 1e-9
+
+
+def test_a_displacement_or_a_traction_of_nan_is_a_failure() -> None:
+    posed = replace(UNLIKE, friction=None).problem(cs.Grid((24, 1), (4e-4, 1e-3)), cs.ZeroPadding())
+    options = cs.SolveOptions()
+    lost = solve_by_fixed_point_iteration(
+        posed, lambda pressure: np.nan * pressure, options, None, Cpu(), 9
+    )
+    assert lost.status is cs.Status.NOT_FINITE
+    assert np.isnan(lost.residual)
+    normal = cs.solve(posed)
+    shear = TangentialTraction(np.full((2, 24, 1), np.nan), normal.pressure > 0, "", 1)
+    lost = with_traction(normal, shear_status(np.nan, 1, 1e-8, 9), np.nan, 1, 2.0, shear)
+    assert lost.status is cs.Status.NOT_FINITE
+    assert np.isnan(lost.residual)

@@ -15,7 +15,6 @@ from contactstudy.domain.checks import (
     set_fields,
     suggest_fields,
     whole_quotient,
-    width_and_length,
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid
@@ -68,7 +67,7 @@ class MeasuredSurface:
     tile
         Tile that was cut from the surface, if any.
     unit, file_extent
-        Unit and size [m] that were given for a file without them.
+        Unit and size [m] that were given to :meth:`read`.
 
     Raises
     ------
@@ -94,15 +93,7 @@ class MeasuredSurface:
 
     def __post_init__(self) -> None:
         points, sizes = measurement.measurement(self.heights)
-        if self.extent is not None:
-            remedy = "give two lengths, (width, length) [m]"
-            extent = width_and_length("MeasuredSurface.extent", self.extent, remedy)
-            if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
-                raise InvalidInput(
-                    f"MeasuredSurface.extent is {extent!r}: leave it out, since the coordinates of the "
-                    f"heights say {sizes!r} m."
-                )
-            sizes = extent
+        sizes = measurement.agreed_extent(sizes, self.extent)
         for name, method, example in (
             ("missing", "fill", "RefuseMissing()"),
             ("trend", "subtracted", "Trend.PLANE"),
@@ -138,7 +129,8 @@ class MeasuredSurface:
             Rows of numbers (npy, csv, txt, asc), points in columns x, y, height (xyz), netCDF, or X3P, OPD, SUR and
             whatever else the library SurfaceTopography reads (extra ``measured``).
         extent
-            Size (width, length) [m] of a file without sizes. Rows of numbers without it are heights of the grid's cells.
+            Size (width, length) [m] of a file without sizes. Rows of numbers without it, and a netCDF file that lacks
+            coordinates, are heights of the grid's cells.
         unit
             Unit of the numbers in a file without units, such as ``"um"``.
         missing, trend, seam, seam_across
@@ -148,7 +140,7 @@ class MeasuredSurface:
         Raises
         ------
         InvalidInput
-            If the file cannot be read, or has no sizes or units.
+            If the file cannot be read, has no sizes or units, or others than those given.
         """
         points, sizes = measurement.read(path, extent, unit)
         named = str(Path(path).absolute())

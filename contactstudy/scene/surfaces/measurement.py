@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from contactstudy.domain.checks import InvalidInput
+from contactstudy.domain.checks import InvalidInput, width_and_length
 from contactstudy.domain.fields import Array
 from contactstudy.domain.imports import import_for
 
@@ -53,11 +53,40 @@ def read(
     """Return points and sizes [m] of a file.
 
     Numbers in rows (npy, csv, txt, asc) and points in columns x, y, height (xyz) are read here, and need a `unit`.
-    X3P, OPD, SUR and some thirty more formats are read by SurfaceTopography; `extent` [m] and `unit` are for those
-    that lack them. Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read, or lacks a unit.
+    X3P, OPD, SUR and some thirty more formats are read by SurfaceTopography; `extent` [m] and `unit` are for files
+    that lack them. Raises :class:`~contactstudy.InvalidInput` for a file that cannot be read or lacks a unit, and for
+    an extent or a unit that is not that of the file.
     """
+    extent = agreed_extent(None, extent)
+    points, sizes = _points_and_sizes(path, extent, unit)
+    return points, agreed_extent(sizes, extent)
+
+
+def agreed_extent(
+    sizes: tuple[float, float] | None, extent: tuple[float, float] | None
+) -> tuple[float, float] | None:
+    """Return the sizes (width, length) [m] of heights: those that they come with, or else the given `extent`.
+
+    Raises :class:`~contactstudy.InvalidInput` for an extent that is no size, or that differs from the sizes.
+    """
+    if extent is None:
+        return sizes
+    remedy = "give two lengths, (width, length) [m]"
+    extent = width_and_length("MeasuredSurface.extent", extent, remedy)
+    if sizes is not None and not np.allclose(extent, sizes, rtol=1e-6, atol=0):
+        raise InvalidInput(
+            f"MeasuredSurface.extent is {extent!r}: leave it out, since the heights come with the sizes {sizes!r} m."
+        )
+    return extent
+
+
+def _points_and_sizes(
+    path: str | PathLike[str], extent: tuple[float, float] | None, unit: str | None
+) -> Measurement:
+    """Return points and sizes [m] of a file as :func:`read`, the sizes None where it has none."""
     suffix, name = Path(path).suffix.lower(), fspath(path)
     if suffix == ".nc" and (written := _written(path)) is not None:
+        _check_unit(name, unit, "m")
         return written
     if suffix in ROWS and (values := _numbers(name, suffix)) is not None:
         if unit not in LENGTHS:
@@ -68,7 +97,7 @@ def read(
         points, sizes = _gridded(name, values) if suffix == ".xyz" else (values, None)
         if sizes is not None:
             sizes = sizes[0] * LENGTHS[unit], sizes[1] * LENGTHS[unit]
-        return _plane(points * LENGTHS[unit]), sizes if extent is None else extent
+        return _plane(points * LENGTHS[unit]), sizes
     with warnings.catch_warnings():
         # the library warns that MPI is missing, which is not needed
         warnings.simplefilter("ignore", ImportWarning)
@@ -81,6 +110,8 @@ def read(
             lacking: dict[str, object] = {}
             if channel.unit is None:
                 lacking["unit"] = unit
+            else:
+                _check_unit(name, unit, channel.unit)
             if channel.physical_sizes is None:
                 metre = LENGTHS.get(channel.unit or unit or "", 0.0)
                 lacking["physical_sizes"] = (
@@ -96,6 +127,14 @@ def read(
         raise InvalidInput(
             f"path is {name!r}: give a file in a format that SurfaceTopography reads, or numbers in rows as npy or csv."
         ) from unreadable
+
+
+def _check_unit(name: str, unit: str | None, own: str) -> None:
+    """Raise :class:`~contactstudy.InvalidInput` if a `unit` is given that is not the file's `own`."""
+    if unit not in (None, own) and LENGTHS.get(unit or "", nan) != LENGTHS.get(own):
+        raise InvalidInput(
+            f"MeasuredSurface.unit of {name!r} is {unit!r}: leave it out, since its heights are in {own!r}."
+        )
 
 
 def _numbers(name: str, suffix: str) -> Array | None:
@@ -186,6 +225,8 @@ def _gridded(name: str, columns: Array) -> Measurement:
         sizes.append(step * len(values))
     heights = np.full((indices[0].max() + 1, indices[1].max() + 1), np.nan)
     heights[indices[0], indices[1]] = columns[:, 2]
+    if not np.array_equal(heights[indices[0], indices[1]], columns[:, 2], equal_nan=True):
+        raise InvalidInput(f"path is {name!r}, which has two heights at one place: {remedy}.")
     return heights, (sizes[0], sizes[1])
 
 

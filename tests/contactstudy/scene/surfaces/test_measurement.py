@@ -156,6 +156,27 @@ def test_points_are_written_at_the_middle_of_their_cells(tmp_path: Path) -> None
     assert extent == pytest.approx((6e-6, 8e-6), rel=1e-14)
 
 
+def test_a_file_without_sizes_has_the_given_extent(tmp_path: Path) -> None:
+    cs.MeasuredSurface(HEIGHTS).write(tmp_path / "surface.nc")
+    assert read(tmp_path / "surface.nc", (6e-6, 8e-6))[1] == (6e-6, 8e-6)
+
+
+@pytest.mark.whole
+@pytest.mark.parametrize("name", ["surface.nc", "surface.xyz", "surface.x3p"])
+def test_an_extent_or_a_unit_other_than_the_file_has_is_refused(
+    name: str, tmp_path: Path, written: Path
+) -> None:
+    cs.MeasuredSurface(HEIGHTS, (6e-6, 8e-6)).write(tmp_path / "surface.nc")
+    (tmp_path / "surface.xyz").write_text("0 0 1\n3 0 2\n0 4 3\n3 4 4\n")
+    unit = "m" if name == "surface.nc" else "um"
+    assert read(tmp_path / name, (6e-6, 8e-6), unit)[1] == pytest.approx((6e-6, 8e-6))
+    with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.extent is .*: leave it out"):
+        read(tmp_path / name, (6e-6, 9e-6), unit)
+    if name != "surface.xyz":
+        with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.unit of .*: leave it out"):
+            read(tmp_path / name, None, "nm")
+
+
 def test_a_missing_library_names_its_extra(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     with pytest.raises(ModuleNotFoundError, match=r"pip install 'contactstudy\[measured\]'"):
@@ -237,6 +258,7 @@ def test_points_in_columns_make_a_grid_with_sizes(tmp_path: Path) -> None:
         ("ragged.csv", "1,2\n3\n", "row 2 has 1 numbers beside 2: give rows of equally many"),
         ("two.xyz", "0 0\n1 1\n", "give columns x, y and height"),
         ("uneven.xyz", "0 0 1\n1 0 1\n3 0 1\n0 1 1\n", "not equidistant"),
+        ("twice.xyz", "0 0 1\n1 0 1\n0 1 1\n0 0 2\n", "two heights at one place"),
     ],
 )
 def test_a_table_that_is_no_surface_is_refused_in_a_sentence(

@@ -34,7 +34,7 @@ class Comparison:
     l1
         ``sum |p_b - p_a| / sum p_a`` of the means over the larger cells of both grids, the measure of error estimates.
     peak_pressure, contact_area, load
-        ``b / a - 1``.
+        ``b / a - 1``; the load is the pressure less the adhesive traction, and the area is NaN for films.
     approach
         ``b - a`` [m], meaningful if both have the same datum, as on one grid with one load. NaN for films.
     largest, position
@@ -66,7 +66,7 @@ class Comparison:
         lines = [
             f"pressure in L1: {100 * self.l1:.3g} %",
             f"peak pressure: {100 * self.peak_pressure:+.3g} %",
-            f"contact area: {100 * self.contact_area:+.3g} %",
+            *[f"contact area: {100 * self.contact_area:+.3g} %"] * isfinite(self.contact_area),
             f"load: {100 * round(self.load, 9):+.3g} %",  # without rounding errors
             f"largest difference: {readable(self.largest, 'Pa')} at x = {x}, y = {y}",
         ]
@@ -126,7 +126,12 @@ def compare(a: Any, b: Any) -> Comparison:
     change = p_b - p_a
     centres = (x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2
     index = np.unravel_index(int(np.abs(change).argmax()), change.shape)
-    areas = [float(((p > 0) * area).sum()) for p in (p_a, p_b)]
+    films = "film" in first or "film" in second
+    areas = [np.nan if films else float(((p > 0) * area).sum()) for p in (p_a, p_b)]
+    loads = [
+        float(((p - _resampled(_attraction(one), *edges, x, y)) * area).sum())
+        for one, p, edges in ((first, p_a, (x_a, y_a)), (second, p_b, (x_b, y_b)))
+    ]
     difference = xr.Dataset(
         {
             "a": labelled(("x", "y"), p_a, "Pa", "pressure of a"),
@@ -141,7 +146,7 @@ def compare(a: Any, b: Any) -> Comparison:
         l1=float(np.abs(means).sum()) / total,
         peak_pressure=float(p_b.max() / p_a.max() - 1),
         contact_area=areas[1] / areas[0] - 1,
-        load=float((p_b * area).sum()) / total - 1,
+        load=loads[1] / loads[0] - 1 if loads[0] else np.nan,
         approach=float(second.get("approach", np.nan) - first.get("approach", np.nan)),
         largest=float(np.abs(change[index])),
         position=(float(centres[0][index[0]]), float(centres[1][index[1]])),
@@ -150,6 +155,12 @@ def compare(a: Any, b: Any) -> Comparison:
         quantities=_quantities(first, second),
         time=time,
     )
+
+
+def _attraction(dataset: xr.Dataset) -> Array:
+    """Return the adhesive traction (x, y) [Pa] of a contact, 0 without adhesion."""
+    zero = xr.zeros_like(dataset["pressure"])
+    return np.asarray(dataset.get("attraction", zero).values)
 
 
 # Quantities that a comparison prints separately.
@@ -239,7 +250,11 @@ def _labelled(name: str, contact: Any) -> xr.Dataset:
 def _at_one_instant(
     first: xr.Dataset, second: xr.Dataset
 ) -> tuple[xr.Dataset, xr.Dataset, float | None]:
-    """Return both contacts at the instant [s] of the highest pressure of the first, and it; None without instants."""
+    """Return both contacts at the instant [s] of the highest pressure of the first, and it; None without instants.
+
+    Of an instant that both have twice, before and after a jump of the load, it is the same one; one that only one has
+    twice is that after the jump.
+    """
     if ("time" in first["pressure"].dims) != ("time" in second["pressure"].dims):
         raise InvalidInput(
             "The contacts are of different kinds: one changes in time, the other does not: compare two evolutions, or "
@@ -247,16 +262,18 @@ def _at_one_instant(
         )
     if "time" not in first["pressure"].dims:
         return first, second, None
-    highest = first.isel(time=int(first["pressure"].max(("x", "y")).argmax("time")))
-    time = float(highest["time"])
-    span = float(np.ptp(first["time"].values))
-    nearest = second.sel(time=time, method="nearest")
-    if abs(float(nearest["time"]) - time) > 1e-9 * span:
+    times = first["time"].values
+    number = int(first["pressure"].max(("x", "y")).argmax("time"))
+    time, rounding = float(times[number]), 1e-9 * float(np.ptp(times))
+    same = np.flatnonzero(np.abs(second["time"].values - time) <= rounding)
+    if not len(same):
         raise InvalidInput(
             f"compare.b has no instant at {time:g} s, where the pressure of a is highest: record both at the same "
             "instants."
         )
-    return highest, nearest, time
+    later = np.count_nonzero(np.abs(times[number + 1 :] - time) <= rounding)
+    at = same[max(len(same) - 1 - later, 0)]
+    return first.isel(time=number), second.isel(time=int(at)), time
 
 
 def _edges(dataset: xr.Dataset, axis: str) -> Array:

@@ -39,6 +39,9 @@ def test_differences_are_those_computed_by_hand() -> None:
     assert found.load == pytest.approx(12 / 6 - 1)
     assert found.approach == pytest.approx(0.5)
     assert found.largest == pytest.approx(4)
+    # the load is less by the adhesive traction: 1 Pa of 3 on a third, 2 Pa of 4 on a half
+    attracted = [one.assign(attraction=one["pressure"] / k) for one, k in ((a, 3), (b, 2))]
+    assert cs.compare(*attracted).load == pytest.approx((2 / 2) / (2 / 3) - 1)
     # between a third and a half of the width, from its left end; one cell along is around the axis
     assert found.position == pytest.approx((-1 / 12, 0))
     edges = np.array([-3, -1, 0, 1, 3]) / 6
@@ -155,6 +158,10 @@ def test_evolutions_are_compared_at_the_instant_of_the_highest_pressure() -> Non
     assert found.time == 1
     assert (found.l1, found.largest) == pytest.approx((2 / 6, 2))
     assert "at 1 s" in str(found)
+    before, after, high = [[9], [9]], [[4], [4]], [[4], [2]]
+    jump = over_time(before, after, times=(1, 1))  # a load that jumps is recorded twice
+    assert cs.compare(over_time([[1], [1]], high, times=(0, 1)), jump).largest == 2
+    assert cs.compare(over_time(high, [[1], [1]], times=(1, 1)), jump).largest == 7
 
 
 @pytest.mark.parametrize(
@@ -178,3 +185,5 @@ def test_quantities_of_films_are_compared_too() -> None:
     assert found.quantities == {"central film thickness": pytest.approx(0.5)}
     assert "central film thickness: +50 %" in str(found)
     assert "approach" not in str(found)
+    inlet = [contact(p).assign(film=((), 1e-7)) for p in ([[1], [1]], [[0], [1]])]
+    assert "contact area" not in str(cs.compare(*inlet))

@@ -168,7 +168,7 @@ def test_an_extent_or_a_unit_other_than_the_file_has_is_refused(
 ) -> None:
     cs.MeasuredSurface(HEIGHTS, (6e-6, 8e-6)).write(tmp_path / "surface.nc")
     (tmp_path / "surface.xyz").write_text("0 0 1\n3 0 2\n0 4 3\n3 4 4\n")
-    unit = "m" if name == "surface.nc" else "um"
+    unit = "um" if name == "surface.xyz" else "m"
     assert read(tmp_path / name, (6e-6, 8e-6), unit)[1] == pytest.approx((6e-6, 8e-6))
     with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.extent is .*: leave it out"):
         read(tmp_path / name, (6e-6, 9e-6), unit)

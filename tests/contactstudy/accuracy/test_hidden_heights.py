@@ -153,6 +153,18 @@ def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
     assert "protrudes" in estimate.warnings[0]
 
 
+@pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), cs.ZeroPadding()], ids=str)
+@pytest.mark.parametrize("rows", [2, 3])
+def test_waves_within_two_or_three_cells_along_leave_no_bound(
+    rows: int, padding: cs.Padding, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid((64, rows), 10.0, width=3.2)
+    ridges = Bumps(1e-6, 0.5, (0.0, 2.0), (inf, grid.extent[1] / 48))
+    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, ridges))
+    estimate = error_estimate(cs.solve(scene.problem(grid, padding)))
+    assert estimate.peak_pressure.total == inf
+
+
 def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineContact) -> None:
     hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
     height = 1e-3 * hertz.half_width**2 / hertz.radius

@@ -271,6 +271,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     if frame.step_error == inf:
         reason = reason or "No bound: the time-discretisation error was not estimated."
     l1 = replace(steps, reason=reason)
+    cells = max(l1.by_cause["discretisation"], frame.peak_grid_error)
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     area = unknown if frame.pressure.any() else l1  # separated bodies have no area
     stress = unknown if outputs else None
@@ -287,7 +288,14 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         traction=trajectory.traction(frame),
         adhesion=frame.adhesion,
         estimate=ErrorEstimate(
-            l1, l1, area, unknown, unknown, stress, stress, warnings=frame.warnings
+            l1,
+            replace(l1, discretisation=cells),
+            area,
+            unknown,
+            unknown,
+            stress,
+            stress,
+            warnings=frame.warnings,
         ),
         time=frame.time,
         state=frame.fields,

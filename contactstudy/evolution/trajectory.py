@@ -72,6 +72,8 @@ class Frame:
     grid_error_parts
         Estimated error of the contact on this grid by cause, without that by the steps, see
         :func:`~contactstudy.accuracy.estimate.error_estimate`.
+    peak_grid_error
+        Estimated error of the peak pressure by the cells alone.
     warnings
         A sentence for each error that has no bound.
     """
@@ -90,6 +92,7 @@ class Frame:
     convolutions: float
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
+    peak_grid_error: float = inf
     warnings: tuple[str, ...] = ()
     adhesion: AdhesiveTraction | None = None
     solution: Solution | None = None

@@ -323,20 +323,20 @@ class AdaptiveIntegrator:
         """Heights inside the cells, which all instants share."""
         return SubgridHeights.from_problem(self.stepper.problem)
 
-    def _grid_error(self, solution: Solution) -> tuple[ErrorParts, tuple[str, ...]]:
-        """Return the error of a contact on this grid by cause, and the reasons for what has no bound.
+    def _grid_errors(self, solution: Solution) -> tuple[ErrorParts, float, tuple[str, ...]]:
+        """Return errors of a contact on this grid: in L1 by cause, of the peak by the cells, and why any is infinite.
 
-        It is relative to the same pressure as the time-discretisation error.
+        The first is relative to the same pressure as the time-discretisation error.
         """
         pressure = solution.pressure
         if not np.isfinite(solution.residual):
-            return ErrorParts(0.0, inf, 0.0), (f"No bound: {solution.status}",)
+            return ErrorParts(0.0, inf, 0.0), inf, (f"No bound: {solution.status}",)
         if not pressure.any():
-            return ErrorParts(0.0, 0.0, 0.0), ()
+            return ErrorParts(0.0, 0.0, 0.0), 0.0, ()
         try:
             estimate = error_estimate(solution, heights=self._heights)
         except NotDefined as reason:
-            return ErrorParts(0.0, inf, 0.0), (f"No bound: {reason}",)
+            return ErrorParts(0.0, inf, 0.0), inf, (f"No bound: {reason}",)
         total = float(pressure.sum())
         # creep and wear keep the errors of earlier pressures, so that they enter later frames
         cells = estimate.l1.by_cause["discretisation"]
@@ -351,7 +351,9 @@ class AdaptiveIntegrator:
             )
         factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
         parts = ErrorParts(estimate.l1.images, cells, estimate.l1.residual)
-        return parts.scaled(factor), estimate.warnings
+        assert estimate.peak_pressure is not None
+        peak = estimate.peak_pressure.by_cause["discretisation"]
+        return parts.scaled(factor), peak, estimate.warnings
 
     def _relative_to_largest_load(self, pressures: float) -> float:
         """Return a sum of cell pressures [Pa] divided by the sum under the largest load."""
@@ -370,7 +372,7 @@ class AdaptiveIntegrator:
             )
             for name, field in state_variable.fields(state).items()
         }
-        parts, warnings = self._grid_error(solution)
+        parts, peak_error, warnings = self._grid_errors(solution)
         self.waiting.append(
             Frame(
                 time=self.fine.time,
@@ -384,6 +386,7 @@ class AdaptiveIntegrator:
                 residual=solution.residual,
                 step_error=self._common_error(),
                 grid_error_parts=parts,
+                peak_grid_error=peak_error,
                 warnings=warnings,
                 adhesion=self.fine.adhesion,
                 solves=self.solves,

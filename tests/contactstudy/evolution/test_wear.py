@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.answers.evolution import evolution_answer
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.time_steps import Scheme
@@ -184,6 +185,10 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
     found = evolved(scene, grid, [0.0, 1.0], padding=(zero, zero))
     peaks = [frame.pressure.max() / np.median(frame.pressure[24]) for frame in found.frames]
     assert peaks[1] < peaks[0]
+    errors = dict(evolution_answer(found).frames[0].error)
+    of_cells = errors["l1"].by_cause["discretisation"]
+    assert of_cells < errors["peak_pressure"].by_cause["discretisation"] == inf
+    assert "sharp edge" in errors["peak_pressure"].reason
 
 
 @pytest.mark.parametrize(

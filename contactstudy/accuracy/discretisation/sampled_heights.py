@@ -169,9 +169,12 @@ def _weights(position: float) -> tuple[float, ...]:
 
 
 def extended_by_two(centres: Array, *, wraps: bool) -> Array:
-    """Return `centres` (n, lines) with two more at either end: periodic ones where it wraps, else of the last cubic."""
+    """Return `centres` (n, lines) with two more at either end: periodic ones where it wraps, else of the last cubic.
+
+    Fewer than four centres have no cubic: the last one is repeated.
+    """
     padded = with_ends(centres, 2, wraps=wraps)
-    if not wraps:
+    if not wraps and len(centres) >= 4:
         for side in (padded, padded[::-1]):
             side[:2] = matrix_product(BEYOND, side[2:6])
     return padded

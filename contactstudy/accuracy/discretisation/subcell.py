@@ -9,7 +9,7 @@
 """
 
 from dataclasses import dataclass
-from math import ceil, log, pi, prod
+from math import ceil, log, pi
 
 import numpy as np
 
@@ -144,10 +144,10 @@ class SubgridHeights:
                 CONSTANTS.points if source.has_length_scales else CONSTANTS.points_without_scales
             )
             parts = (
-                _hidden_heights(problem, axis, points) for axis in (0, 1) if grid.cells[axis] >= 4
+                _hidden_heights(problem, axis, points) for axis in (0, 1) if grid.cells[axis] > 1
             )
             along = tuple(part for part in parts if part is not None)
-            examined = not source.has_length_scales and min(grid.cells) >= 4
+            examined = not source.has_length_scales and min(grid.cells) > 1
             return cls(along, _between_lines(problem, confidence) if examined else None)
         except InvalidInput:
             return None
@@ -359,10 +359,13 @@ def _with_neighbours(pressure: Array, problem: Problem) -> Array:
 def _modulus(problem: Problem, axis: int) -> float:
     """Return E* [Pa] from the displacement under an alternating pressure, ``2 dx / (pi E*)`` for a half-space."""
     across, along = (np.ones(count) for count in problem.grid.cells)
-    (along if axis else across)[1::2] = -1
+    alternating = along if axis else across
+    alternating[1::2] = -1
+    alternating[len(alternating) // 2 * 2 :] = 0  # the mean of an odd number of cells
     if isinstance(problem.operator, Convolution):
         energy = problem.operator.work_of_product(across, along)
     else:
         wave = across[:, None] * along
         energy = float((problem.operator(wave) * wave).sum())
-    return 2 * problem.grid.cell_size[axis] * prod(problem.grid.cells) / (pi * energy)
+    loaded = np.count_nonzero(across) * np.count_nonzero(along)
+    return 2 * problem.grid.cell_size[axis] * loaded / (pi * energy)

@@ -159,7 +159,7 @@ def test_waves_within_two_or_three_cells_along_leave_no_bound(
     rows: int, padding: cs.Padding, line_contact: LineContact
 ) -> None:
     grid = line_contact.grid((64, rows), 10.0, width=3.2)
-    ridges = Bumps(1e-6, 0.5, (0.0, 2.0), (inf, grid.extent[1] / 48))
+    ridges = Bumps(1e-5, 0.5, (0.0, 2.0), (inf, grid.extent[1] / 48))
     scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, ridges))
     estimate = error_estimate(cs.solve(scene.problem(grid, padding)))
     assert estimate.peak_pressure.total == inf

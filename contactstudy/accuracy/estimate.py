@@ -188,7 +188,7 @@ def error_estimate(
     # the heights on several grids have the same waves
     with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
         cells = _cells(solution, coarse, heights, confidence)
-    rise_at_edge, width, reason = _edge_rise(problem)
+    rise_at_edge, width, reason = _edge_rise(solution)
     if reason:
         rise = max(rise_at_edge / float(solution.pressure.max()) - 1, 0.0)
         # one at either edge, in the mean over the length
@@ -326,13 +326,13 @@ def _force(solution: Solution) -> Array:
     return np.where(force > CONSTANTS.negligible_attraction * force.max(), force, 0.0)
 
 
-def _edge_rise(problem: Problem) -> tuple[float, float, str]:
+def _edge_rise(solution: Solution) -> tuple[float, float, str]:
     """Return the pressure [Pa] at the edges of a contact on a coating of few cells, its width [m], and a sentence.
 
     Both are 0, and the sentence is empty, where no coating is much stiffer than its substrate or the cells resolve the
     rise.
     """
-    pressure, width, reason = 0.0, 0.0, ""
+    pressure, width, reason, problem = 0.0, 0.0, "", solution.problem
     if not isinstance(problem.description, PosedScene):
         return pressure, width, reason
     scene = problem.description.scene
@@ -340,7 +340,7 @@ def _edge_rise(problem: Problem) -> tuple[float, float, str]:
         stiffer = coating.substrate.compliance / coating.compliance
         cells = coating.thickness / problem.grid.cell_size[0]
         if stiffer > CONSTANTS.stiff_coating and cells < CONSTANTS.cells_in_coating:
-            curvature = 1 / scene.hertz.radius if scene.hertz is not None else 0.0
+            curvature = 1 / scene.hertz.radius if scene.hertz is not None else _curvature(solution)
             bending = coating.thickness * curvature / coating.compliance
             pressure = max(pressure, CONSTANTS.edge_rise * bending / stiffer ** (1 / 3))
             width = max(width, coating.thickness)
@@ -350,6 +350,14 @@ def _edge_rise(problem: Problem) -> tuple[float, float, str]:
                 f"{readable(pressure, 'Pa', 3)}."
             )
     return pressure, width, reason
+
+
+def _curvature(solution: Solution) -> float:
+    """Return the largest curvature of the undeformed gap across [1/m] in cells that touch and beside them."""
+    grid, touching = solution.problem.grid, solution.pressure > 0
+    bends = np.abs(np.diff(solution.problem.undeformed_gap, n=2, axis=0)) / grid.cell_size[0] ** 2
+    beside = touching[:-2] | touching[1:-1] | touching[2:]
+    return float(bends[beside].max(initial=0.0))
 
 
 def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> float:

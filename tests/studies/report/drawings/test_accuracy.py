@@ -30,7 +30,7 @@ def made_up() -> xr.Dataset:
 def test_the_table_counts_by_kind_and_lists_every_miss(made_up: xr.Dataset) -> None:
     by_kind, misses = DRAWING.tables(made_up)
     assert by_kind.rows[0][:5] == (KINDS[0], "2", "100.0 %", "3", "0")
-    assert by_kind.rows[1][:5] == (KINDS[1], "2", "50.0 %", "0.5", "1")
+    assert by_kind.rows[1][:5] == (KINDS[1], "2", "0.0 %", "0.5", "1")
     assert [row[:2] for row in misses.rows] == [
         ("c", "pressure in L1"), ("c", "peak pressure"), ("c", "contact area"),
     ]  # fmt: skip
@@ -38,9 +38,11 @@ def test_the_table_counts_by_kind_and_lists_every_miss(made_up: xr.Dataset) -> N
 
 def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:
     (finding,) = DRAWING.findings(made_up)
-    assert "75.0 % of 4 contacts" in finding.claim
-    assert "66.7 / 66.7 / 66.7 % of 3 contacts (judged)" in finding.measured
-    assert "100.0 / 100.0 / 100.0 % of 1 contacts (random)" in finding.measured
+    assert "of 4 contacts of every kind" in finding.claim
+    assert "66.7 % hold where there is one" in finding.claim
+    assert "66.7 % / 66.7 % / 66.7 % of 3 contacts (judged)" in finding.measured
+    # a bound that is missing is none that holds
+    assert "none / none / none of 1 contacts (random)" in finding.measured
     assert "in the median 2 times too large, 1 without a bound" in finding.measured
 
 
@@ -60,5 +62,5 @@ def test_the_ratio_is_of_errors_that_are_known_and_not_nothing(made_up: xr.Datas
 def test_contacts_on_which_margins_are_set_do_not_count_in_the_finding(made_up: xr.Dataset) -> None:
     made_up["use"][2] = 0
     (finding,) = DRAWING.findings(made_up)
-    assert "100.0 % of 3 contacts" in finding.claim
-    assert "0.0 / 0.0 / 0.0 % of 1 contacts (set)" in finding.measured
+    assert "100.0 % hold" in finding.claim
+    assert "0.0 % / 0.0 % / 0.0 % of 1 contacts (set)" in finding.measured

@@ -87,10 +87,12 @@ def _over_axis(
     ax.set(xscale="log", xlabel="relative error", yticks=range(len(labels)), yticklabels=labels)
     write_powers(ax.xaxis, in_percent)
     ax.invert_yaxis()
+    has_missing = any(bool(error.isnull().any()) for error in errors.values())
+    unmarked = "a quantity without a mark agrees exactly" + ", or has no number" * has_missing
     return captioned(
         "errors",
         fig,
-        f"Relative errors against {reference}; a quantity without a mark agrees exactly.{bounds_text}",
+        f"Relative errors against {reference}; {unmarked}.{bounds_text}",
     )
 
 

@@ -3,6 +3,7 @@
 import tomllib
 from collections.abc import Sequence
 from itertools import islice, product
+from math import prod
 from textwrap import fill
 from typing import Any
 
@@ -63,8 +64,8 @@ def figures(
     dataset
         Stored study.
     kind
-        "curves" over the longest numeric axis, with a line for each value of another, or "maps" over two numeric
-        axes, which are curves where there are not two.
+        "curves" over a varied load or else the longest numeric axis, with a line for each value of another, or "maps"
+        over two numeric axes, which are curves where there are not two.
     plot
         Names of the measures to draw; those of a contact if empty.
 
@@ -74,7 +75,8 @@ def figures(
         For a name that the study does not have, or a study without numbers.
     """
     axes = _by_length(dataset)
-    names = [one_of("plot", name, _numbers(dataset)) for name in plot] or _measures(dataset)
+    measures = _measures(dataset)
+    names = [one_of("plot", name, _numbers(dataset)) for name in plot] or _first(measures)
     if not names:
         raise InvalidInput(
             "The study has no measure to draw: let measures give a number that is not nan."
@@ -84,7 +86,9 @@ def figures(
     is_map = kind == "maps" and len(shown) == 2 and all(_varies(dataset[axis]) for axis in shown)
     stem = "maps" if is_map else "curves"
     drawn = []
+    omitted = [name for name in measures if name not in names and not plot]
     points = product(*(dataset[axis].values for axis in further))
+    count = prod(dataset.sizes[axis] for axis in further)
     for number, point in enumerate(islice(points, MAX_FIGURES), 1):
         at = dict(zip(further, point, strict=True))
         selection_text = ", ".join(
@@ -107,6 +111,8 @@ def figures(
             selection_text,
             _constants(dataset, axes),
             f"hollow points: {DOUBTFUL['label']}" * is_hollow,
+            f"--plot draws {len(omitted)} more, such as {omitted[0]}" if omitted else "",
+            f"the first {MAX_FIGURES} of {count} points have a figure" * (count > MAX_FIGURES),
         ]
         caption = f"{'; '.join(part for part in parts if part)}."
         drawn.append(captioned(f"{stem}-{number}" if further else stem, figure, caption))
@@ -142,20 +148,18 @@ def _by_length(dataset: xr.Dataset) -> list[str]:
 
 
 def _numbers(dataset: xr.Dataset) -> list[str]:
-    """Return the names of the variables with a number at every point."""
+    """Return the names of the variables over all axes that have numbers, flags left out."""
     dims = dataset["case_status"].dims
     return [
         str(name)
         for name, variable in dataset.data_vars.items()
-        if variable.dims == dims and variable.dtype.kind == "f" and variable.notnull().any()
+        if variable.dims == dims and variable.dtype.kind in "iuf" and variable.notnull().any()
+        if name != "case_status" and "flag_meanings" not in variable.attrs
     ]
 
 
 def _measures(dataset: xr.Dataset) -> list[str]:
-    """Return the names of the variables to draw: numbers at every point, times only where there is nothing else.
-
-    Where there are more than there is room for, those of a contact come first.
-    """
+    """Return the names of the measures that change, or all where none does; times only where there is nothing else."""
     present = [
         name
         for name in _numbers(dataset)
@@ -163,11 +167,13 @@ def _measures(dataset: xr.Dataset) -> list[str]:
     ]
     times = [name for name in present if "_time" in name]
     measures = [name for name in present if name not in times]
-    measures = [name for name in measures if _changes(dataset[name])] or measures
+    return [name for name in measures if _changes(dataset[name])] or measures or times
+
+
+def _first(measures: Sequence[str]) -> Sequence[str]:
+    """Return the measures to draw: where there are more than there is room for, those of a contact."""
     preferred = [name for name in DRAWN if name in measures]
-    if not preferred or len(measures) <= MAX_PANELS:
-        preferred = measures
-    return (preferred or times)[:MAX_PANELS]
+    return (preferred if len(measures) > MAX_PANELS and preferred else measures)[:MAX_PANELS]
 
 
 def _changes(values: xr.DataArray) -> bool:
@@ -177,7 +183,7 @@ def _changes(values: xr.DataArray) -> bool:
 
 
 def _doubtful(dataset: xr.Dataset, name: str) -> xr.DataArray:
-    """Return the values of a measure that have no bound, or belong to an answer that misses its accuracy; else nan."""
+    """Return the values of a measure whose bound is infinite, or whose answer misses its accuracy; else nan."""
     values, bound = dataset[name], dataset.get(f"{name}_bound")
     is_doubtful = xr.zeros_like(values, dtype=bool) if bound is None else np.isinf(bound)
     if "accuracy_met" in dataset:
@@ -214,7 +220,7 @@ def _curve(
     def lines(field: xr.DataArray) -> np.ndarray:
         return np.asarray(field.transpose(*families, first).values.reshape(-1, numbers.size))
 
-    is_mean = any(map(_is_sample, families))
+    is_mean = any(_is_sample(axis) and values.sizes[axis] > 1 for axis in families)
     if bars is not None and not is_mean and values.size <= MAX_LINES * numbers.size:
         for line, bar in zip(lines(y), lines(bars), strict=True):
             ax.errorbar(x, line, yerr=bar, fmt="none", ecolor="0.6", capsize=2, zorder=1)

@@ -34,6 +34,11 @@ def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_refere
     np.testing.assert_allclose(line.get_xdata(), [0.1, np.nan], rtol=1e-9)
     # 0.02 of 2 and of 4
     assert "peak pressure 1.0\xa0%" in errors.caption
+    assert "without a mark agrees exactly." in errors.caption
+    failed = axes_text()
+    failed["case_status"][2, 0] = CaseStatus.FAILED
+    failed["peak_pressure"][2] = np.nan
+    assert "agrees exactly, or has no number" in figures(failed)[-2].caption
     marks = front.figure.axes[0].lines[1]
     np.testing.assert_allclose(marks.get_xydata(), [[2.0, 0.1], [8.0, 0.0]], atol=1e-12)
 

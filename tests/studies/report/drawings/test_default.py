@@ -47,9 +47,15 @@ def test_measures_stand_over_the_load_in_units_in_which_they_are_short() -> None
     assert "[MPa]" in pressure.get_ylabel()
 
 
+def numbered_ok(axes: dict[str, Any], *names: str) -> xr.Dataset:
+    """Numbers over axes on which no case failed."""
+    dataset = numbered(axes, *names)
+    dataset["case_status"] = xr.full_like(dataset[names[0]], CaseStatus.OK)
+    return dataset
+
+
 def test_a_value_without_a_bound_is_hollow_and_a_measure_that_never_changes_is_left_out() -> None:
-    dataset = numbered({"angle": [0.0, 1.0, 2.0]}, "peak_pressure", "approach")
-    dataset["case_status"] = "angle", np.full(3, CaseStatus.OK)
+    dataset = numbered_ok({"angle": [0.0, 1.0, 2.0]}, "peak_pressure", "approach")
     dataset["peak_pressure_bound"] = "angle", [0.1, np.inf, np.inf]
     dataset["approach"] = "angle", 2.0 + 1e-9 * np.arange(3)
     [ax] = figures(dataset)[0].figure.axes
@@ -68,6 +74,15 @@ def test_what_misses_the_accuracy_asked_for_is_hollow_and_the_caption_says_so(ki
     at = np.flatnonzero(np.isfinite(y))
     assert np.asarray(x)[at] == pytest.approx([LOADS[2] / 1e3])
     assert "hollow" in drawn.caption
+
+
+def test_a_caption_says_what_has_no_figure() -> None:
+    many = {"load_per_length": LOADS, "rms": np.arange(13.0), "hurst": np.arange(13.0)}
+    drawn = figures(numbered_ok(many, *(f"measure{k}" for k in range(8))))
+    assert len(drawn) == 12
+    assert "--plot draws 2 more, such as measure6; the first 12 of 13 points" in drawn[0].caption
+    [one] = figures(numbered_ok({"load_per_length": LOADS}, "approach"))
+    assert "more" not in one.caption
 
 
 def test_maps_show_a_measure_over_two_axes() -> None:
@@ -95,5 +110,8 @@ def test_the_measures_that_are_asked_for_are_drawn_alone() -> None:
     dataset = axes_text({"load_per_length": LOADS})
     [drawn] = figures(dataset, plot=["approach"])
     assert [ax.get_ylabel() for ax in drawn.figure.axes] == ["approach [µm]"]
+    # whole numbers are measures too
+    counted = dataset[["case_status"]].assign(count=("load_per_length", [1, 2, 3, 5]))
+    assert [drawn.figure.axes[0].get_ylabel() for drawn in figures(counted)] == ["count"]
     with pytest.raises(InvalidInput, match="did you mean 'approach'"):
         figures(dataset, plot=["aproach"])

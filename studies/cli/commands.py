@@ -24,6 +24,7 @@ from studies.model.axis import MOST_POINTS
 from studies.model.plain_text import one_line, place_of
 from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, has_own_figures, load, load_drawing
+from studies.scene_study.values import MAX_VALUES
 
 # What runs is imported by the commands that run, and what draws by those that draw: help comes at once.
 
@@ -101,6 +102,12 @@ def report(
     from studies.report.chapters import chapters
 
     chosen = chapters(chapter)
+    most = max(part.most_repeats for page_chapter in chosen for part in page_chapter.parts)
+    if is_given(context, "repeats") and repeats > most:
+        raise InvalidInput(
+            f"--repeats is {repeats}: pages of {' '.join(chapter) or 'the report'} take at most {most} timed runs of a "
+            "case; leave it out, or time a study with contactstudy run before."
+        )
     options = RunOptions(workers=workers, repeats=repeats)
     for page_chapter in chosen:
         path = reporting.run_and_write(
@@ -223,6 +230,13 @@ def run(
             chosen = replace(chosen, times="taken")
     if reference is not None:
         chosen = with_reference(chosen, study, reference)
+    if chosen.times != "taken":
+        reason = f"studies whose cases are timed, which {chosen.name} does not do"
+        refuse(context, reason, "repeats", "old_times")
+    if no_times:
+        refuse(context, "timed runs, and not beside --no-times", "repeats", "old_times")
+    if study.endswith(".toml"):
+        refuse(context, f"a study, and a scene has at most {MAX_VALUES} points", "yes")
     if has_own_figures(study):
         refuse(context, "a scene or a study without figures of its own", "figures", "plot")
     drawing = partial(load_drawing, study, figures, names_in(plot))

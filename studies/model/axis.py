@@ -17,6 +17,7 @@ Value = str | int | float
 # largest difference of two equal numbers, relative to the axis' span and to the larger of them
 EQUAL_WITHIN = 1e-12
 MOST_POINTS = 1_000_000  # points of a study above which a user must confirm
+CONFIRM = "give fewer, or confirm with --yes on the command line"
 POINT_BYTES = 500  # memory that a point takes at least, its key and its place in the table
 
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -152,10 +153,10 @@ class Axis:
         """
         parts = list(_split(values, self.kind)) if isinstance(values, str) else [values]
         count = sum(len(part) if isinstance(part, Sized) else 0 for part in parts)
-        check_count(self.name, count, "values", most)
+        check_count(self.name, count, "values", most, CONFIRM)
         raw = islice(chain.from_iterable(parts), None if most is None else most + 1)
         parsed = dict.fromkeys(self._convert(value) for value in raw)
-        check_count(self.name, len(parsed), "values", most)
+        check_count(self.name, len(parsed), "values", most, CONFIRM)
         if self.kind is not str:  # figures and findings read from the least to the largest
             parsed = dict.fromkeys(sorted(parsed))
         if not parsed:
@@ -195,12 +196,12 @@ def is_geometric(values: np.ndarray) -> bool:
     return bool(np.allclose(ratios, ratios[0], rtol=1e-3) and abs(ratios[0] - 1) > 1e-3)
 
 
-def check_count(name: str, count: int, what: str, most: int | None) -> None:
+def check_count(
+    name: str, count: int, what: str, most: int | None, remedy: str = "give fewer"
+) -> None:
     """Raise InvalidInput for more than `most` values, or more than this machine's memory can hold."""
     if most is not None and count > most:
-        raise InvalidInput(
-            f"{name} has {count} {what}, more than {most}: give fewer, or confirm with --yes on the command line."
-        )
+        raise InvalidInput(f"{name} has {count} {what}, more than {most}: {remedy}.")
     if count * POINT_BYTES > available_bytes():
         raise InvalidInput(
             f"{name} has {count} {what}, which take some {count * POINT_BYTES / 1e9:.3g} GB of memory, and "
@@ -263,7 +264,7 @@ def values_between(
     spaced = np.geomspace(low, high, number) if spacing else np.linspace(low, high, number)
     if is_integer:
         rounded = np.round(spaced).astype(int)
-        if not spacing and np.abs(spaced - rounded).max() > 1e-9 * high:
+        if not spacing and np.abs(spaced - rounded).max() > 1e-9 * max(-low, high):
             return None
         return [int(value) for value in np.unique(rounded)]
     # rounded to twelve digits, so that 3e-07 is not 3.0000000000000004e-07

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from studies.model.axis import MOST_POINTS, Axis, Value, check_count, one_of
+from studies.model.axis import CONFIRM, MOST_POINTS, Axis, Value, check_count, one_of
 from studies.model.plain_text import name_problem, one_line, place_of, shortened
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class Study:
 
     def check_size(self, most: int | None) -> None:
         """Raise InvalidInput for more than `most` points, or more than memory holds."""
-        check_count(f"Study {self.name!r}", self.size, "points", most)
+        check_count(f"Study {self.name!r}", self.size, "points", most, CONFIRM)
 
     def override(
         self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS

@@ -91,6 +91,27 @@ def test_without_times_a_study_shows_what_needs_none(call: Call, tmp_path: Path)
             ["run", "padding", "--out", "/dev/null/x"],
             "Output folder '/dev/null/x' cannot be written to (Not a directory): give another with --out.",
         ),
+        (
+            ["run", "creep", "--repeats", "5"],
+            "--repeats is for studies whose cases are timed, which creep does not do: leave it out.",
+        ),
+        (
+            ["run", "grid", "--no-times", "--retime"],
+            "--retime is for timed runs, and not beside --no-times: leave it out.",
+        ),
+        (
+            ["run", str(EXAMPLES / "rough.toml"), "--vary", "plan.error=0.1,0.2", "--yes"],
+            "--yes is for a study, and a scene has at most 100000 points: leave it out.",
+        ),
+        (
+            ["run", str(EXAMPLES / "rough.toml"), "--vary", "plan.error=0.1:0.2:100001"],
+            "plan.error has 100001 values, more than 100000: give fewer.",
+        ),
+        (
+            ["report", "cost", "trust", "--repeats", "5"],
+            "--repeats is 5: pages of cost trust take at most 2 timed runs of a case; leave it out, or time a study "
+            "with contactstudy run before.",
+        ),
         (["draw", "--out", "empty"], "Comparison 'empty/settings.nc' does not exist: run contactstudy report first."),
     ],
     ids=lambda part: " ".join(part) if isinstance(part, list) else "",

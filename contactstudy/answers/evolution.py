@@ -260,7 +260,9 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         contact = contact_answer(
             solution, time=frame.time, state=frame.fields, rolling=frame.rolling
         )
-        return _with_steps(contact, frame.step_error) if frame.step_error else contact
+        worn = frame.fields.get("worn_depth")
+        has_worn = worn is not None and worn.values.any()
+        return _with_steps(contact, frame.step_error) if has_worn else contact
     problem = trajectory.problem
     outputs = tuple(trajectory.derived(frame, output) for output in problem.outputs)
     problem = replace(problem, outputs=outputs)

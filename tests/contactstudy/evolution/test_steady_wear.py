@@ -70,6 +70,15 @@ def test_a_drive_that_slides_fully_wears_like_a_roller_that_slides_as_fast() -> 
     assert "has crept, worn or yielded" in found.frames[1].quantities["approach"].reason
 
 
+def test_a_gap_that_wears_evenly_has_no_bound_either() -> None:
+    """In plane strain the pressure keeps its value, whatever the steps."""
+    roller = replace(ROLLER, shapes=ROLLER.shapes[:1])
+    found = cs.solve(roller, cs.Grid((24, 1), GRID.extent), EXACT, times=(0.0, 1e4, 3e4))
+    gaps = [frame.quantities["mean_gap"].bound for frame in found.frames]
+    assert 0 < gaps[0] < inf == gaps[1] == gaps[2]
+    assert all(frame.error.l1.by_cause["steps"] < 1e-6 for frame in found.frames[1:])
+
+
 def test_without_creepage_a_drive_does_not_wear() -> None:
     drive = cs.TractiveRolling(0.3, longitudinal=0.0)
     wear = cs.Wear(1e-13, 0.0, circumference=AROUND)

@@ -17,7 +17,7 @@ from contactstudy.domain.checks import (
 )
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Padding, Paddings, across_and_along
-from contactstudy.domain.units import Pascals
+from contactstudy.domain.units import Pascals, readable
 from contactstudy.elasticity.convolution import superposed
 from contactstudy.problem.constraint import (
     Compressive,
@@ -312,8 +312,8 @@ class Scene:
         Raises
         ------
         InvalidInput
-            If the arguments are of another kind, the scene changes in time, rolls or has a film, or memory does not
-            suffice.
+            If the arguments are of another kind, the scene changes in time, rolls or has a film, memory does not
+            suffice, or no pressure leads to the approach.
         """
         return self._problem_with(grid, padding, None)
 
@@ -344,6 +344,8 @@ class Scene:
         gap = (
             heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         )
+        if isinstance(self.load, Approach):
+            _refuse_full_contact(self.load, gap, paddings)
         scales = self.scales(grid)
         if solver is None and self.adhesion is not None:
             solver = self.adhesion.solver_on(self, heights, grid)
@@ -503,6 +505,18 @@ class PosedScene:
     scene: Scene
     grid: Grid
     padding: Padding | Paddings
+
+
+def _refuse_full_contact(load: Approach, gap: Array, paddings: Paddings) -> None:
+    """Raise InvalidInput where displacements that count from their mean leave no finite pressure at this approach."""
+    mean = float(gap.mean())
+    rounding = 4 * float(np.finfo(gap.dtype).eps * np.abs(gap).max())
+    if all(padding.window is None for padding in paddings) and load.approach >= mean - rounding:
+        raise InvalidInput(
+            f"Scene.load is {load!r} with ExactPeriodicity along both axes, where displacements count from their mean "
+            f"and no pressure brings the bodies closer than their mean undeformed gap of {readable(mean)}: give a "
+            "smaller approach, or a LineLoad."
+        )
 
 
 def _is_free(padding: Padding) -> bool:

@@ -38,7 +38,8 @@ class Approach:
     Raises
     ------
     InvalidInput
-        If a number is not finite, or the datum is not above 0 m; on a grid that is more than twice as wide as the datum.
+        If a number is not finite, or the datum is not above 0 m; on a grid that is more than twice as wide as the datum;
+        with ExactPeriodicity along both axes, if the approach is not below the mean undeformed gap.
     """
 
     #: Largest given load [N/m]: none is given.

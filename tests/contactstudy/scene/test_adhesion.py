@@ -174,6 +174,14 @@ def test_a_datum_within_the_grid_is_refused() -> None:
         near.problem(GRID, LINE)
 
 
+@pytest.mark.parametrize("approach", [0.0, 3e-6])
+def test_an_approach_beyond_full_contact_of_periodic_bodies_is_refused(approach: float) -> None:
+    wavy = (cs.Waviness(1e-6, across=1.5e-3),)
+    scene = replace(SCENE, adhesion=None, shapes=wavy, load=cs.Approach(approach))
+    with pytest.raises(cs.InvalidInput, match=r"^Scene\.load is Approach.*mean undeformed gap"):
+        scene.problem(GRID, (LINE, LINE))
+
+
 @pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()])
 def test_solvers_agree_under_a_given_approach(solver: Any) -> None:
     wavy = (cs.Cylinder(0.01), cs.Waviness(2e-6, across=2e-4, along=2e-4))

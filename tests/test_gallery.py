@@ -1,5 +1,3 @@
-"""Every example of the gallery runs and asserts the number that it is about."""
-
 import runpy
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""What the package says of itself: its dependencies and the README that an index shows."""
-
 import re
 import tomllib
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""The check of the documentation's pages, which its build runs, finds what it is for."""
-
 import sys
 from pathlib import Path
 

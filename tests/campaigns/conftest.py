@@ -10,5 +10,4 @@ IS_WHOLE = os.environ.get("CONTACTSTUDY_CAMPAIGNS") == "whole"
 
 
 def case_count(whole: int, thin: int) -> int:
-    """How many of a campaign are tried."""
     return whole if IS_WHOLE else thin

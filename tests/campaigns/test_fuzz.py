@@ -1,5 +1,3 @@
-"""Nonsense at the command line, in scene files and in study files: a sentence and an exit code, nothing else."""
-
 import contextlib
 import io
 import random

@@ -1,5 +1,3 @@
-"""A damaged journal gives back what is whole in it, bit for bit, and nothing else."""
-
 import random
 from collections.abc import Iterator
 from contextlib import suppress
@@ -36,7 +34,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, Request]:
 
 
 def content(path: Path, request: Request) -> Said:
-    """All that a journal says of its cases."""
     records = Journal(path, request.context, machine()).records
     return {
         key: (

@@ -1,5 +1,3 @@
-"""Whoever is killed, whenever, and with whichever signal: the next run goes on, and nothing is lost or wrong."""
-
 import itertools
 import random
 import signal

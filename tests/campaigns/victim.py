@@ -32,7 +32,6 @@ class Kill:
     count: int
 
     def event(self, phase: str) -> None:
-        """Something of this phase happens."""
         if phase != self.phase:
             return
         marker = Path(self.folder) / "killed"
@@ -78,7 +77,6 @@ def study(kill: Kill, numbers: Iterable[float] = range(CASES)) -> Study:
 
 
 def main() -> None:
-    """Run it, and draw it."""
     from studies.engine.options import RunOptions
     from studies.engine.run import run
     from studies.report import page

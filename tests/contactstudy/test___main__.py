@@ -1,5 +1,3 @@
-"""``python -m contactstudy`` is the command."""
-
 import runpy
 import sys
 

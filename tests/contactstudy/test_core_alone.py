@@ -1,5 +1,3 @@
-"""With numpy and scipy alone a scene is planned, solved and judged; what needs more says what to install."""
-
 import json
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-"""What a scene does not name is not transformed and not imported."""
-
 import subprocess
 import sys
 from collections import Counter

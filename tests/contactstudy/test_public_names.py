@@ -1,5 +1,3 @@
-"""What a user can build from public names alone."""
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar

@@ -1,5 +1,3 @@
-"""One small sweep, run once, that many tests read."""
-
 import os
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-"""Other libraries take our datasets, as the page on it says, where they are installed."""
-
 import re
 from pathlib import Path
 
@@ -14,7 +12,6 @@ BLOCKS = BLOCK.findall(PAGE.read_text(encoding="utf-8"))
 
 @pytest.fixture(scope="module")
 def known(tmp_path_factory: pytest.TempPathFactory) -> dict[str, object]:
-    """The solution and the study that the page makes first, and their folder."""
     folder = tmp_path_factory.mktemp("page")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)

@@ -1,5 +1,3 @@
-"""What a user of studies imports stands in one place, and costs nothing until it is used."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""What is wrong with a study file is said before anything runs, with file and line."""
-
 from pathlib import Path
 
 import pytest

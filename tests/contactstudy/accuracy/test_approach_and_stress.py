@@ -1,5 +1,3 @@
-"""Bounds of the approach and of the largest stress below the surface, beside those of finer cells."""
-
 from dataclasses import replace
 from math import inf
 

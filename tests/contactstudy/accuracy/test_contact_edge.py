@@ -1,5 +1,3 @@
-"""The edge of solved contacts, against Hertz, on grids that put it anywhere in its cell."""
-
 import numpy as np
 import pytest
 

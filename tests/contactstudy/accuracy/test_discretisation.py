@@ -1,5 +1,3 @@
-"""The cost of the cells, against the corrected pressure and by symmetry."""
-
 from dataclasses import replace
 
 import numpy as np

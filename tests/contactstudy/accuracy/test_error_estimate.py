@@ -1,5 +1,3 @@
-"""The estimate against errors that are known: closed forms, finer grids, converged solutions."""
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import astuple, replace

@@ -1,5 +1,3 @@
-"""Heights between cell centres: a bound sees them, or is infinite and says why."""
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
@@ -184,7 +182,6 @@ def test_low_bumps_between_the_lines_count_by_what_they_hide(line_contact: LineC
 
 
 def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> None:
-    """Bumps a hundredth of a cell wide are missed by a few points and found by many."""
     hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
     bumps = Bumps(height, 0.02, (0.27, 0.13), grid.cell_size)
@@ -218,7 +215,6 @@ LOADS = cs.LineLoad(1e5), cs.Approach(1.5e-6)
 def test_a_wave_of_few_cells_is_seen_between_the_centres(
     height: float, cells: float, load: cs.LineLoad | cs.Approach, line_contact: LineContact
 ) -> None:
-    """With a hundred cells, all centres lie on the zeros of a wave of two."""
     grid = line_contact.grid((100, 1), 1.0, width=3.2)
     wave = cs.Waviness(height, across=cells * grid.cell_size[0])
     scene = replace(line_contact.scene, load=load, shapes=(*line_contact.scene.shapes, wave))

@@ -1,5 +1,3 @@
-"""The cost of a window, against solved contacts and by symmetry."""
-
 import numpy as np
 import pytest
 
@@ -25,7 +23,6 @@ def solved(
 def test_uniform_window_s_error_is_found_to_second_order(
     padding: cs.Padding, along: int, line_contact: LineContact
 ) -> None:
-    """Against the same cells under all images, so that only the window differs."""
     for period in (2.4, 4.8):
         cut = solved(line_contact, (128, along), period, padding)
         whole = solved(line_contact, (128, along), period, EXACT)

@@ -1,5 +1,3 @@
-"""Numbers that no contact of half-spaces has: one warning, with the unit that was likely mistaken."""
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""What heights do inside cells, of heights whose bends and peaks are known."""
-
 from dataclasses import replace
 from math import log, pi
 from types import SimpleNamespace

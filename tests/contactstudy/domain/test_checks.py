@@ -1,5 +1,3 @@
-"""Values that a user gives, at the limits of what is admitted."""
-
 import re
 from collections.abc import Callable
 from dataclasses import replace

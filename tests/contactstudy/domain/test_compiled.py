@@ -1,5 +1,3 @@
-"""Passes compiled by numba give what array operations give."""
-
 from dataclasses import replace
 
 import numpy as np

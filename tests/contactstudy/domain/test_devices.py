@@ -33,15 +33,12 @@ class Library:
 
     @property
     def available_bytes(self) -> float:
-        """Memory left on this machine [bytes]."""
         return available_bytes()
 
     def to_device(self, field: np.ndarray) -> np.ndarray:
-        """Return a copy of a numpy array as an array of the library."""
         return cast(np.ndarray, self.arrays.asarray(field, copy=True))
 
     def to_numpy(self, field: np.ndarray) -> np.ndarray:
-        """Return a copy of an array of the library as a numpy array."""
         return np.array(np.from_dlpack(field))
 
 
@@ -158,8 +155,6 @@ def test_a_report_gets_numpy_arrays(device: Device, line_contact: LineContact) -
 
 
 class Spring:
-    """An operator of somebody's own."""
-
     work, own, blocks = 1.0, 1.0, (1, 1)
 
     def scaled(self, factor: float, precision: cs.Precision) -> "Spring":

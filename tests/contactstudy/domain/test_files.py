@@ -1,5 +1,3 @@
-"""Files that are written whole or not at all."""
-
 import errno
 import json
 import os

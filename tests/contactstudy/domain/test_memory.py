@@ -1,5 +1,3 @@
-"""The memory that is left, and arrays that are kept in it."""
-
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,5 +1,3 @@
-"""The smooth line contact against Hertz: the numbers everything else rests on."""
-
 import numpy as np
 import pytest
 

@@ -42,7 +42,6 @@ def test_operator_is_symmetric(cells: tuple[int, int], padding: cs.Padding | cs.
 @pytest.mark.parametrize("across", ALONG, ids=str)
 @pytest.mark.parametrize("along", ALONG, ids=str)
 def test_axes_choose_by_themselves(across: cs.Padding, along: cs.Padding) -> None:
-    """Turning the surface by a right angle turns the answer, and nothing else."""
     cells = (6, 5)
     a, _ = two(cells)
     grid = cs.Grid(cells=cells, extent=(1.0, 0.7))

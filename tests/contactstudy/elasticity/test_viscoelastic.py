@@ -1,5 +1,3 @@
-"""Creep follows from relaxation exactly."""
-
 from math import inf
 
 import numpy as np

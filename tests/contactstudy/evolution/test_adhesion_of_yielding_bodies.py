@@ -93,7 +93,6 @@ def test_pressure_and_attraction_are_in_equilibrium_and_keep_to_the_yield_surfac
 
 
 def test_a_body_that_has_yielded_holds_on_to_a_pull_that_takes_an_elastic_one_off() -> None:
-    """The dent follows the cylinder, so that the attraction acts on a wider contact."""
     pulls = (1.0, 1.4, 1.6, 1.7, 1.74, 1.76, 1.8, 1.84, 1.88, 1.92, 2.0)
     times = (*TIMES, *pulls[1:])
     yielding, elastic = (

@@ -1,5 +1,3 @@
-"""Approach and separation under a load history: loops, the load at which contact is lost, and what answers say."""
-
 from dataclasses import replace
 from math import inf, pi
 from pathlib import Path
@@ -149,7 +147,6 @@ def test_a_coating_adheres_and_no_work_leaves_the_coated_contact() -> None:
 
 
 def test_the_net_work_is_bounded_by_the_instants_while_contact_lasts(loop: cs.Evolution) -> None:
-    """Up and down in few instants, beside many."""
     few, many = (
         cs.solve(SCENE, GRID, LINE, times=times).quantities["net_work"]
         for times in ((0.0, 1.0, 2.0), np.linspace(0, 2, 17))
@@ -162,7 +159,6 @@ def test_the_net_work_is_bounded_by_the_instants_while_contact_lasts(loop: cs.Ev
 
 
 def test_the_net_work_has_no_bound_where_the_load_turns_between_two_instants() -> None:
-    """A sine of which instants miss the lowest load, or name it."""
     sine = replace(SCENE, load=cs.SineLoad(2.0, 1.5, 1.0, pi / 6))
     missed, few, many = (
         cs.solve(sine, GRID, LINE, times=times).quantities["net_work"]
@@ -194,7 +190,6 @@ def test_the_bound_of_a_pull_off_holds_where_the_load_turns_between_two_instants
 
 
 def test_the_work_of_instants_that_are_not_recorded_counts_for_the_next_that_is() -> None:
-    """The same contacts are solved, whether the load at its turn is recorded or not."""
     all_recorded, one_missing = (
         follow_load(SCENE, GRID, LINE, times=times) for times in ((0.0, 1.0, 2.0), (0.0, 2.0))
     )
@@ -262,7 +257,6 @@ def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_load_adhere_as_el
 
 
 def test_delayed_deformation_holds_a_contact_that_an_elastic_one_loses() -> None:
-    """A pull that comes far more quickly than creep meets the large contact that creep has made."""
     body = cs.ViscoelasticHalfSpace(1.0, 0.0, ((4.0, 1.0),))
     load = cs.LoadHistory((0.0, 50.0, 50.01, 50.02), (pi, pi, -1.3 * pi, -1.3 * pi))
     scene, grid = replace(SCENE, load=load), cs.Grid((192, 1), (30.0, 1.0))

@@ -1,5 +1,3 @@
-"""Viscoelastic contacts against closed forms."""
-
 from dataclasses import replace
 from math import pi
 
@@ -95,7 +93,6 @@ def test_a_maxwell_fluid_spreads_for_ever() -> None:
 
 
 def test_two_bodies_creep_together() -> None:
-    """Halves of one creep on both sides are that creep, to the solver's tolerance."""
     half = cs.ViscoelasticHalfSpace(0.8, 0.0, ((1.2, 0.4),))
     times = np.linspace(0, 2, 9)
     scene = rolling_cylinder(SOLID)

@@ -1,5 +1,3 @@
-"""The loop over steps: loads, errors, checkpoints, labels."""
-
 import random
 from dataclasses import replace
 from math import pi
@@ -23,7 +21,6 @@ ELASTIC = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(1.0, 0.0), RIGID
 
 
 def test_an_elastic_scene_forgets_its_path() -> None:
-    """Loading, holding, unloading and a jump end in the pressure of the last load alone, to the tolerance."""
     history = cs.LoadHistory((0.0, 1.0, 2.0, 2.0, 3.0), (0.0, 3 * LOAD, LOAD, 2 * LOAD, 0.5 * LOAD))
     found = evolve(replace(ELASTIC, load=history), GRID, EXACT, times=[0.5, 1.0, 2.0, 2.0, 3.0])
     assert found.step_error == 0
@@ -37,7 +34,6 @@ def test_an_elastic_scene_forgets_its_path() -> None:
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("error", [1e-2, 2e-3])
 def test_steps_keep_to_the_error_asked_for(error: float) -> None:
-    """Against an integration with 400 steps, whose own error is a small part of that of any of these."""
     history = cs.LoadHistory((0.0, 0.5, 1.0, 1.0), (LOAD, LOAD, 2 * LOAD, 0.7 * LOAD))
     scene = rolling_cylinder(SOLID, history)
     times = [0.0, 0.25, 0.5, 1.0, 1.0, 2.0]
@@ -103,7 +99,6 @@ class KilledError(Exception):
 def test_a_killed_integration_goes_on_to_the_same_bits(
     tmp_path: Path, error: float | None, reports: int
 ) -> None:
-    """It is killed in the first or the second report at a recorded instant."""
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
     times = np.linspace(0, 1, 9)
     whole = evolve(scene, GRID, EXACT, times=times, error=error)
@@ -237,7 +232,6 @@ def test_a_dataset_names_all_that_was_found() -> None:
     ids=str,
 )  # fmt: skip
 def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
-    """A wavy creeping cylinder that wears: converged throughout, the load borne at the end."""
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
     scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.2, along=0.3)))
     grid = cs.Grid((48, 16), (0.8, 0.6))
@@ -324,7 +318,6 @@ def test_before_the_first_load_the_bodies_just_touch() -> None:
 @pytest.mark.cases(2)
 @pytest.mark.parametrize("intervals", [1, 2, 3, 4, 5])
 def test_the_error_of_given_steps_is_bounded_for_any_number_of_them(intervals: int) -> None:
-    """Against 400 steps; a single step, too, is compared with two."""
     scene = rolling_cylinder(SOLID)
     exact = evolve(
         scene, GRID, EXACT, times=np.linspace(0, 1, 401), step_error=cs.StepError.NONE

@@ -1,5 +1,3 @@
-"""Films over a body that yields and stands still."""
-
 from dataclasses import replace
 from functools import cache
 from math import inf

@@ -1,5 +1,3 @@
-"""Fretting in time: forces and displacements with times, loads that change, and the wear by slip."""
-
 from dataclasses import replace
 from math import log, pi
 from pathlib import Path
@@ -272,7 +270,6 @@ def test_bodies_that_creep_far_more_slowly_or_quickly_than_the_force_fret_as_ela
 
 
 def test_load_and_force_in_proportion_slip_nowhere_between_bodies_that_creep() -> None:
-    """The pressure that creep widens locks shear in as that of the load does."""
     load = cs.LoadHistory((0.0, 2.0), (0.0, 0.5))
     friction = cs.Fretting(MU, (0.0, 0.05), times=(0.0, 2.0))
     scene = replace(creeping(BODY.youngs_modulus, 1.0, 0.5), load=load)
@@ -323,7 +320,6 @@ def test_load_and_force_that_both_change_leave_the_shear_of_many_steps_within_th
 
 
 def test_a_punch_that_a_rising_load_widens_carries_the_force_as_a_rigid_displacement() -> None:
-    """What sticks moves as one, also where the shear is not in proportion to the pressure."""
     scene = replace(
         LINE,
         shapes=(*LINE.shapes, cs.FiniteLength(1.6)),

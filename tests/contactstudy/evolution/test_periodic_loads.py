@@ -1,5 +1,3 @@
-"""Steps under loads that repeat or return to zero, whose error two integrations could both miss."""
-
 import numpy as np
 import pytest
 
@@ -24,7 +22,6 @@ def test_steps_of_whole_periods_are_cut_and_their_error_is_known(phase: float) -
 
 
 def test_a_frame_before_the_load_is_zero_keeps_its_own_error() -> None:
-    """At the zero both integrations agree, whatever their error before."""
     scene = rolling_cylinder(SOLID, cs.SineLoad(0.0, LOAD, 0.5))
     found = evolve(scene, GRID, EXACT, times=[0.5, 1.0])
     fine = evolve(scene, GRID, EXACT, times=np.linspace(0, 0.5, 65), step_error=StepError.NONE)

@@ -1,5 +1,3 @@
-"""Bodies that yield: reference numbers, limits, histories."""
-
 from dataclasses import replace
 from functools import cache
 from math import inf, pi
@@ -227,7 +225,6 @@ def test_a_body_that_nothing_makes_yield_is_an_elastic_one(yield_stress: float) 
 
 @pytest.mark.whole
 def test_two_equal_bodies_that_yield_share_the_gap_evenly() -> None:
-    """Each sees half of the gap, so that one of them under a cylinder of twice the radius bears the same pressure."""
     one = pressed(3)
     both = replace(one, solids=(one.solids[0], one.solids[0]), shapes=(cs.Cylinder(RADIUS),))
     single = replace(one, shapes=(cs.Cylinder(2 * RADIUS),))
@@ -278,7 +275,6 @@ def test_the_volume_grows_to_what_yields_and_an_integration_goes_on_in_it(
 
 
 def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
-    """Plastic strain depends on the path of the load, so that one step for all of it would have an error."""
     scene, grid = pressed(3), grid_of(3, 0.2)
     sudden = replace(scene, load=cs.LineLoad(load(3)))
     found = evolve(sudden, grid, EXACT, times=(0,), options=cs.SolveOptions(1e-7))
@@ -305,7 +301,6 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
 @pytest.mark.cases(1)
 @pytest.mark.parametrize("ratio", [2, 3])
 def test_steps_are_chosen_for_an_error(ratio: float) -> None:
-    """Also where yield begins in the last of them, of which a step twice as long knows little."""
     scene, grid = pressed(ratio), grid_of(ratio, 0.3 / ratio)
     found = evolve(scene, grid, EXACT, error=1e-2, options=cs.SolveOptions(1e-6))
     fine = slowly(scene, grid)
@@ -357,7 +352,6 @@ def test_a_body_that_yields_can_wear() -> None:
 
 
 def with_stress(scene: cs.Scene, depths: tuple[float, ...] | str, solid: int = 0) -> cs.Evolution:
-    """Loaded and unloaded, with the stress in one body at some depths."""
     scene = replace(scene, outputs=(cs.SubsurfaceStress(depths, solid),))
     found = cs.solve(scene, grid_of(3, 0.1, 4.8), EXACT, times=(0.0, 0.5, 1.0, 2.0))
     assert isinstance(found, cs.Evolution)

@@ -1,5 +1,3 @@
-"""Bodies that yield, in scenes that vary along their length."""
-
 from math import inf
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Passes of a contact over a half-space that yields."""
-
 from dataclasses import replace
 from functools import cache
 from math import inf, pi
@@ -28,7 +26,6 @@ def scene(peak: float, hardening: float = 0.0) -> cs.Scene:
 
 
 def roll(scene: cs.Scene, grid: cs.Grid, padding: Any, **rolling: Any) -> RepeatedRolling:
-    """Passes of a contact over its half-space."""
     return roll_repeatedly(replace(scene, rolling=cs.Rolling(**rolling)), grid, padding)
 
 

@@ -1,5 +1,3 @@
-"""Steady rolling and sliding of viscoelastic contacts."""
-
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Any
@@ -257,7 +255,6 @@ def test_a_rolling_scene_has_no_single_problem_and_no_history() -> None:
 
 @pytest.mark.parametrize("waves", [0.0, 6.3, 21.0])
 def test_resistance_and_pressure_are_as_far_from_finer_cells_as_they_promise(waves: float) -> None:
-    """A cylinder, and waves of 13 cells and of 4 on it."""
     scene, grid = rolling(SOLID, A), cs.Grid((80, 1), (0.6, 1.0))
     if waves:
         wavy = cs.Waviness(2e-4 / waves, across=0.6 / waves, phase=0.7)

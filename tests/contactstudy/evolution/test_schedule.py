@@ -1,5 +1,3 @@
-"""The instants that an integration lands on, by hand."""
-
 from math import nan, pi
 
 import pytest

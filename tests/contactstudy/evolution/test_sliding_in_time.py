@@ -1,5 +1,3 @@
-"""Sliding beside what changes: load histories, wear, creep, plastic strain."""
-
 from dataclasses import replace
 from math import inf, pi
 

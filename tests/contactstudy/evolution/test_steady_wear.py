@@ -1,5 +1,3 @@
-"""Wear of contacts that are steady at each instant: rolling, driven, and on a boundary film."""
-
 from dataclasses import replace
 from math import inf, pi
 

@@ -1,5 +1,3 @@
-"""Archard's wear against closed forms."""
-
 from dataclasses import replace
 from itertools import pairwise
 from math import exp, inf, log, pi
@@ -164,7 +162,6 @@ def test_no_wear_is_the_scene_without_it() -> None:
 
 
 def test_wear_spreads_the_pressure_of_a_rough_hard_limited_creeping_contact() -> None:
-    """Several effects at once: every step converges, the load and the volume stay, the hardness holds."""
     grid = cs.Grid((96, 32), (0.6, 0.2))
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.2, 1.0), hardness=0.05)
     rough = cs.Roughness(5e-4, hurst=0.8, roll_off=0.1, cut_off=0.025, seed=3)

@@ -1,5 +1,3 @@
-"""Two contacts on two grids: their difference is exact for pressures that are constant in each cell."""
-
 from dataclasses import replace
 from typing import Any
 

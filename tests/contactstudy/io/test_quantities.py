@@ -1,5 +1,3 @@
-"""Test the numbers of a contact that are looked at first."""
-
 import json
 from dataclasses import replace
 from math import inf

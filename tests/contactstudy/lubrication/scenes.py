@@ -38,5 +38,4 @@ def in_moes_units(contact: FilmSolution, film: float) -> float:
 
 
 def total(parts: ErrorParts | None) -> float:
-    """Sum of the parts of an error that is known."""
     return parts.total

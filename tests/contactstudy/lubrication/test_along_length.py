@@ -1,5 +1,3 @@
-"""Films that vary along the length, against plane strain and against themselves on other paths."""
-
 from dataclasses import replace
 from pathlib import Path
 

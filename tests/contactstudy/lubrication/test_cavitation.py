@@ -1,5 +1,3 @@
-"""Cavitation that conserves mass beside the plain one."""
-
 from dataclasses import replace
 
 import numpy as np

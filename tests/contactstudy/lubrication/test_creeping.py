@@ -1,5 +1,3 @@
-"""Films between bodies that creep: sudden and relaxed limits, the dry contact that rolls, and cells along the length."""
-
 from dataclasses import replace
 
 import numpy as np

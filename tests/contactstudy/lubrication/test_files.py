@@ -1,5 +1,3 @@
-"""Lubricated scenes in files: read, written, planned, solved and labelled."""
-
 from dataclasses import replace
 from math import inf
 from pathlib import Path

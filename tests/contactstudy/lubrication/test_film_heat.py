@@ -1,5 +1,3 @@
-"""Heat of a sheared film: flash temperatures, thinning and friction."""
-
 from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path

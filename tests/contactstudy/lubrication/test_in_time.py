@@ -1,5 +1,3 @@
-"""Films that change in time: waves that pass, a start from rest, a load that grows."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +12,6 @@ A = DRY.hertz.half_width
 
 
 def rolling(load: float, viscosity: float, *shapes: cs.Shape) -> cs.Scene:
-    """Both surfaces move alike."""
     scene = by_moes(load, viscosity, *shapes)
     return replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
 
@@ -186,7 +183,6 @@ def test_an_instant_without_load_or_speed_is_refused() -> None:
 
 
 def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
-    """Twelve steps a wave beside ninety-six, of the film on the axis."""
     smooth = rolling(20, 5)
     height = 0.2 * solve_lubricated(smooth, grid(96, 3.0)).central_film
     scene = rolling(20, 5, cs.MovingShape(cs.Waviness(height, across=A, along=np.inf)))
@@ -205,7 +201,6 @@ def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
 
 @pytest.mark.parametrize("recorded", ["every step", "the end"])
 def test_the_error_by_the_steps_does_not_depend_on_the_instants_recorded(recorded: str) -> None:
-    """Few steps of a start from rest, beside small ones, of all that has a bound by the steps."""
     scene = by_moes(20, 5)
     end = A / speed_of(scene)
     times = None if recorded == "every step" else [0.0, end]

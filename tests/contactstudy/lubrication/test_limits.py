@@ -1,5 +1,3 @@
-"""Films far from the middle of the range: light and heavy loads, short and coarse grids, and errors that are true."""
-
 from dataclasses import replace
 from math import pi, sqrt
 
@@ -19,7 +17,6 @@ OIL = cs.Lubricant(0.04, 2e-8)
 
 
 def at(load: float, speed: float) -> cs.Scene:
-    """Steel cylinders in mineral oil."""
     motion = cs.Lubrication(OIL, speed, slide_roll_ratio=0.1)
     return cs.Scene(cs.LineLoad(load), (STEEL, STEEL), (cs.Cylinder(0.01),), lubrication=motion)
 
@@ -159,7 +156,6 @@ def test_a_longer_inlet_starts_full_of_lubricant() -> None:
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(("across", "along"), [(A / 2, A / 2), (np.inf, A / 2)])
 def test_few_cells_along_a_wave_are_within_their_error(across: float, along: float) -> None:
-    """Four cells a wave beside sixteen, on the same cells across."""
     height = 0.2 * solve_lubricated(by_moes(20, 5), grid(96, 3.0)).central_film
     scene = by_moes(20, 5, cs.Waviness(height, across=across, along=along))
     few, many = (solve_lubricated(scene, grid(96, 3.0, cells), tolerance=1e-6) for cells in (8, 32))

@@ -1,5 +1,3 @@
-"""Mixed lubrication: lubricant and asperities bear the load together."""
-
 from dataclasses import replace
 
 import numpy as np

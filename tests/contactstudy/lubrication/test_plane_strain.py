@@ -1,5 +1,3 @@
-"""Steady films in plane strain, beside published formulas and graded reference solutions."""
-
 from dataclasses import replace
 from itertools import pairwise
 

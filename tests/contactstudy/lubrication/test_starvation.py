@@ -1,5 +1,3 @@
-"""Films that are supplied with less lubricant than they would draw in."""
-
 from dataclasses import replace
 
 import pytest
@@ -22,7 +20,6 @@ def thickness_of_flow(contact: FilmSolution) -> float:
 
 @pytest.mark.parametrize(("load", "viscosity"), [(20, 5), (20, 0), (100, 10)])
 def test_the_flow_is_the_smaller_of_supply_and_flooded_flow(load: float, viscosity: float) -> None:
-    """No lubricant can go round a line contact."""
     scene = by_moes(load, viscosity)
     flooded = thickness_of_flow(solve_lubricated(scene, grid(240, 4.5)))
     for fraction in (5.0, 0.5, 0.2):

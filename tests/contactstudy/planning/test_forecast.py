@@ -1,5 +1,3 @@
-"""Forecasts of the grid for an error."""
-
 import pytest
 
 import contactstudy as cs

@@ -1,5 +1,3 @@
-"""What a plan asks of a grid, by hand."""
-
 from dataclasses import replace
 from math import acosh, inf, pi, sqrt
 from types import SimpleNamespace

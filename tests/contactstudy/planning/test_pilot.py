@@ -1,5 +1,3 @@
-"""Pilots that count the steps of a scene on coarse cells."""
-
 from dataclasses import replace
 from itertools import count
 

@@ -1,5 +1,3 @@
-"""Plans of contacts that change in time."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What a solve holds, counted by hand, and the machine that has a little less."""
-
 import pytest
 
 import contactstudy as cs

@@ -1,5 +1,3 @@
-"""Coated bodies: limits, reference contacts, composition."""
-
 from dataclasses import replace
 from itertools import product
 from math import inf

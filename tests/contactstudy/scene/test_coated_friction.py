@@ -1,5 +1,3 @@
-"""Coated bodies under shear: waves, paddings against each other, and the limits of the coating."""
-
 from dataclasses import replace
 from math import inf
 
@@ -44,7 +42,6 @@ def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerRespon
 @pytest.mark.parametrize("layer", MATERIALS)
 @pytest.mark.parametrize("thickness", [0.3, 0.06])
 def test_a_row_is_the_sum_of_its_cells(thickness: float, layer: LayerResponse, name: str) -> None:
-    """Two methods: waves in a strip, and closed forms with a short-ranged rest."""
     dx, dy, nx, ny = 0.1, 0.15, 6, 4
     field, x = CoatingShearCoefficients(layer, thickness, name, 1.0), np.arange(nx) * dx
     row = field.row(x[:, None], np.arange(ny) * dy, dx, dy, ny * dy)

@@ -1,5 +1,3 @@
-"""Stress in a coating and below it: quadrature, limits, and one field across the paddings."""
-
 from dataclasses import replace
 from math import inf
 

@@ -1,5 +1,3 @@
-"""Fretting under a constant load: Mindlin and Deresiewicz' loop, and the energy that a cycle loses."""
-
 from dataclasses import replace
 from math import log, pi
 
@@ -133,7 +131,6 @@ def test_without_forces_nothing_slips() -> None:
 
 
 def test_a_rough_contact_closes_its_loop() -> None:
-    """The second cycle loses what the first one does, and its shear is back where it was."""
     scene = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01), ROUGH))
     grid = cs.Grid((32, 32), (3.2e-4, 3.2e-4))
     forces = (1.8e4, -1.8e4, 1.8e4, -1.8e4, 1.8e4)

@@ -1,5 +1,3 @@
-"""Friction: full sliding and partial slip against closed forms and against each other."""
-
 from dataclasses import replace
 from math import acos, pi, sin, sqrt, tan
 from math import inf as infinite
@@ -104,7 +102,6 @@ def test_partial_slip_of_a_cylinder_is_cattaneos(fraction: float, sign: int) -> 
 
 @pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), (cs.ZeroPadding(), cs.ZeroPadding())])
 def test_without_poissons_ratio_disks_give_the_superposition(padding: cs.Padding) -> None:
-    """Two methods: two normal contacts, and the convex problem of two components."""
     cork = replace(STEEL, poisson_ratio=0.0)
     one = scene(cs.PartialSlip(0.3, 1.2e4), solids=(cork, cork), shapes=ROUGH)
     grid = cs.Grid((48, 48), (3e-4, 3e-4))

@@ -1,5 +1,3 @@
-"""Subsurface stress of a solved contact: textbook values, images, and only when asked."""
-
 from dataclasses import replace
 from typing import Any
 

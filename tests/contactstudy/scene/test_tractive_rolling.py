@@ -1,5 +1,3 @@
-"""Tractive rolling: Carter's closed form, Kalker's coefficients, limits, and what is refused."""
-
 from dataclasses import dataclass, replace
 from math import inf, pi
 
@@ -410,7 +408,6 @@ def test_a_dataset_has_slip_and_power() -> None:
 def test_force_creepage_power_and_stick_are_within_their_bounds(
     friction: cs.TractiveRolling, changes: dict[str, object]
 ) -> None:
-    """Against cells of a quarter of the width."""
     point = "shapes" in changes
     scene = replace(SMOOTH, friction=friction, **changes)
     if point:

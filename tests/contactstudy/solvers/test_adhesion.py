@@ -1,5 +1,3 @@
-"""Adhesion against closed forms, limits, and pull-off loads found on fine grids."""
-
 from dataclasses import replace
 from math import inf, pi
 

@@ -1,5 +1,3 @@
-"""Displacement that is lagged into the gap: its fixed point, and too few outer iterations to reach it."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Applications of a shear iteration, and the projection onto the disks of Coulomb's law."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Fixed-point iteration over the displacement that sliding friction adds to a contact of unlike bodies."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""One step of partial slip under a given force or displacement, from a state with shear."""
-
 from dataclasses import replace
 
 import numpy as np

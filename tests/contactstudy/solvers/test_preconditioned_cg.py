@@ -1,5 +1,3 @@
-"""When an iteration is taken to have stalled."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -67,7 +65,6 @@ def test_iterations_do_not_grow_with_the_grid(heights: str, line_contact: LineCo
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
 @pytest.mark.parametrize("fraction", [0.05, 0.2, 0.6])
 def test_iterations_do_not_grow_with_detail_down_to_the_cell(fraction: float, hurst: float) -> None:
-    """A finer grid shows a finer surface, with a contact in more and smaller pieces."""
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     rigid, body = cs.HalfSpace(np.inf, 0.3), cs.HalfSpace(1e11, 0.0)
     iterations = []

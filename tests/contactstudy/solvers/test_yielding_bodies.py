@@ -1,5 +1,3 @@
-"""Von Mises plasticity of one cell, in cycles of tension, against the law of a bar."""
-
 import numpy as np
 import pytest
 

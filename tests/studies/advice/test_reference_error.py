@@ -1,5 +1,3 @@
-"""The error of a sweep's pressures against one of its values."""
-
 import numpy as np
 
 import contactstudy as cs

@@ -170,7 +170,6 @@ def test_a_study_of_ones_own_runs_under_any_name_and_fails_in_a_sentence(
 def test_an_interrupt_ends_in_one_sentence_and_leaves_nothing_half_written(
     written: str, tmp_path: Path
 ) -> None:
-    """When the journal holds the first line of that kind."""
     journal = tmp_path / "here" / "grid.journal.jsonl"
     axes = ["--padding", "exact", "--grid", "64,512"]
     running = subprocess.Popen(

@@ -1,5 +1,3 @@
-"""What is stored is compared and drawn from its file alone."""
-
 import csv
 import shlex
 import signal
@@ -26,7 +24,6 @@ pressure_viscosity = "20 1/GPa"
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two solutions and a study."""
     path = tmp_path_factory.mktemp("shown")
     (path / "smooth.toml").write_text(SMOOTH)
     (path / "heavy.toml").write_text(SMOOTH.replace("100 N/mm", "110 N/mm"))

@@ -1,5 +1,3 @@
-"""Test the page that shows what the program wrote in a browser, without a network."""
-
 import json
 import re
 import shutil

@@ -1,5 +1,3 @@
-"""The command ``contactstudy recommend``: its block pastes into a scene file, and keeps the promise."""
-
 import json
 from pathlib import Path
 
@@ -15,7 +13,6 @@ from tests.studies.scene_study.conftest import SMOOTH
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a scene and its recommendation."""
     folder = tmp_path_factory.mktemp("recommend")
     (folder / "smooth.toml").write_text(SMOOTH, encoding="utf-8")
     return folder

@@ -1,5 +1,3 @@
-"""What the study of estimates stores of a small contact with a known truth."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The studies of coatings and of friction: what they measure, pinned by closed forms."""
-
 import numpy as np
 import pytest
 

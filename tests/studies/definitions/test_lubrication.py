@@ -1,5 +1,3 @@
-"""The study of films: its scenes have the parameters asked for, and its numbers are those of the contact."""
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,5 +1,3 @@
-"""Each number that a sweep stores, against a value found by hand."""
-
 import itertools
 from dataclasses import dataclass, replace
 from math import inf
@@ -33,7 +31,6 @@ class Hoard:
         """Nothing."""
 
     def run(self, prepared: None) -> np.ndarray:
-        """All of it, then a little."""
         return np.ones(self.held, dtype=np.int8)[:1].copy()
 
 

@@ -1,5 +1,3 @@
-"""The paper's Fig. 5, and the same comparison of another scene."""
-
 from dataclasses import replace
 
 import pytest

@@ -22,7 +22,6 @@ def sweeps_with_estimates(**changed: float) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def by_images() -> dict[tuple[float, int], xr.Dataset]:
-    """By rms and the number of images."""
     return {
         (rms, images): sweeps_with_estimates(rms=rms, images=images)
         for rms in (0.0, 0.3)

@@ -1,5 +1,3 @@
-"""Settings of any scene as a study."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What a run says of a scheduler without workers, one that is lost, and dask workers that die or cannot compute."""
-
 import logging
 from collections.abc import Iterable
 from types import SimpleNamespace
@@ -20,7 +18,6 @@ HERE = "127.0.0.1:0"
 def test_a_scheduler_without_workers_and_then_lost_is_said(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    """And nothing of what libraries say of the lost connection."""
     said: list[str] = []
     with LocalCluster(n_workers=0, processes=False, protocol="tcp", dashboard_address=HERE) as here:
 

@@ -1,5 +1,3 @@
-"""What a kill, a second run, a full disk and a changed mind leave of what was stored."""
-
 import math
 import os
 import signal
@@ -70,7 +68,6 @@ def lines(path: Path) -> list[str]:
 
 
 def journalled(folder: Path) -> int:
-    """How many cases the journal holds."""
     return sum('"case":' in line[:40] for line in lines(folder / "trouble.journal.jsonl"))
 
 

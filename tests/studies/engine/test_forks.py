@@ -1,5 +1,3 @@
-"""A case may start processes: none of them answers for a case."""
-
 import ctypes
 import multiprocessing
 import os

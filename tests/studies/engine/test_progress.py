@@ -1,5 +1,3 @@
-"""A bar in a terminal; lines without control characters elsewhere."""
-
 import re
 
 import pytest

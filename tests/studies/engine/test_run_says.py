@@ -1,5 +1,3 @@
-"""What a run says it will do, does and did, counted by hand."""
-
 import re
 from dataclasses import replace
 from pathlib import Path

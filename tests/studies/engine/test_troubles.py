@@ -1,5 +1,3 @@
-"""Cases that raise, give nan, hang and die, on dask here and on a scheduler elsewhere: each is labelled."""
-
 import os
 import re
 import signal
@@ -37,7 +35,6 @@ Workers = list[subprocess.Popen[bytes]]
 
 
 def examine(dataset: xr.Dataset) -> None:
-    """Sixteen are right, four are labelled."""
     status = {
         int(n): CaseStatus(int(s))
         for n, s in zip(dataset["number"], dataset["case_status"], strict=True)
@@ -68,7 +65,6 @@ def address_of(scheduler: subprocess.Popen[str]) -> str:
 
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Workers]]:
-    """A scheduler and two workers."""
     dask = [str(Path(sys.executable).with_name("dask"))]
     environment = os.environ | {"PYTHONPATH": str(ROOT)}
     running = subprocess.Popen(
@@ -155,7 +151,6 @@ def test_a_scheduler_in_this_process_serves_one_run_after_another() -> None:
 
 
 def listening() -> set[str]:
-    """Addresses to which this process listens."""
     connections = psutil.Process().net_connections("inet")
     return {one.laddr.ip for one in connections if one.status == psutil.CONN_LISTEN}
 

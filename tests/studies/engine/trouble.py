@@ -24,8 +24,6 @@ SAYS = "this one"
 
 @dataclass(frozen=True)
 class Square:
-    """A number to square."""
-
     number: float
 
     def prepare(self) -> float:

@@ -1,5 +1,3 @@
-"""What a case is solved with, and what is recorded of it."""
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -29,7 +27,6 @@ def test_a_status_is_a_flag_of_all_that_there_are() -> None:
 
 
 def test_every_cell_that_bears_is_in_contact_however_little() -> None:
-    """A faint load has pressures far below one pascal."""
     fraction = contact_fraction(np.array([[0.0, 1e-9], [0.5, 2e9]]))
     assert float(fraction) == 0.75
     assert fraction.attrs["units"] == "1"

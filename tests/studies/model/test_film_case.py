@@ -1,5 +1,3 @@
-"""Sweeps of lubricated scenes."""
-
 from dataclasses import replace
 from pathlib import Path
 

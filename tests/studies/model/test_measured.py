@@ -1,5 +1,3 @@
-"""What is measured comes back from netCDF as it was, or is refused as that case."""
-
 import datetime
 from pathlib import Path
 from typing import Any

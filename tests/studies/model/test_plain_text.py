@@ -1,5 +1,3 @@
-"""Text that a terminal and netCDF can hold, at the lengths where it is cut."""
-
 import pytest
 
 from studies.model.plain_text import is_storable, name_problem, one_line

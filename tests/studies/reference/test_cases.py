@@ -1,5 +1,3 @@
-"""Sizes and closed forms of the reference matrix."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""The reference for small problems, by dense algebra of its own."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""How the answer of a hard case is judged."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What a sweep measures, on pressures whose errors are known without a solve."""
-
 from dataclasses import replace
 from math import pi
 

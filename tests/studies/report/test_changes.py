@@ -1,5 +1,3 @@
-"""What is said of two runs of a study whose numbers are written here."""
-
 from typing import Any
 
 import numpy as np

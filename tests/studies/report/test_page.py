@@ -1,5 +1,3 @@
-"""Pages of the report: what they show, whether they stand alone, and what is drawn when."""
-
 import os
 import re
 from collections.abc import Iterable, Mapping
@@ -63,7 +61,6 @@ OWN: Mapping[str, Mapping[str, str]] = {
 
 
 def few(name: str) -> Study:
-    """The study over a few values of its axes."""
     study = load(name)
     axes = {axis.name: FEW[axis.name] for axis in study.axes if axis.name in FEW}
     return study.override(OWN.get(name, axes))
@@ -91,8 +88,6 @@ def text(out: Path) -> str:
 
 
 class Page(HTMLParser):
-    """Pictures, links, and that every tag is closed."""
-
     def __init__(self) -> None:
         super().__init__()
         self.open: list[str] = []

@@ -1,5 +1,3 @@
-"""Scenes that solve in milliseconds."""
-
 from pathlib import Path
 
 import pytest
@@ -11,7 +9,6 @@ SMOOTH = f"{LOAD}{STEEL}{STEEL}{CYLINDER}[plan]\nerror = 1e-2\n"
 
 
 def given(cells: int, width: str, length: str = "1 mm") -> str:
-    """A grid in place of a plan."""
     return f'[grid]\ncells = [{cells}, 1]\nextent = ["{width}", "{length}"]\n'
 
 

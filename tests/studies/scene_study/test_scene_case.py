@@ -1,5 +1,3 @@
-"""What is recorded of every contact of a sweep."""
-
 from pathlib import Path
 
 import numpy as np

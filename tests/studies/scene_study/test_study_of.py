@@ -1,5 +1,3 @@
-"""A study from a scene: any field varied, one grid and one surface for all points."""
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -111,7 +109,6 @@ def test_where_periods_share_no_part_the_study_says_that_surfaces_differ(rough: 
 
 
 def measured(scene_file: Path, heights: np.ndarray, width: float) -> cs.Scene:
-    """The scene with a measured surface of square cells."""
     extent = (width, width / heights.shape[0] * heights.shape[1])
     scene = cs.read_scene(scene_file).scene
     surface = cs.MeasuredSurface(heights, extent, seam=cs.Tapered())

@@ -1,5 +1,3 @@
-"""Values of a varied field as a person writes them."""
-
 import pytest
 
 from contactstudy import InvalidInput

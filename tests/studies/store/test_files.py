@@ -1,5 +1,3 @@
-"""The file of a study and the fields in it: damaged ones are made again."""
-
 import json
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-"""What a journal keeps of runs, times and epochs, and when it is on disk."""
-
 import json
 import struct
 from contextlib import suppress

@@ -1,5 +1,3 @@
-"""What a run makes of signals that ask it to stop."""
-
 import signal
 
 import pytest

@@ -1,5 +1,3 @@
-"""Outcomes of cases put into one table, by hand."""
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

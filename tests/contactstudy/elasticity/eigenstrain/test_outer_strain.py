@@ -1,5 +1,3 @@
-"""Plastic strain that goes on to infinity on both sides of a volume."""
-
 import numpy as np
 
 import contactstudy as cs

@@ -1,5 +1,3 @@
-"""Plastic strain that varies along a period: one elastic energy, and fields that are known."""
-
 from functools import cache
 from itertools import pairwise
 

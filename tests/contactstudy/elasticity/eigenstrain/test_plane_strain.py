@@ -1,5 +1,3 @@
-"""The operator on plastic strain in plane strain: an energy, against closed forms."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Cells seen from a depth, against their closed form in many digits and Fourier sums."""
-
 import numpy as np
 import pytest
 from mpmath import asinh, atan, mp, mpf, sqrt

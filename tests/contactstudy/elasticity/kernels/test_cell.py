@@ -1,5 +1,3 @@
-"""The coefficients of a cell, against 50 digits and against what they must obey."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path

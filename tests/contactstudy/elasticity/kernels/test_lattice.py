@@ -1,5 +1,3 @@
-"""A cell repeated along both axes, against sums and closed forms of another kind."""
-
 import mpmath as mp
 import numpy as np
 import pytest

@@ -1,5 +1,3 @@
-"""The short-ranged remainder of a layer's coefficients: quadrature, image sums, and two methods for each."""
-
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss
@@ -47,7 +45,6 @@ def test_a_cell_is_the_integral_over_it_and_over_all_waves(name: str) -> None:
 @pytest.mark.parametrize("name", LAYERS)
 @pytest.mark.parametrize("size", [(2e3, 3e3), (40.0, 1e4), (0.3, 900.0)])
 def test_cells_add_up(name: str, size: tuple[float, float]) -> None:
-    """A cell is the sum of its parts, at any aspect and thickness."""
     layer, (dx, dy) = LAYERS[name], size
     whole = LayerRemainder(layer, 1.0).cell(np.array([[0.0], [dx]]), np.array([0.0, dy]), dx, dy)
     parts = np.zeros((2, 2))

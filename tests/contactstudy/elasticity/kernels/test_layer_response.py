@@ -1,5 +1,3 @@
-"""The response of a layer to one wave, against the boundary-value problem itself."""
-
 from typing import Any
 
 import numpy as np

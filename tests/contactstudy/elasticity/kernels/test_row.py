@@ -1,5 +1,3 @@
-"""The coefficients of a repeated cell, against 50 digits and against what they must obey."""
-
 import mpmath as mp
 import numpy as np
 import pytest

@@ -1,5 +1,3 @@
-"""Stress below a cell, alone and repeated, against quadrature, sums of images and what it must obey."""
-
 from itertools import pairwise
 
 import mpmath as mp
@@ -147,7 +145,6 @@ def test_coefficient_is_exact_at_any_distance_depth_and_aspect() -> None:
 @pytest.mark.parametrize("start", [start for start, _ in GAUSS_ZONES])
 @pytest.mark.parametrize("aspect", [1.0, 0.01, 100.0])
 def test_zones_join(start: float, aspect: float) -> None:
-    """Two ways to one number, a rounding apart on both sides of where they change hands."""
     rng = np.random.default_rng(1)
     for direction in rng.standard_normal((20, 3)):
         x, y, z = np.abs(direction) / np.linalg.norm(direction) * start * max(1.0, aspect)
@@ -218,7 +215,6 @@ def test_row_is_the_sum_of_its_images(row: tuple[float, float, float, float]) ->
 
 @pytest.mark.parametrize("z", [0.02, 0.1])
 def test_row_turns_into_plane_strain(z: float) -> None:
-    """On both sides of where the period is dropped."""
     for name in NAMES:
         x = np.sqrt((PLANE_STRAIN_PERIODS * 1.3) ** 2 - z**2) + 0.05 + np.array([-1e-13, 1e-13])
         before, after = stress_cell_periodic(COMPONENTS[name], x, Y, z, 0.1, 0.1, 1.3, NU)

@@ -1,5 +1,3 @@
-"""Cells under shear: quadrature of point loads, images, and the half-space of a line."""
-
 import numpy as np
 import pytest
 from numpy.polynomial.legendre import leggauss

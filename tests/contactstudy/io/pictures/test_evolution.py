@@ -1,5 +1,3 @@
-"""What the picture of a contact in time draws of numbers that are written here."""
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,5 +1,3 @@
-"""Colours of interference, beside the colours of Newton's rings and the fringes of one wavelength."""
-
 import numpy as np
 import pytest
 

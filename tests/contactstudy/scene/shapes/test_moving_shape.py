@@ -1,5 +1,3 @@
-"""Heights that a body carries with it."""
-
 from types import SimpleNamespace
 from typing import Any
 

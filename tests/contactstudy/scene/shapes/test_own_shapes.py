@@ -1,5 +1,3 @@
-"""A shape of the user's own that returns what is no height is refused by name."""
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import nan

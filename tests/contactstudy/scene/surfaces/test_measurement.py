@@ -188,7 +188,6 @@ LARGE = np.arange(1.0, 73.0).reshape(8, 9) / 4
 
 
 def rows(separator: str, *, decimal: str = ".", end: str = "") -> str:
-    """Return the text of LARGE."""
     lines = (separator.join(f"{value:g}" for value in row) for row in LARGE)
     return "".join(f"{line.replace('.', decimal)}{end}\n" for line in lines)
 

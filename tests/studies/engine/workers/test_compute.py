@@ -1,5 +1,3 @@
-"""One case, computed or timed: what its outcome says of times, limits and failures."""
-
 import signal
 from dataclasses import dataclass
 from time import perf_counter

@@ -1,5 +1,3 @@
-"""No case sees another: what one leaves behind in its process is put back before the next."""
-
 import decimal
 import locale
 import os

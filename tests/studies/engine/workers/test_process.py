@@ -1,5 +1,3 @@
-"""Cases in a process of their own: each is answered, whatever becomes of the others."""
-
 import multiprocessing
 import os
 import signal
@@ -85,8 +83,6 @@ def test_the_exit_code_of_a_case_is_said(worker: Worker, tmp_path: Path) -> None
 
 @dataclass(frozen=True)
 class Ending:
-    """Ends the process that reads it."""
-
     def __reduce__(self) -> tuple[object, tuple[int]]:
         return os._exit, (3,)
 
@@ -115,7 +111,6 @@ def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
 
 
 def server() -> psutil.Process:
-    """The process that worker processes are forked from."""
     return next(
         one
         for one in psutil.Process().children()
@@ -134,7 +129,6 @@ one.end()
 
 @FORKED
 def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: Path) -> None:
-    """A module that cannot be preloaded would slow every one of them, without a word."""
     (tmp_path / "random.py").write_text("1 / 0")
     done = subprocess.run(
         [sys.executable, "-P", "-c", SCRIPT], cwd=tmp_path, capture_output=True, text=True,

@@ -1,5 +1,3 @@
-"""What the study of estimates says of made-up errors and bounds."""
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,5 +1,3 @@
-"""Errors of a sweep against one of its values."""
-
 from pathlib import Path
 
 import numpy as np

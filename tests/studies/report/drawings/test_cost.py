@@ -1,5 +1,3 @@
-"""What the drawings of time, memory and accuracy plot and say of numbers that are written here."""
-
 import xarray as xr
 
 from studies.model.outcome import CaseStatus

@@ -1,5 +1,3 @@
-"""What the figures of any study plot of numbers that are written here."""
-
 from typing import Any
 
 import numpy as np

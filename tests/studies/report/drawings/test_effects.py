@@ -1,5 +1,3 @@
-"""What the findings on the effects say of numbers that are written here."""
-
 from typing import Any
 
 import numpy as np
@@ -10,7 +8,6 @@ from tests.studies.report.drawings.drawn import findings
 
 
 def over(axes: str, **values: Any) -> dict[str, Any]:
-    """Variables over the same axes."""
     return {name: (axes.split(), np.asarray(value)) for name, value in values.items()}
 
 

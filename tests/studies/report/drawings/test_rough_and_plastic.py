@@ -1,5 +1,3 @@
-"""What the drawings of roughness and of yield plot and say of numbers that are written here."""
-
 from typing import Any
 
 import xarray as xr

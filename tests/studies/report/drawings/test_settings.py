@@ -1,5 +1,3 @@
-"""What the drawing of settings says and lists of numbers that are written here."""
-
 import numpy as np
 import xarray as xr
 

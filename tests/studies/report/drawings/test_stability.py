@@ -1,5 +1,3 @@
-"""What the drawing of hard cases plots and says of numbers that are written here."""
-
 import numpy as np
 import xarray as xr
 

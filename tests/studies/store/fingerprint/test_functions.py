@@ -1,5 +1,3 @@
-"""Two functions of one file are told apart by what they hold, or are refused."""
-
 import functools
 import types
 from collections.abc import Callable
@@ -22,12 +20,10 @@ def state(measures: Any) -> str:
 
 
 def over(value: object) -> Measures:
-    """A function that closes over a value."""
     return lambda case, result: value
 
 
 def noted(value: Any, scale: float) -> Any:
-    """The value, with an attribute."""
     vars(value)["more"] = scale
     return value
 

@@ -1,5 +1,3 @@
-"""What a process has loaded is known by source or by version, and any change of it is seen."""
-
 import importlib
 import os
 import sys

@@ -1,5 +1,3 @@
-"""Which edits of a study file and of what it reads make another study, and which do not."""
-
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path

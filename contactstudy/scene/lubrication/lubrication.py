@@ -17,7 +17,7 @@ from contactstudy.domain.checks import (
     suggest_fields,
 )
 from contactstudy.domain.units import Metres, MetresPerSecond, Number, Seconds
-from contactstudy.scene.loads.load_history import History
+from contactstudy.scene.loads.load_history import ChangingLoad, History
 from contactstudy.scene.lubrication.film_heat import LEAST_VISCOSITY, FilmHeat
 from contactstudy.scene.lubrication.lubricant import Lubricant
 from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
@@ -188,7 +188,7 @@ class Lubrication:
                 f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., pressure_viscosity=...)."
             )
         changes = isinstance(self.mean_speed, ChangingSpeed)
-        if not changes:
+        if not changes or isinstance(self.mean_speed, ChangingLoad):  # which has all of a speed
             remedy = "give a speed above 0 m/s, or a SpeedHistory, or leave Scene.lubrication out for the dry contact"
             check_fields(self, mean_speed=(in_range, remedy))
         remedy = "give the sliding speed over the mean speed, such as 0.1"

@@ -37,6 +37,10 @@ def test_an_effect_that_is_not_known_with_a_film_is_refused(
             lambda: cs.Lubricant(0.04, 2e-8, viscosity_law=cs.Barus),  # type: ignore[arg-type]
             "give a law, such as Roelands",
         ),
+        (
+            lambda: cs.Lubrication(OIL, cs.LoadHistory((0, 1), (1e3, 1e4))),  # type: ignore[arg-type]
+            "give a speed above 0 m/s, or a SpeedHistory",
+        ),
         (lambda: cs.Lubrication(OIL, 0.0), "leave Scene.lubrication out for the dry contact"),
         (lambda: cs.Lubrication(None, 1.0), "give a Lubricant"),  # type: ignore[arg-type]
         (lambda: cs.Roelands(exponent=1.2), "Roelands.exponent is 1.2"),

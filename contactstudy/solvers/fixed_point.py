@@ -46,7 +46,7 @@ def solve_by_fixed_point_iteration(
     added: Array = np.zeros_like(solution.gap)
     while True:
         displacement = displacement_of(solution.pressure)
-        change = _deviation_in_contact(displacement - added, solution.pressure) / problem.scales.gap
+        change = _change_in_contact(displacement - added, solution) / problem.scales.gap
         if change <= options.tolerance or outer == max_outer or not np.isfinite(change):
             break
         added = displacement
@@ -70,10 +70,11 @@ def solve_by_fixed_point_iteration(
     )
 
 
-def _deviation_in_contact(change: Array, pressure: Array) -> float:
-    """Return the effect of a `change` of the gap: its largest deviation in the contact from its mean there."""
-    touching = pressure > 0
-    if not touching.any():
+def _change_in_contact(change: Array, solution: Solution) -> float:
+    """Return the effect of a `change` of the gap: its largest value in the contact, under a given load less the mean."""
+    within = change[solution.pressure > 0]
+    if not within.size:
         return 0.0
-    within = change[touching]
-    return float(np.abs(within - within.mean()).max())
+    if solution.problem.control.approach is None:
+        within = within - within.mean()
+    return float(np.abs(within).max())

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 import contactstudy as cs
 from contactstudy.accuracy.bounded_solution import cell_errors
 from contactstudy.accuracy.estimate import error_estimate
+from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.fields import Array
 from contactstudy.scene.solids.bodies import contact_modulus
 from tests.conftest import STEEL, LineContact
@@ -321,3 +322,19 @@ def test_the_residual_part_bounds_what_the_attraction_still_changes(tolerance: f
     assert change.sum() / done.pressure.sum() <= estimate.l1.residual
     peak = abs(early.pressure.max() / done.pressure.max() - 1)
     assert 1e-6 < peak <= estimate.peak_pressure.residual
+
+
+@pytest.mark.parametrize("change", [1e-4, -1e-2])
+def test_the_residual_part_bounds_what_a_uniform_gap_changes_at_a_given_approach(
+    change: float, line_contact: LineContact
+) -> None:
+    grid = line_contact.grid((96, 1), 1.0, width=8.0)
+    one, other = (
+        cs.solve(replace(line_contact.scene, load=cs.Approach(a)), grid, EXACT, tolerance=1e-12)
+        for a in (2e-6, 2e-6 * (1 + change))
+    )
+    off = replace(one, problem=other.problem, gap=one.gap - 2e-6 * change, approach=other.approach)
+    error = np.abs(other.pressure - one.pressure).sum() / one.pressure.sum()
+    l1, peak = residual_errors(off)
+    assert error <= l1 <= 10 * error
+    assert abs(other.pressure.max() / one.pressure.max() - 1) <= peak

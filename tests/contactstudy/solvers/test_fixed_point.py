@@ -42,6 +42,21 @@ def test_outer_iterations_that_do_not_converge_have_a_status(
     assert found.residual > 1e-9
 
 
+def test_a_spring_in_series_lowers_the_load_at_a_given_approach() -> None:
+    posed = replace(UNLIKE, load=cs.Approach(1e-6), friction=None).problem(
+        cs.Grid((96, 1), (4e-4, 1e-3)), cs.ExactPeriodicity()
+    )
+
+    def compressed(pressure: np.ndarray) -> np.ndarray:
+        return np.full_like(pressure, 2e-17 * pressure.sum())
+
+    options = cs.SolveOptions(1e-9)
+    found = solve_by_fixed_point_iteration(posed, compressed, options, None, Cpu(), 50)
+    gap = posed.undeformed_gap + posed.operator(found.pressure) + compressed(found.pressure)
+    assert found.status is cs.Status.CONVERGED
+    assert np.abs(gap[found.pressure > 0] - 1e-6).max() <= 1e-8 * posed.scales.gap
+
+
 def test_a_displacement_or_a_traction_of_nan_is_a_failure() -> None:
     posed = replace(UNLIKE, friction=None).problem(cs.Grid((24, 1), (4e-4, 1e-3)), cs.ZeroPadding())
     options = cs.SolveOptions()

@@ -41,8 +41,7 @@ NO_BOUND_OF_PASSES = (
     "solve again with half the cell width and compare."
 )
 NO_BOUND_OF_STATES = (
-    "No bound: the errors in area, gap, approach and stress of a contact that has crept, worn or yielded "
-    "are not estimated."
+    "No bound: this error is not estimated in a contact that has crept, worn or yielded."
 )
 CUT_OFF_STRAIN = "No bound: the plastic strain is cut off at the edge of the grid, give Grid.extent a larger one."
 NO_STEP_ERROR = "No bound: the error of one step is not estimated; the errors of quantities count that of all steps."
@@ -262,7 +261,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         )
         worn = frame.fields.get("worn_depth")
         has_worn = worn is not None and worn.values.any()
-        return _with_steps(contact, frame.step_error) if has_worn else contact
+        return _with_steps(contact, frame.step_errors) if has_worn else contact
     problem = trajectory.problem
     outputs = tuple(trajectory.derived(frame, output) for output in problem.outputs)
     problem = replace(problem, outputs=outputs)
@@ -304,16 +303,15 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     )
 
 
-def _with_steps(contact: Contact, error: float) -> Contact:
-    """Return a contact that has worn with a relative L1 time-discretisation `error` added to its errors.
+def _with_steps(contact: Contact, step_errors: Mapping[str, float]) -> Contact:
+    """Return a contact that has worn with its relative time-discretisation errors by quantity added to its errors.
 
-    Gap, approach and stress have no bound, as they depend on the worn depth itself.
+    Quantities without one, such as gap, approach and stress, which depend on the worn depth itself, have no bound.
     """
     estimate = contact.error
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
-    of_pressure = ("l1", "peak_pressure", "contact_area", "rolling_resistance")
     with_steps: dict[str, Any] = {
-        name: replace(parts, steps=error) if name in of_pressure else unknown
+        name: replace(parts, steps=step_errors[name]) if name in step_errors else unknown
         for name, parts in estimate
     }
     return replace(contact, estimate=replace(estimate, **with_steps))

@@ -55,6 +55,8 @@ class Frame:
         Residual of the last solve.
     step_error
         Estimated time-discretisation error; in fretting the larger one of the pressure and of the tangential traction.
+    step_errors
+        Relative time-discretisation errors of a contact that has worn while it rolls, by quantity.
     solves
         Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
     iterations
@@ -93,6 +95,7 @@ class Frame:
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
     peak_grid_error: float = inf
+    step_errors: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     adhesion: AdhesiveTraction | None = None
     solution: Solution | None = None

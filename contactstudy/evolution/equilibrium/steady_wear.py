@@ -60,6 +60,26 @@ class _DryContact:
     def status(self) -> Status:
         return self.solution.status
 
+    def step_errors(self, coarse: "_DryContact") -> dict[str, float]:
+        """Return relative differences to the contact after longer steps, by quantity.
+
+        That of the peak pressure is the largest of any cell. That of the area counts cells in contact in one of both
+        alone, and is at least that in L1, since a small change may move no edge to another cell.
+        """
+        touching, change = self.pressure > 0, np.abs(self.pressure - coarse.pressure)
+        moved = np.count_nonzero(touching ^ (coarse.pressure > 0)) / np.count_nonzero(touching)
+        l1 = change.sum() / self.pressure.sum()
+        errors = {
+            "l1": l1,
+            "peak_pressure": change.max() / self.pressure.max(),
+            "contact_area": max(l1, moved),
+        }
+        if self.rolling is not None and coarse.rolling is not None:
+            resistance = self.rolling.resistance
+            difference = abs(resistance - coarse.rolling.resistance)
+            errors["rolling_resistance"] = difference / abs(resistance) if difference else 0.0
+        return {name: float(error) for name, error in errors.items()}
+
 
 class _Worn(Protocol):
     """Protocol of a steady contact on a worn gap."""
@@ -267,11 +287,13 @@ def follow_wear(
     frames = []
     for instant in instants:
         assert instant.coarse is not None
-        solution, pressure = instant.contact.solution, instant.contact.pressure
+        solution, errors = (
+            instant.contact.solution,
+            instant.contact.step_errors(instant.coarse.contact),
+        )
         # the picture of an instant names the scene, not the surface that is worn by now
         posed = PosedScene(scene, grid, padding)
         solution = replace(solution, problem=replace(solution.problem, description=posed))
-        change = np.abs(pressure - instant.coarse.contact.pressure).sum() / pressure.sum()
         worn_depth = Field(("x", "y"), instant.depth, "m", "worn depth")
         frames.append(
             replace(
@@ -283,7 +305,8 @@ def follow_wear(
                 ),
                 status=instant.status,
                 fields={"worn_depth": worn_depth},
-                step_error=float(change),
+                step_error=errors["l1"],
+                step_errors=errors,
                 solves=int(instant.work[1]),
                 iterations=int(instant.work[2]),
                 convolutions=float(instant.work[3]),

@@ -95,15 +95,20 @@ def test_a_roller_that_creeps_wears_evenly_too() -> None:
     assert answer.frames[-1].rolling.resistance > 0
 
 
-def test_the_error_by_steps_covers_the_change_by_shorter_ones() -> None:
-    times = (0.0, 2e3)
+def test_errors_by_steps_cover_the_change_by_shorter_ones() -> None:
+    times = (0.0, 5e3)
     rough, fine = (
         cs.solve(ROLLER, GRID, EXACT, times=cs.TimeSteps(times, error=error))
         for error in (0.1, 1e-4)
     )
-    change = np.abs(rough.pressure[-1] - fine.pressure[-1]).sum() / fine.pressure[-1].sum()
-    bound = rough.frames[-1].error.l1.by_cause["steps"]
-    assert change < bound < 0.1
+    change = np.abs(rough.pressure[-1] - fine.pressure[-1])
+    bounds = {name: parts.steps for name, parts in rough.frames[-1].error}
+    assert change.sum() / fine.pressure[-1].sum() < bounds["l1"] < 0.1
+    # the peak may be where the pressure changes most, and elastic bodies roll without resistance
+    assert max(change.max() / PEAK, bounds["l1"]) < bounds["peak_pressure"] < 0.1
+    assert bounds["rolling_resistance"] == 0
+    edges = (rough.pressure[-1] > 0) ^ (fine.pressure[-1] > 0)
+    assert edges.sum() / (fine.pressure[-1] > 0).sum() <= bounds["contact_area"] < 0.1
     assert rough.counts["solves"][0] < fine.counts["solves"][0]
 
 

@@ -39,7 +39,7 @@ class Rolling:
     ----------
     speed
         Speed of the contact [m/s], at least zero, all transients decayed. At infinite speed the bodies respond
-        instantaneously. Passes over a body that yields do not depend on it.
+        instantaneously. None with passes, which do not depend on it.
     passes
         Number of passes over a body that yields, at least 1; None rolls steadily.
     pressure
@@ -53,8 +53,8 @@ class Rolling:
     Raises
     ------
     InvalidInput
-        If neither speed nor passes are given, if a setting of passes is given without passes, or if a value is outside
-        these limits; in a scene with heights that move with a body.
+        If neither speed nor passes are given, or both, if a setting of passes is given without passes, or if a value is
+        outside these limits; in a scene with heights that move with a body.
     """
 
     speed: MetresPerSecond | None = None
@@ -66,6 +66,10 @@ class Rolling:
     def __post_init__(self) -> None:
         if self.speed is None and self.passes is None:
             raise InvalidInput("Rolling.speed is None: give a speed of at least 0 m/s, or passes.")
+        if self.speed is not None and self.passes is not None:
+            raise InvalidInput(
+                f"Rolling.speed is {self.speed!r} with passes, which do not depend on it: leave one of them out."
+            )
         if self.speed not in (None, inf):
             check_fields(self, speed=(in_range_from_zero, "give a speed of at least 0 m/s"))
         if self.passes is not None:

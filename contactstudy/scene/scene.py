@@ -435,7 +435,7 @@ class Scene:
     def rolling_speed(self) -> float | None:
         """Speed [m/s] along x of steady `Rolling`, or of `TractiveRolling` of a body that creeps; None for others."""
         if self.rolling is not None:
-            return self.rolling.speed if self.rolling.passes is None else None
+            return self.rolling.speed
         drives = getattr(self.friction, "is_steady", False) and any(map(creeps, self.solids))
         return self.friction.speed if drives else None  # type: ignore[union-attr]
 

@@ -226,6 +226,7 @@ def test_what_does_not_roll_steadily_is_refused(changes: dict[str, object], matc
 @pytest.mark.parametrize(
     ("settings", "match"),
     [
+        ({"speed": 1.0, "passes": 2}, r"^Rolling\.speed is 1\.0 with passes"),
         ({"speed": 1.0, "distance": 0.1}, r"^Rolling\.distance is 0\.1 without passes"),
         ({"speed": 1.0, "steady": 1e-3}, r"^Rolling\.steady is 0\.001 without passes"),
         (

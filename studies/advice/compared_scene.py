@@ -179,6 +179,14 @@ def bounds_of(answer: Answer) -> dict[str, float]:
     }
 
 
+def bound_by_cells(answer: Answer) -> float:
+    """Return the bound on the relative L1 error of an answer's pressure that is not by its steps in time."""
+    causes = last_of(answer).error.l1.by_cause
+    return sum(
+        part for cause, part in causes.items() if cause not in ("images", "residual", "steps")
+    )
+
+
 def step_error_of(answer: Answer) -> float:
     """Return the bound on the relative L1 error of an answer's pressure by its steps in time, 0 without any."""
     return last_of(answer).error.l1.by_cause.get("steps", 0.0)

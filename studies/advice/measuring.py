@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, isfinite, prod
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 import contactstudy as cs
@@ -194,8 +193,10 @@ class _Measurement:
             except cs.InvalidInput as error:  # an effect may not take this padding
                 refused[label_of(padding)] = str(error)
                 continue
-            if not pressure_of(answer).any() or not np.isfinite(pressure_of(answer)).all():
-                refused[label_of(padding)] = failure_of(answer)
+            if why := failure_of(answer) or "its pressure is zero." * (
+                not pressure_of(answer).any()
+            ):
+                refused[label_of(padding)] = why
                 continue
             numbers = numbers_of(answer)
             changes = {
@@ -255,7 +256,7 @@ class _Measurement:
         return bounds
 
     def _multiples(self) -> Iterator[int]:
-        """Yield the levels that nest in the reference and are at most a third as fine; all for a closed form."""
+        """Yield the levels that nest in the reference, at most a third as fine; for a closed form those affordable."""
         for multiple in MULTIPLES:
             if self.reference is not None:
                 if multiple <= self.reference // 3 and self.reference % multiple == 0:

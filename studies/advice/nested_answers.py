@@ -10,10 +10,10 @@ from studies.advice.compared_scene import (
     Answer,
     ComparedScene,
     Setting,
+    bound_by_cells,
     bounds_of,
     failure_of,
     pressure_of,
-    step_error_of,
 )
 from studies.advice.nested_grids import MULTIPLES, cells_at, is_reference
 from studies.reference.line_contact import relative_l1
@@ -218,9 +218,9 @@ class NestedAnswers:
         return self._bound_by_cells(self._finest) <= FINE_ENOUGH_FRACTION * self.error
 
     def _bound_by_cells(self, multiple: int) -> float:
-        """Return the bound on the error of the pressure without that by steps in time, which no cells make smaller."""
-        steps = step_error_of(self.answers[multiple])
-        return self.bounds(multiple)["pressure_l1"] - steps if steps < inf else 0.0
+        """Return the bound on the error of the pressure by the cells, which finer ones make smaller."""
+        self.bounds(multiple)  # times what a bound costs
+        return bound_by_cells(self.answers[multiple])
 
     def _is_too_coarse(self) -> bool:
         """Return whether a reference's bound leaves too little of the request to the finest setting judged by it.
@@ -234,7 +234,7 @@ class NestedAnswers:
             for part in (2, 4)
             if reference % part == 0 and reference // part in self.answers
         ]
-        finest = FINEST_MARGIN * prod(errors) ** (1 / len(errors)) if errors else 0.0
+        finest = FINEST_MARGIN * prod(errors) ** (1 / len(errors)) if errors else inf
         return bound > TOO_COARSE_FRACTION * self.error or bound + finest > self.error
 
     def seconds_for_settings(self) -> float:

@@ -13,7 +13,7 @@ import contactstudy as cs
 from studies.advice.compared_scene import Setting
 from studies.advice.comparison import Comparison, MeasuredSetting, PaddingError, name_and_images
 from studies.reference.line_contact import padding_at
-from studies.store.netcdf import read, write
+from studies.store.netcdf import check_kind, read, write
 from studies.store.provenance import provenance
 
 NAME = "settings"
@@ -48,7 +48,11 @@ def store(comparison: Comparison, key: str, out: Path) -> xr.Dataset:
 
 
 def stored(key: str, out: Path) -> Comparison | None:
-    """Return the comparison of a scene that a folder has; None if it has none of its key, program and processor."""
+    """Return the comparison of a scene that a folder has; None if it has none of its key, program and processor.
+
+    Raises :class:`~contactstudy.InvalidInput` if the file in its place holds a study or a solution.
+    """
+    check_kind(path_in(out), "comparison")
     if not path_in(out).is_file():
         return None
     dataset = read(path_in(out))
@@ -121,7 +125,7 @@ def from_dataset(dataset: xr.Dataset) -> Comparison:
 
 
 def as_text(padding: cs.Padding | cs.Paddings) -> str:
-    """Return a padding as text, such as "circular 6", or "zero, zero" for two axes."""
+    """Return a padding as text, such as "circular 6", or "zero 0, zero 0" for two axes."""
     if isinstance(padding, tuple):
         return ", ".join(as_text(axis) for axis in padding)
     name, images = name_and_images(padding)

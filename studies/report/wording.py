@@ -82,7 +82,10 @@ def verdict_text(comparison: Comparison, verdict: Verdict) -> str:
 
 def alternatives_text(comparison: Comparison, verdict: Verdict) -> str:
     """Return sentences on the other paddings and on the next coarser grid."""
-    rounds = max((len(setting.rounds) for setting in comparison.settings), default=0)
+    best, rounds = (
+        verdict.best,
+        max((len(setting.rounds) for setting in comparison.settings), default=0),
+    )
     sentences = []
     timed = [alternative for alternative in verdict.alternatives if alternative.measured.rounds]
     shown = [alternative for alternative in timed if alternative.is_significant]
@@ -91,21 +94,30 @@ def alternatives_text(comparison: Comparison, verdict: Verdict) -> str:
     if ties := [padding_name(r.measured.label) for r in timed if r.is_as_fast]:
         sentences.append(f"As fast within 10 %: {', '.join(ties)}.")
     for words, alternatives in (
-        (f"Slower in {rounds} rounds", [r for r in shown if r.ratio > 1]),
-        (f"Quicker in {rounds} rounds", [r for r in shown if r.ratio < 1]),
+        (f"Slower by {rounds} rounds of timing", [r for r in shown if r.ratio > 1]),
+        (f"Quicker by {rounds} rounds of timing", [r for r in shown if r.ratio < 1]),
         (f"Not decided by {rounds} rounds of timing", undecided),
         ("Meets the request too, but is not among the quickest", untimed),
     ):
         if alternatives:
             sentences.append(f"{words}: {', '.join(map(ratio_text, alternatives))}.")
-    meeting = {verdict.best.label, *(r.measured.label for r in verdict.alternatives)}
+    meeting = {best.label, *(r.measured.label for r in verdict.alternatives)}
     lines = [comparison.settings_of(label) for label in comparison.labels if label not in meeting]
-    misses = sorted((line[-1] for line in lines if line), key=lambda measured: measured.error)
-    if misses and verdict.meets:
-        finest = [f"{padding_name(item.label)} ({percent(item.error)})" for item in misses]
-        if len(misses) > 3:
-            finest = [f"{len(misses)} paddings, from {finest[0]} to {finest[-1]}"]
-        sentences.append(f"No grid is accurate enough with: {', '.join(finest)}.")
+    finest = sorted((line[-1] for line in lines if line), key=lambda measured: measured.error)
+    judged = [
+        item
+        for item in finest
+        if item.is_bounded and item.setting.cells[0] >= best.setting.cells[0]
+    ]
+    for words, items in (
+        ("No grid is accurate enough with", judged),
+        ("Not timed on grids as fine, or without a bound", [r for r in finest if r not in judged]),
+    ):
+        if items and verdict.meets:
+            misses = [f"{padding_name(item.label)} ({percent(item.error)})" for item in items]
+            if len(items) > 3:
+                misses = [f"{len(items)} paddings, from {misses[0]} to {misses[-1]}"]
+            sentences.append(f"{words}: {', '.join(misses)}.")
     if coarser := verdict.coarser:
         saved = coarser.time / verdict.best.time
         took = f"{saved:.2g} times the time" if saved < 1 else "no less time"

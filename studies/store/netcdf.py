@@ -71,8 +71,10 @@ def read_any(path: Path) -> xr.Dataset:
     return read(path, "File", "give a file that contactstudy solve or run wrote")
 
 
-def check_kind(path: Path, kind: Literal["solution", "study"], log: Log = print) -> None:
-    """Raise InvalidInput if `path` holds a file of the other kind, which would be replaced.
+def check_kind(
+    path: Path, kind: Literal["solution", "study", "comparison"], log: Log = print
+) -> None:
+    """Raise InvalidInput if `path` holds a file of another kind, which would be replaced.
 
     A damaged file is set aside, which is reported to `log`.
     """
@@ -80,7 +82,7 @@ def check_kind(path: Path, kind: Literal["solution", "study"], log: Log = print)
         return
     try:
         with Stop(), netCDF4.Dataset(_checked(path)) as file:
-            kinds = {"study": "case_status", "solution": "pressure"}
+            kinds = {"study": "case_status", "solution": "pressure", "comparison": "padding_alone"}
             present = next((name for name in kinds if kinds[name] in file.variables), kind)
     except Exception:  # noqa: BLE001 (libraries raise anything for a damaged file)
         log(f"{path} is damaged: it is set aside as {set_aside(path).name}, and is made again")

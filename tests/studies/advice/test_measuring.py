@@ -5,9 +5,12 @@ from dataclasses import replace
 from math import inf, nan, prod
 from pathlib import Path
 from time import perf_counter, process_time, sleep
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -15,6 +18,7 @@ import contactstudy as cs
 from studies.advice.compared_scene import (
     ComparedScene,
     Setting,
+    bound_by_cells,
     bounds_of,
     compared_scene,
     paper_scene,
@@ -32,8 +36,9 @@ from studies.advice.front import pareto_front
 from studies.advice.measuring import compare_settings
 from studies.advice.nested_answers import Budget, NestedAnswers
 from studies.advice.rounds import median_ratio_and_p, sign_test, times_in_rounds
-from studies.advice.stored import as_text, from_text, store, stored
+from studies.advice.stored import as_text, from_text, path_in, store, stored
 from studies.reference.line_contact import HERTZ, SCENE, hertz_means, relative_l1
+from studies.store.netcdf import check_kind
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 
@@ -61,6 +66,29 @@ def test_a_cylinder_is_judged_by_hertz_and_solved_with_one_cell_along(cylinder: 
     solution = cs.solve(SCENE.problem(grid, setting.padding), tolerance=setting.tolerance)
     true = hertz_means(HERTZ, grid)
     assert np.abs(solution.pressure - true).sum() <= 1e-2 * true.sum()
+
+
+def test_a_bound_by_the_cells_is_there_without_one_by_the_steps() -> None:
+    answer: Any = SimpleNamespace(
+        error=SimpleNamespace(l1=SimpleNamespace(by_cause={"grid": 0.5, "steps": inf}))
+    )
+    assert bound_by_cells(answer) == 0.5
+
+
+def test_a_padding_that_does_not_converge_has_no_error_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    solve = ComparedScene.solve
+
+    def cut_short(subject: ComparedScene, setting: Setting) -> Any:
+        answer = solve(subject, setting)
+        is_copied = setting.padding == cs.DuplicatedPadding()
+        return replace(answer, status=cs.Status.STALLED) if is_copied else answer
+
+    monkeypatch.setattr(ComparedScene, "solve", cut_short)
+    measured = compare_settings(paper_scene().subject(), 0.1, Budget(2.0))
+    assert "duplicated" not in {label_of(item.padding) for item in measured.paddings}
+    assert f"Left out: duplicated. For the first: {cs.Status.STALLED}" in " ".join(measured.notes)
 
 
 def test_a_window_too_short_meets_the_request_on_no_grid(cylinder: Comparison) -> None:
@@ -126,6 +154,12 @@ def test_a_stored_comparison_is_of_its_scene_alone(tmp_path: Path, cylinder: Com
     store(cylinder, paper_scene().key, tmp_path)
     assert stored(paper_scene().key, tmp_path) == cylinder
     assert stored(paper_scene(period=0.6).key, tmp_path) is None
+    # a study settings.py would write a file of the same name
+    with pytest.raises(cs.InvalidInput, match="holds a comparison, which the study would replace"):
+        check_kind(path_in(tmp_path), "study")
+    xr.Dataset({"case_status": 1}).to_netcdf(path_in(tmp_path))
+    with pytest.raises(cs.InvalidInput, match="holds a study, which the comparison would replace"):
+        stored(paper_scene().key, tmp_path)
 
 
 @pytest.mark.parametrize(

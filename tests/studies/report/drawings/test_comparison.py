@@ -28,9 +28,34 @@ def test_the_verdict_names_setting_error_bound_and_time() -> None:
         "in 4 ms on one thread; 3.0\xa0% was requested."
     )
     assert alternatives_text(measured, verdict) == (
-        "Slower in 15 rounds: duplicated padding (1.5 times, 2 ms more). The next coarser grid, 32 x 32 cells, has "
-        "an error of 4.0\xa0% in 0.25 times the time and misses the request."
+        "Slower by 15 rounds of timing: duplicated padding (1.5 times, 2 ms more). The next coarser grid, 32 x 32 "
+        "cells, has an error of 4.0\xa0% in 0.25 times the time and misses the request."
     )
+
+
+@pytest.mark.parametrize(
+    ("cells", "bounded", "words"),
+    [
+        (64, True, "No grid is accurate enough with: duplicated padding (5.0\xa0%)."),
+        (
+            32,
+            True,
+            "Not timed on grids as fine, or without a bound: duplicated padding (5.0\xa0%).",
+        ),
+        (
+            64,
+            False,
+            "Not timed on grids as fine, or without a bound: duplicated padding (5.0\xa0%).",
+        ),
+    ],
+)
+def test_a_padding_misses_the_request_only_where_it_was_timed_on_cells_as_fine(
+    cells: int,
+    bounded: bool,  # noqa: FBT001 (parametrised)
+    words: str,
+) -> None:
+    measured = of(FINE, one(COPIED, cells, 0.05, bounded=bounded))
+    assert alternatives_text(measured, measured.verdict()) == words
 
 
 def test_a_coarser_grid_that_the_bound_of_the_reference_rules_out_says_so() -> None:

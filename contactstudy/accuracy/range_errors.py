@@ -31,6 +31,14 @@ PEAK_WITHOUT_LIMIT = (
     "No bound for the peak pressure: in the JKR limit the pressure grows without limit beside the "
     "attraction, give Adhesion.range."
 )
+NO_PULL_OFF_OF_LAW = (
+    "No bound for the pull-off load: how far it is from the JKR limit is known for the exponential law alone, give "
+    "Adhesion.range."
+)
+NO_LONGER_RANGE = (
+    "No bound for the pull-off load: on cells of twice the size, with the longer range that they hold, none was found, "
+    "give more cells."
+)
 ZERO_PULL_OFF = "No bound for the pull-off load: it is zero, and its error is relative to it."
 # The part of a pull-off load that coarse cells may add by trapping the edge of the contact, by the cells in the zone.
 TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
@@ -65,12 +73,21 @@ def range_warning(solution: Solution) -> tuple[str, ...]:
     adhesion = solution.adhesion
     if adhesion is None or not adhesion.regularised or adhesion.tabor is None:
         return ()
+    shortest = f"The range of the attraction, {readable(adhesion.range)}, is the shortest that this grid can hold"
+    if not _follows_table(solution):
+        return (f"{shortest}.",)
     below = reduction_below_jkr(adhesion.tabor)
     return (
-        f"The range of the attraction, {readable(adhesion.range)}, is the shortest that this grid can hold: the "
-        f"pull-off load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {below:.1%} "
+        f"{shortest}: the pull-off load of a cylinder with this Tabor parameter, {adhesion.tabor:.3g}, is {below:.1%} "
         "below the JKR limit.",
     )
+
+
+def _follows_table(solution: Solution) -> bool:
+    """Return whether the attraction of `solution` follows the law that :data:`PULL_OFF_OVER_JKR` is for."""
+    posed = solution.problem.description
+    adhesion = posed.scene.adhesion if isinstance(posed, PosedScene) else None
+    return adhesion is not None and adhesion.law == "exponential"
 
 
 def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
@@ -84,10 +101,13 @@ def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
     trapped = next(
         fraction for cells, fraction in TRAPPED_FRACTION if adhesion.cells_in_zone >= cells
     )
+    by_range = _range_error(solution, adhesion, pull_off)
+    if by_range == inf:
+        reason = reason or (NO_LONGER_RANGE if _follows_table(solution) else NO_PULL_OFF_OF_LAW)
     return ErrorParts(
         discretisation=load + trapped,
         residual=abs(pull_off - adhesion.first_unstable_load) / abs(pull_off) if pull_off else inf,
-        range=_range_error(solution, adhesion, pull_off),
+        range=by_range,
         reason=reason if pull_off else ZERO_PULL_OFF,
     )
 
@@ -96,16 +116,20 @@ def _range_error(solution: Solution, adhesion: AdhesiveTraction, load: float) ->
     """Return the error of a pull-off load by a range chosen for the grid in place of the JKR limit; None for others.
 
     It is that of a cylinder with this Tabor parameter, or the change from the range of cells of twice the size, which on
-    other surfaces affects more than the edge of one contact.
+    other surfaces affects more than the edge of one contact. It is infinite for a law other than the exponential one,
+    and where no such state is found on these cells.
     """
     problem = solution.problem
     posed = problem.description
     if not adhesion.regularised or not isinstance(posed, PosedScene):
         return None
+    if not _follows_table(solution):
+        return inf
     longer = solve_contact(
         posed.scene.problem(halved(problem.grid), posed.padding), SolveOptions(ADHESIVE_TOLERANCE)
     )
-    changed = abs(longer.load_per_length - load) / abs(load) if load else inf
+    found = longer.status.has_converged and load
+    changed = abs(longer.load_per_length - load) / abs(load) if found else inf
     return max(changed, reduction_below_jkr(adhesion.tabor) if adhesion.tabor else 0.0)
 
 

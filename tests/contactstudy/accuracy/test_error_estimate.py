@@ -291,6 +291,20 @@ def test_an_attraction_cut_off_at_the_edge_has_no_bound() -> None:
         assert any("attraction is cut off" in said for said in estimate.warnings) is not is_bounded
 
 
+@pytest.mark.parametrize("law", ["exponential", "dugdale"])
+def test_how_far_a_pull_off_is_from_the_jkr_limit_is_said_for_the_exponential_law_alone(
+    law: str,
+) -> None:
+    solids = cs.HalfSpace(1e9, 0.3), cs.HalfSpace(inf, 0.3)
+    adhesion = cs.Adhesion(0.1, law=law)
+    scene = cs.Scene(cs.PullOff(100.0), solids, (cs.Cylinder(0.01),), adhesion=adhesion)
+    estimate = error_estimate(cs.solve(scene.problem(cs.Grid((128, 1), (2e-3, 1e-3)), EXACT)))
+    is_known = law == "exponential"
+    assert (estimate.pull_off.total < inf) is is_known
+    assert ("exponential law alone" in estimate.pull_off.reason) is not is_known
+    assert any("below the JKR limit" in said for said in estimate.warnings) is is_known
+
+
 def test_a_pull_off_whose_attraction_is_cut_off_has_no_bound_with_that_reason() -> None:
     solids = cs.HalfSpace(1.0, 0.0), cs.HalfSpace(inf, 0.3)
     scene = cs.Scene(cs.PullOff(1.0), solids, (cs.Cylinder(1.0),), adhesion=cs.Adhesion(pi, 8.0))

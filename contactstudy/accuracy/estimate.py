@@ -173,9 +173,10 @@ def error_estimate(
     if not solution.pressure.any():
         unknown = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
         return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
-    peak_images, l1_images = 0.0, 0.0
-    if problem.source is None or not problem.source.ends_along:
-        peak_images, l1_images = image_errors(solution.pressure, problem.grid, problem.paddings)
+    ends_along = problem.source is not None and problem.source.ends_along
+    peak_images, l1_images = image_errors(
+        solution.pressure, problem.grid, problem.paddings, ends_along=ends_along
+    )
     peak_residual, l1_residual = residual_errors(solution)
     if solution.adhesion is not None:
         from contactstudy.solvers.adhesion import (

@@ -1,7 +1,10 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.image_errors import image_errors
 from tests.conftest import STEEL, LineContact
 
@@ -49,6 +52,24 @@ def test_a_free_length_has_an_image_error_only_where_contact_reaches_its_ends() 
     assert not point.pressure[:, [0, -1]].any()
     assert image_errors(point.pressure, grid, (FREE, FREE)) == (0.0, 0.0)
     assert min(image_errors(np.ones((32, 32)), grid, (FREE, FREE))) > 0
+
+
+@pytest.mark.parametrize("times", [1, 2])
+@pytest.mark.parametrize("padding", [cs.Superposition(1), cs.CircularSuperposition(1)], ids=str)
+def test_images_left_out_beside_a_roller_that_ends_are_bounded(
+    padding: cs.Padding, times: int, line_contact: LineContact
+) -> None:
+    a = line_contact.hertz.half_width
+    shapes = (*line_contact.scene.shapes, cs.FiniteLength(12 * a))
+    scene = replace(line_contact.scene, shapes=shapes)
+    grid = cs.Grid((40, 48), (3.2 * a, times * 12 * a))
+    cut, whole, alone = (cs.solve(scene.problem(grid, one)) for one in (padding, EXACT, FREE))
+    estimate = error_estimate(cut)
+    moved = np.abs(cut.pressure - whole.pressure).sum() / whole.pressure.sum()
+    assert moved <= estimate.l1.images < 0.1
+    peak = abs(cut.pressure.max() / whole.pressure.max() - 1)
+    assert peak <= estimate.peak_pressure.images < 0.1
+    assert error_estimate(alone).l1.images == 0
 
 
 @pytest.mark.parametrize("across", [EXACT, cs.DuplicatedPadding()], ids=str)

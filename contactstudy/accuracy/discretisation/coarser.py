@@ -82,7 +82,7 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
         float(np.abs(means - coarse.pressure).sum() / means.sum()),
         abs(float(fine.pressure.max() / coarse.pressure.max()) - 1),
         abs(areas[1] / areas[0] - 1),
-        abs(gaps[1] / gaps[0] - 1) if gaps[0] else 0.0,
+        abs(gaps[1] / gaps[0] - 1) if gaps[0] else inf,
         abs(loads[0] - loads[1]) / abs(loads[0]) if loads[0] else inf,
     )
 

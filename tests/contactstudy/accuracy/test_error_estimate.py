@@ -291,6 +291,18 @@ def test_an_attraction_cut_off_at_the_edge_has_no_bound() -> None:
         assert any("attraction is cut off" in said for said in estimate.warnings) is not is_bounded
 
 
+@pytest.mark.parametrize("load", [cs.LineLoad(1e5), cs.Approach(3e-6)], ids=str)
+def test_a_mean_gap_as_small_as_the_residual_has_no_bound(load: cs.LineLoad | cs.Approach) -> None:
+    """The bodies touch everywhere."""
+    wave = cs.Waviness(1e-9, across=1e-3)
+    scene = cs.Scene(load, (cs.HalfSpace(1e9, 0.3), STEEL), (wave,))
+    solution = cs.solve(
+        scene.problem(cs.Grid((64, 1), (1e-3, 1e-3)), (cs.CircularSuperposition(1), FREE))
+    )
+    assert solution.pressure.all()
+    assert error_estimate(solution).mean_gap.discretisation == inf
+
+
 @pytest.mark.parametrize("law", ["exponential", "dugdale"])
 def test_how_far_a_pull_off_is_from_the_jkr_limit_is_said_for_the_exponential_law_alone(
     law: str,

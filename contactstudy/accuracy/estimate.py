@@ -167,9 +167,8 @@ def error_estimate(
             "Problem.paddings is None: give the paddings of the two axes, (across, along)."
         )
     if solution.status.is_failure:
-        unknown = ErrorParts(0.0, 0.0, inf)
-        reason = f"No bound: {solution.status}"
-        return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(reason,))
+        unknown = ErrorParts(residual=inf, reason=f"No bound: {solution.status}")
+        return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))
     if not solution.pressure.any():
         unknown = ErrorParts(discretisation=inf, reason="No bound: the bodies do not touch.")
         return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))

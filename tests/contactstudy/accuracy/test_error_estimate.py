@@ -160,6 +160,16 @@ def test_units_do_not_change_the_estimate(line_contact: LineContact) -> None:
         np.testing.assert_allclose(one[:2], other[:2], rtol=1e-8)
 
 
+def test_a_solve_that_failed_has_no_bound_with_its_status_and_no_part_of_another_cause(
+    line_contact: LineContact,
+) -> None:
+    problem = line_contact.scene.problem(line_contact.grid((16, 1), 1.2), EXACT)
+    failed = replace(cs.solve(problem), status=cs.Status.NOT_FINITE)
+    for _, parts in error_estimate(failed):
+        assert parts.by_cause == {"residual": inf}
+        assert "NOT_FINITE" in parts.reason
+
+
 def test_a_problem_without_paddings_is_refused(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), EXACT)
     solution = cs.solve(replace(problem, paddings=None))

@@ -1,6 +1,7 @@
 """Errors of the approach, and of the largest von Mises stress below the surface and its depth."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import inf
 
 import numpy as np
@@ -18,6 +19,7 @@ NO_DATUM = (
     "ExactPeriodicity."
 )
 ZERO_APPROACH = "No bound for the approach: it is zero, and its error is relative to it."
+AT_SURFACE = "No bound for the depth: the largest stress lies at the surface."
 NO_COARSER = (
     "No bound for the stress: there is no solution on cells of twice the size to compare with."
 )
@@ -41,10 +43,10 @@ def approach_error(
         The same contact on cells of twice the size; None where none was solved.
     """
     size = abs(solution.approach)
-    images = estimate.l1.images or 0.0
-    if images or not size:
-        reason = NO_DATUM if images else ZERO_APPROACH
-        return ErrorParts(inf if images else 0.0, inf, 0.0, reason=reason)
+    if estimate.l1.images:
+        return ErrorParts(images=inf, reason=NO_DATUM)
+    if not size:
+        return ErrorParts(discretisation=inf, reason=ZERO_APPROACH)
     change = 0.0 if coarse is None else abs(solution.approach - coarse.approach)
     if solution.adhesion is not None:
         change *= FIRST_ORDER_MARGIN
@@ -67,7 +69,8 @@ def stress_errors(
     The stress at a depth shows no waves of the pressure that are much shorter. So the error of the peak pressure counts
     at the surface, and falls like the stress of a wave of two cells; that in L1 counts everywhere, as does the change
     from larger cells. Between cells and between depths the maximum lies above the largest value by the parabola through
-    three of them. Any depth may be that of the largest stress where the stress comes as near to it as its error.
+    three of them. Any depth may be that of the largest stress where the stress comes as near to it as its errors; a
+    single depth is given, and has none.
 
     Parameters
     ----------
@@ -104,13 +107,17 @@ def stress_errors(
     stress = ErrorParts(images, cells, residual, reason=reason)
     if len(depths) == 1:
         return stress, ErrorParts(0.0, 0.0, 0.0)
-    near = np.flatnonzero(upper_stress >= (1 - usual) * peak)
-    # the depth may lie up to the neighbouring ones
-    first, last = max(near[0] - 1, 0), min(near[-1] + 1, len(depths) - 1)
-    depth = float(depths[level])
-    away = max(depth - depths[first], depths[last] - depth) / depth if depth else inf
-    why = "" if away < inf else "No bound for the depth: the largest stress lies at the surface."
-    return stress, ErrorParts(0.0, float(away), 0.0, reason=why)
+    if not (depth := float(depths[level])):
+        return stress, ErrorParts(discretisation=inf, reason=AT_SURFACE)
+    # how far away the stress comes as near to the largest as its errors, with one cause after the other
+    away = []
+    for other in (0.0, images, images + residual):
+        near = np.flatnonzero(upper_stress * (1 + other) >= (1 - usual - other) * peak)
+        # the depth may lie up to the neighbouring ones
+        first, last = max(near[0] - 1, 0), min(near[-1] + 1, len(depths) - 1)
+        away.append(max(depth - depths[first], depths[last] - depth) / depth)
+    by_images, by_residual = (float(wider - narrow) for narrow, wider in pairwise(away))
+    return stress, ErrorParts(by_images, float(away[0]), by_residual)
 
 
 def _cells(solution: Solution) -> list[float]:

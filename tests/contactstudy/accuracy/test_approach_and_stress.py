@@ -92,3 +92,17 @@ def test_the_error_of_the_peak_counts_below_it_like_the_stress_of_a_wave_of_two_
         return stress_errors(solution, np.ones((1, 48, 1)), depths, of_peak, coarse)[0].total
 
     assert bound(0.3) - bound(0.1) == pytest.approx(0.2 * 3 * np.exp(-2))
+
+
+def test_a_loose_tolerance_and_images_left_out_widen_the_range_of_depths(
+    line_contact: LineContact,
+) -> None:
+    scene = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(DEPTHS),))
+    grid = line_contact.grid((90, 1), 1.0, width=3.2)
+    solution = cs.solve(scene.problem(grid, EXACT), tolerance=1e-2)
+    stress, estimate = solution.derived["von_mises"].values, error_estimate(solution)
+    assert estimate.l1.residual > 1e-2
+    cut = replace(estimate, l1=replace(estimate.l1, images=0.1))
+    for one, part in ((estimate, "residual"), (cut, "images")):
+        _, depth = stress_errors(solution, stress, np.array(DEPTHS), one, solution)
+        assert getattr(depth, part) > 0

@@ -72,16 +72,20 @@ class SceneFile:
 
     def plan(self, *, device: Device = Cpu()) -> Plan:  # noqa: B008 (frozen)
         """Return the plan for this scene, on the file's grid if it has one; seconds are for the `device`."""
-        return plan(self.scene, device=device, **self._plan_arguments)
+        planned = plan(self.scene, device=device, **self._plan_arguments)
+        if self.padding in (None, planned.padding):
+            return planned
+        other = f"padding is {self.padding!r}: error, seconds and bytes are those of {planned.padding!r}."
+        return replace(planned, warnings=(*planned.warnings, other))
 
     @property
     def _plan_arguments(self) -> dict[str, Any]:
         """Arguments of a plan that the file gives, by name."""
         return {
             "error": self.plan_settings.error,
-            "period": None if self.grid else self.plan_settings.period,
+            "period": self.plan_settings.period,
             "grid": self.grid,
-            "times": self.time_steps,
+            "times": None if self.time_steps == TimeSteps() else self.time_steps,
         }
 
     def problem(self) -> Problem:
@@ -94,8 +98,6 @@ class SceneFile:
     def solve(self, **keywords: Any) -> "Contact | LubricatedContact | Evolution":
         """Solve the scene where and as the file says; `keywords` as for :func:`~contactstudy.solve`."""
         described = self._plan_arguments | {"padding": self.padding, "options": self.options}
-        if not self.scene.takes_times:
-            del described["times"]
         return solve(self.scene, **(described | keywords))
 
 

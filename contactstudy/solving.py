@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from contactstudy.answers.lubricated_contact import LubricatedContact
     from contactstudy.evolution.time_steps import TimeSteps
 
-# Most iterations of a film, and the fraction of the requested error for its steps in time.
+# Most iterations of a film by default, and the fraction of the requested error for its steps in time.
 FILM_ITERATIONS, STEP_FRACTION = 300, 0.5
 # Refinements of a scene that is not static, whose error is at least of first order: their number, the margin on the
 # cells that this gives, the largest factor on the cells along an axis, and the most cells of a grid.
@@ -99,7 +99,8 @@ def solve(
     times
         Instants [s] to record, or :class:`~contactstudy.TimeSteps`, of a scene that changes in time.
     start
-        Pressure (x, y) [Pa] or answer to begin with. A contact with adhesion continues from the state of an answer.
+        Pressure (x, y) [Pa] or answer to begin with; of a film a :class:`~contactstudy.LubricatedContact`. A contact
+        with adhesion continues from the state of an answer.
     folder
         Folder in which a dry scene with state variables (creep, wear, yielding, fretting) keeps its frames, to go on
         from there after a stop; those of a grid that was refined in a folder of their own in it.
@@ -108,7 +109,8 @@ def solve(
     device
         Device to solve on, such as ``Cpu(threads=2)``. A graphics processor takes a dry static contact or a problem.
     options, named
-        :class:`~contactstudy.SolveOptions`, or its fields by name: ``tolerance``, ``max_iterations``, ...
+        :class:`~contactstudy.SolveOptions`, or its fields by name: ``tolerance``, ``max_iterations``, ... The default
+        of ``max_iterations`` is 300 of a film; its ``solver`` and ``precision`` are not chosen.
 
     Returns
     -------
@@ -163,6 +165,7 @@ class _Request:
                 f"solve.scene is {scene!r}: give a Scene, or scene.problem(grid, padding)."
             )
         if scene.lubrication is not None:
+            self.refuse_options_of_films()
             if scene.wears_steadily:
                 self.refuse_unless("a film that wears", "times")
                 return self.film_wear()
@@ -203,6 +206,25 @@ class _Request:
                     "device": f"{kind} is solved on this machine's processor",
                 }.get(name, f"{kind} has no use for it")
                 raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
+
+    def refuse_options_of_films(self) -> None:
+        """Raise InvalidInput for an option, or a start, that a film cannot use."""
+        default, names = SolveOptions(), ["solver"]
+        bodies_yield = any(map(yields, self.scene.solids))
+        if not bodies_yield:  # the precision is that of the operators of plastic strain
+            names.append("precision")
+            if self.scene.time_dependent_field is not None and not self.scene.wears_steadily:
+                names.append("max_iterations")
+        for name in names:
+            if (value := getattr(self.options, name)) != getattr(default, name):
+                raise InvalidInput(
+                    f"solve.{name} is {value!r}, and this film has a {name.replace('_', ' ')} of its own: leave it out."
+                )
+        if self.start is not None and not hasattr(self.start, "film"):
+            raise InvalidInput(
+                f"solve.start is of the type {type(self.start).__name__}: give a LubricatedContact, such as the film at "
+                "a somewhat higher speed."
+            )
 
     @property
     def requested(self) -> float | None:
@@ -364,8 +386,8 @@ class _Request:
     @property
     def _film_options(self) -> SolveOptions:
         """Options of each film."""
-        limit = min(self.options.max_iterations, FILM_ITERATIONS)
-        return replace(self.options, max_iterations=limit)
+        is_default = self.options.max_iterations == SolveOptions().max_iterations
+        return replace(self.options, max_iterations=FILM_ITERATIONS) if is_default else self.options
 
     def quasi_static(self) -> "Evolution":
         """Follow a contact that is in equilibrium at each instant through a history of loads."""
@@ -408,6 +430,7 @@ class _Request:
             self.scene,
             grid,
             ExactPeriodicity() if padding is None else padding,
+            period=self.period,
             error=self.requested if smooth else self.error,
             tolerance=self.options.tolerance,
             max_iterations=self._film_options.max_iterations,

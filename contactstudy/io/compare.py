@@ -271,9 +271,9 @@ def _at_one_instant(
             f"compare.b has no instant at {time:g} s, where the pressure of a is highest: record both at the same "
             "instants."
         )
-    later = np.count_nonzero(np.abs(times[number + 1 :] - time) <= rounding)
-    at = same[max(len(same) - 1 - later, 0)]
-    return first.isel(time=number), second.isel(time=int(at)), time
+    later = int(np.count_nonzero(np.abs(times[number + 1 :] - time) <= rounding))
+    at = int(same[max(len(same) - 1 - later, 0)])
+    return first.isel(time=number), second.isel(time=at), time
 
 
 def _edges(dataset: xr.Dataset, axis: str) -> Array:

@@ -26,6 +26,8 @@ HALF_SWEEP_ERROR = 0.02
 INLET, INLET_SWEEP_FRACTION = 1.25, 0.1
 # Refinements towards an error at most, and the most cells across of plane strain.
 REFINEMENTS, MAX_CELLS = 6, 3200
+# Length [m] of a grid in plane strain, where none is given: it has no effect.
+PERIOD = 1e-3
 # Factor on the cells that the film needs, from which cells are not refined for friction, heat and load fraction.
 REFINED_FOR_MOTION = 2.0
 # Cells for the shortest wavelength of a surface.
@@ -49,7 +51,7 @@ STEEP_FALL = 0.3
 def film_grid(
     scene: Scene,
     error: float = 1e-2,
-    period: float = 1e-3,
+    period: float = PERIOD,
     *,
     finest: tuple[float, float] = (inf, inf),
     longer: float = 1.0,
@@ -91,6 +93,7 @@ def solve_lubricated(
     grid: Grid | None = None,
     padding: Padding | Paddings = ExactPeriodicity(),  # noqa: B008 (a frozen value)
     *,
+    period: float | None = None,
     error: float | None = None,
     tolerance: float = 1e-8,
     max_iterations: int = 300,
@@ -108,6 +111,8 @@ def solve_lubricated(
         where none is given. With an ``error`` the extent is kept, and in plane strain the cells are refined.
     padding
         Along the length, one that wraps.
+    period
+        Length [m] of a grid that is chosen; 1 mm if None.
     error
         Relative error of central and minimum film to reach, 1 % without a grid; with up to twice the cells also of
         friction, temperatures and load fraction. With it the contact has an ``estimate`` of its errors, from further
@@ -150,10 +155,13 @@ def solve_lubricated(
             "contactstudy.plan(scene).grid."
         )
     error = positive("solve.error", 1e-2 if error is None else error, "give one above 0")
+    period = PERIOD if period is None else positive("solve.period", period, "give one above 0 m")
     longer = finer = 1.0
     for _ in range(REFINEMENTS):
         fitting = (
-            _on_extent(grid, finer) if grid else film_grid(scene, error, longer=longer, finer=finer)
+            _on_extent(grid, finer)
+            if grid
+            else film_grid(scene, error, period, longer=longer, finer=finer)
         )
         contact = start = _with_error(scene, fitting, padding, controls, start)
         assert contact.estimate is not None

@@ -5,7 +5,7 @@ from math import inf, prod
 from contactstudy.domain.grid import ExactPeriodicity, Grid
 from contactstudy.domain.units import readable
 from contactstudy.lubrication.posed_film import lubricated_scales
-from contactstudy.lubrication.solve_lubricated import CELLS_PER_WAVE, film_grid
+from contactstudy.lubrication.solve_lubricated import CELLS_PER_WAVE, MAX_CELLS, film_grid
 from contactstudy.planning.grid_requirements import grid_requirements
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
@@ -55,6 +55,10 @@ def plan_of_film(
         width = film_grid(scene, error).extent[0]
         length = requirements.length(period, width)
         grid = film_grid(scene, error, length, finest=requirements.finest)
+        if grid.cells[0] >= MAX_CELLS:
+            warnings.append(
+                f"plan.error is {error:.2g}: a film has {MAX_CELLS} cells across at most, which may not reach it."
+            )
     (nx, ny), width = grid.cells, grid.extent[0]
     inlet = width / 2 / scales.hertz.half_width
     reasons = [

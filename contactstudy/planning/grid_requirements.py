@@ -1,5 +1,6 @@
 """Requirements of a scene on its grid: width, length, cells, padding, and the error to expect of them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import acosh, erf, inf, lcm, log2, sqrt
@@ -290,21 +291,13 @@ class GridRequirements:
         """Return why `period` [m] does not suit the scene, with a remedy; empty if it does."""
         if self.roller_length or not self.varies:
             return ""
-        broken = [
-            scales.period
-            for scales in self.length_scales
-            if scales.period and _whole_parts(period, scales.period) is None
-        ]
-        if broken:
-            return (
-                f"The period {readable(period)} is not a multiple of {readable(broken[0])}, the repeat length of a "
-                "shape: give a multiple of it."
-            )
+        if fault := period_fault(period, self.length_scales):
+            return fault
         if 0 < period < CONSTANTS.waves_per_period * self.longest * (1 - 1e-9):
             return (
                 f"The period {readable(period)} is only {period / self.longest:.2g} longest wavelengths "
                 f"({readable(self.longest)}) long, too short to be representative: give "
-                f"{readable(CONSTANTS.waves_per_period * self.longest)}."
+                f"{readable(np.ceil(CONSTANTS.waves_per_period * self.longest / period) * period)}."
             )
         return ""
 
@@ -451,6 +444,17 @@ def flat_grid(scales: LengthScales, period: float | None) -> Grid:
     return Grid(
         (round(scales.known_width / scales.spacing[0]), along), (scales.known_width, length)
     )
+
+
+def period_fault(period: float, length_scales: Iterable[LengthScales]) -> str:
+    """Return why `period` [m] is no multiple of the repeat lengths of shapes, with a remedy; empty if it is."""
+    for scales in length_scales:
+        if scales.period and _whole_parts(period, scales.period) is None:
+            return (
+                f"The period {readable(period)} is not a multiple of {readable(scales.period)}, the repeat length of a "
+                "shape: give a multiple of it."
+            )
+    return ""
 
 
 def _whole_parts(total: float, part: float) -> int | None:

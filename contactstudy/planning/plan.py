@@ -29,6 +29,7 @@ from contactstudy.planning.grid_requirements import (
     flat_grid,
     grid_requirements,
     measured_length_scales,
+    period_fault,
 )
 from contactstudy.planning.planned import Plan
 from contactstudy.scene.scene import Scene
@@ -126,6 +127,12 @@ def plan_grid(
     checked(device, "plan.device")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
+    if grid is not None and period is not None and period != grid.length:
+        raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
+    if times is not None and not scene.takes_times:
+        raise InvalidInput(
+            "plan.times is given, and nothing of the scene changes in time: leave it out, in a file [time_steps]."
+        )
     scales = measured_length_scales(scene)
     if (
         scene.hertz is None
@@ -133,7 +140,7 @@ def plan_grid(
         and scene.time_dependent_field is None
         and grid is None
     ):
-        return _plan_of_flat(scales, period, device)
+        return _plan_of_flat(scales, error, period, device)
     if scene.lubrication is not None:
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
@@ -158,8 +165,18 @@ def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
     return TimeSteps.of(times)
 
 
-def _plan_of_flat(scales: LengthScales, period: float | None, device: Device) -> Plan:
+def _plan_of_flat(
+    scales: LengthScales, error: float | None, period: float | None, device: Device
+) -> Plan:
     """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
+    if period is not None:
+        positive("plan.period", period, "give a period above 0 m")
+    warnings = []
+    if error is not None:
+        warnings.append(
+            f"plan.error is {error:.2g}: the points of the measured surface are the cells, whose error is not "
+            "predicted, solve, and read answer.error."
+        )
     grid, padding = flat_grid(scales, period), (ExactPeriodicity(), ExactPeriodicity())
     seconds = CostModel().seconds(grid, padding, TIMING.rough_convolutions)
     return Plan(
@@ -168,11 +185,13 @@ def _plan_of_flat(scales: LengthScales, period: float | None, device: Device) ->
         error=inf,
         seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, device),
         bytes=memory(grid, padding),
-        period_check=f"The period {readable(grid.length)} is that of the measured surface.",
+        period_check=period_fault(grid.length, (scales,))
+        or f"The measured surface repeats over the length {readable(grid.length)}.",
         reasons=(
             "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
             "periodic; the solve estimates the error.",
         ),
+        warnings=(*warnings, *filter(None, (period_fault(grid.length, (scales,)),))),
         device=device,
     )
 
@@ -188,8 +207,6 @@ def _plan_static(
     """Plan a scene that neither changes in time nor rolls, on a grid of at least this `width` [m]."""
     requirements = grid_requirements(scene)
     padding = requirements.padding()
-    if grid is not None and period is not None and period != grid.length:
-        raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
     limit = MEMORY_FRACTION * min(available_bytes(), device.available_bytes)
     own_points = grid is None and error is None and requirements.point_spacing is not None
     if own_points:

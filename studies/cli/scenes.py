@@ -167,18 +167,12 @@ def _rollers(scene: cs.Scene, grid: cs.Grid) -> list[str]:
 
 
 def _notes(described: cs.SceneFile) -> list[str]:
-    """Return a sentence for each measured surface, on how it was prepared, and one for steps that are not taken."""
-    scene = described.scene
-    notes = [
+    """Return a sentence for each measured surface, on how it was prepared."""
+    return [
         f"shapes[{number}]: {shape.description}"
-        for number, shape in enumerate(scene.shapes)
+        for number, shape in enumerate(described.scene.shapes)
         if isinstance(shape, cs.MeasuredSurface)
     ]
-    if described.time_steps != cs.TimeSteps() and not scene.takes_times:
-        notes.append(
-            "[time_steps] has no effect, because no load, speed or body changes in time: leave it out"
-        )
-    return notes
 
 
 def _stored(answer: Answer, path: Path, formats: tuple[str, ...]) -> list[Path]:

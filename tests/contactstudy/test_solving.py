@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import contactstudy as cs
@@ -56,6 +57,22 @@ def test_a_keyword_that_a_scene_cannot_use_is_refused(monkeypatch: pytest.Monkey
         cs.solve(problem, period=1.0)  # type: ignore[call-overload]
     with pytest.raises(cs.InvalidInput, match=r"^solve\.times is given, .*: leave it out\.$"):
         cs.solve(scene, grid, EXACT, times=[0.0])
+    film = KINDS["film"]
+    history = cs.LoadHistory((0.0, 1.0), (1.0, 2.0))
+    in_time = replace(film[0], load=history)
+    for arguments, option, value in (
+        (film, "solver", cs.PolonskyKeer()),
+        (film, "precision", "single"),
+        ((in_time, film[1]), "max_iterations", 5),
+        (film, "start", np.zeros((64, 1))),
+    ):
+        with pytest.raises(cs.InvalidInput, match=rf"^solve\.{option} is .*\.$"):
+            cs.solve(*arguments, EXACT, **{option: value})  # type: ignore[call-overload]
     monkeypatch.setattr(cs.Gpu, "__post_init__", lambda _: None)
     with pytest.raises(cs.InvalidInput, match=r"^solve\.device is given, .*: leave it out\.$"):
         cs.solve(*KINDS["film"], EXACT, device=cs.Gpu())
+
+
+def test_a_smooth_film_has_the_period_that_is_given() -> None:
+    scene, _ = KINDS["film"]
+    assert cs.solve(scene, error=0.3, period=7e-3).grid.length == 7e-3

@@ -170,6 +170,11 @@ class LundbergProfileTable:
                 "LundbergProfile must be described in exactly one way: give amplitude and end_drop, for_load (the load "
                 "per length that it spreads evenly), or iso_16281_diameter."
             )
+        if self.straight and not ways[0]:
+            raise InvalidInput(
+                f"LundbergProfile.straight is {self.straight!r}, and a profile by for_load or iso_16281_diameter has a "
+                "straight part of its own: leave it out."
+            )
         if self.iso_16281_diameter is not None:
             return LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
         if self.for_load is not None:

@@ -87,6 +87,18 @@ def test_a_file_is_solved_with_what_it_says(tmp_path: Path) -> None:
     np.testing.assert_array_equal(ours.pressure, by_hand.pressure)
 
 
+@pytest.mark.parametrize("verb", ["plan", "solve"])
+def test_what_a_file_gives_in_vain_is_refused_or_said(verb: str, tmp_path: Path) -> None:
+    found = read(GOOD, tmp_path)
+    for in_vain in (
+        replace(found, time_steps=cs.TimeSteps(end=1.0)),
+        replace(found, plan_settings=replace(found.plan_settings, period=1e-3)),
+    ):
+        with pytest.raises(cs.InvalidInput, match=r"^(plan|solve)\.(times|period) is .*\.$"):
+            getattr(in_vain, verb)()
+    assert "those of ExactPeriodicity()" in found.plan().warnings[-1]
+
+
 def test_what_a_file_leaves_open_is_planned(tmp_path: Path) -> None:
     text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
     found = read(text, tmp_path)
@@ -273,6 +285,7 @@ def test_a_total_load_is_spread_over_the_roller_or_the_grid(
         ("Cylinder", "Crown", "give its radius, or its end_drop and length"),
         ('"Cylinder"', '"LundbergProfile"\nlength = 1', "give amplitude and end_drop, for_load"),
         ('"Cylinder"', '"LundbergProfile"\nlength = 1\namplitude = 1', "give amplitude and end_drop"),
+        ('"Cylinder"', '"LundbergProfile"\nlength = 1\nstraight = 0.1\nfor_load = 9', "straight is 0.1, and"),
     ],
 )  # fmt: skip
 def test_a_wrong_roller_is_refused(old: str, new: str, sentence: str, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ import pytest
 
 import contactstudy as cs
 from tests.conftest import LineContact
+from tests.contactstudy.lubrication import scenes as films
 
 
 def l1(contact: LineContact, solution: cs.Solution) -> float:
@@ -150,6 +151,26 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
         cs.plan(with_shapes(line_contact, Bump()))
 
 
+@pytest.mark.parametrize(
+    "effect",
+    [{}, {"adhesion": cs.Adhesion(0.05)}, {"lubrication": films.by_moes(20, 2).lubrication}],
+)
+def test_a_plan_refuses_what_its_scene_cannot_use(
+    effect: dict[str, object], line_contact: LineContact
+) -> None:
+    scene = replace(line_contact.scene, **effect)  # type: ignore[arg-type]
+    with pytest.raises(cs.InvalidInput, match=r"^plan\.period is .*: leave it out"):
+        cs.plan(scene, grid=cs.Grid((32, 1), (1e-3, 1e-3)), period=2e-3)
+    with pytest.raises(cs.InvalidInput, match=r"^plan\.times is given, .*: leave it out"):
+        cs.plan(scene, times=(0.0, 1.0))
+
+
+def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
+    planned = cs.plan(films.by_moes(20, 2), error=1e-6)
+    assert planned.error == inf
+    assert planned.warnings[0].startswith("plan.error is 1e-06: ")
+
+
 def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: LineContact) -> None:
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
     for fraction, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):
@@ -238,6 +259,10 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     )
     exact = cs.ExactPeriodicity()
     planned = cs.plan(flat)
+    assert cs.plan(flat, error=1e-3).warnings[0].startswith("plan.error is 0.001: ")
+    assert "not a multiple" in cs.plan(flat, period=36e-6).warnings[0]
+    with pytest.raises(cs.InvalidInput, match=r"^plan\.period is -1"):
+        cs.plan(flat, period=-1)
     assert planned.grid == cs.Grid((16, 12), (32e-6, 24e-6))
     assert planned.padding == (exact, exact)
     answer = cs.solve(flat)

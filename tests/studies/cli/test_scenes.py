@@ -148,13 +148,6 @@ def test_a_rolling_scene_says_its_shift_and_resistance(tmp_path: Path) -> None:
     assert dataset["pressure_shift"].attrs["units"] == "m"
 
 
-def test_steps_that_nothing_takes_are_said(tmp_path: Path) -> None:
-    scene = tmp_path / "still.toml"
-    text = (EXAMPLES / "smooth.toml").read_text(encoding="utf-8")
-    scene.write_text(text + "\n[time_steps]\ninstants = 5\n", encoding="utf-8")
-    assert "[time_steps] has no effect" in said("solve", scene, "--out", tmp_path)
-
-
 def test_numbers_come_first_and_json_has_the_same(tmp_path: Path) -> None:
     words = ["solve", EXAMPLES / "smooth.toml", "--out", tmp_path]
     lines = said(*words).splitlines()

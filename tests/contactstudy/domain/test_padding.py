@@ -88,13 +88,6 @@ def test_only_a_circular_sum_leaves_a_uniform_pressure_uniform(images: int) -> N
     assert np.ptp(moved, axis=1).max() == pytest.approx(lacking, rel=0.1)
 
 
-def test_superposition_of_no_images_is_zero_padding() -> None:
-    for nx, ny in ((6, 5), (7, 1), (2, 2)):
-        grid = cs.Grid(cells=(nx, ny), extent=(1.0, 1.0))
-        zero = applied(grid, cs.ZeroPadding())
-        assert (applied(grid, cs.Superposition(0)) == zero).all()
-
-
 @pytest.mark.parametrize("cells", [(6, 5), (5, 6), (4, 1), (3, 2)])
 def test_folded_duplication_is_the_literal_copy(cells: tuple[int, int]) -> None:
     """Figure 2 of the paper: zeros behind the width, a copy of the pressure behind the length."""
@@ -123,17 +116,6 @@ def test_exact_periodicity_is_what_superposition_tends_to(
         # of the last images the sums of the coefficients lose no digits
         bound = logarithm * GRID.extent[0] ** 2 / (reach / 2) ** 2 + 1e-13
         assert np.abs(shifted - exact).max() < bound
-
-
-@pytest.mark.parametrize(
-    ("padding", "reach"),
-    [
-        (cs.ZeroPadding(), 0.5), (cs.DuplicatedPadding(), 1.0), (cs.Superposition(6), 6.5),
-        (cs.CircularSuperposition(6), 6.5), (cs.ExactPeriodicity(), np.inf),
-    ],
-)  # fmt: skip
-def test_reach_is_counted_in_periods(padding: cs.Padding, reach: float) -> None:
-    assert padding.reach(3.0) == 3 * reach
 
 
 @pytest.mark.parametrize("images", [-1, 1.5, True, None, "6"])

@@ -1,13 +1,9 @@
 from dataclasses import replace
-from math import pi, sqrt
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication.film_equation import Film, FilmEquation
-from contactstudy.lubrication.plane_strain import DirectSolver
-from contactstudy.lubrication.pseudo_time import FilmControls, iterate
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, total
 
@@ -215,49 +211,3 @@ def test_errors_are_no_larger_than_their_estimates(load: float, viscosity: float
     ):
         expected = pytest.approx(getattr(fine, name), rel=total(parts))
         assert getattr(contact, name) == expected, name
-
-
-def rigid_equation(inlet: float, cells: int) -> tuple[FilmEquation, Film]:
-    """A rigid cylinder in an isoviscous lubricant at M = 1 and its start; the inlet in units of sqrt(2 H)."""
-    load_parameter = 1.0
-    film = 2.447484 * pi / (8 * load_parameter**2)
-    width = sqrt(2 * film)
-    size = (inlet + 3) * width / cells
-    x = -inlet * width + (np.arange(cells) + 0.5) * size
-    rigid = FilmEquation(
-        gap=(x**2 / 2)[:, None],
-        deflection=np.zeros_like,
-        cell=(size, 1.0),
-        speed_parameter=3 * pi**2 / (8 * load_parameter**2),
-        load=pi / 2,
-        log_viscosity=lambda pressure: (np.zeros_like(pressure), np.zeros_like(pressure)),
-        density=lambda pressure: (np.ones_like(pressure), np.zeros_like(pressure)),
-    )
-    pressure = np.exp(-(x**2))[:, None]
-    pressure[rigid.fixed] = 0
-    pressure *= rigid.load / (pressure.sum() * size)
-    return rigid, rigid.film_of(pressure, np.zeros_like(pressure), film)
-
-
-def rigid_film(inlet: float, cells: int) -> Film:
-    rigid, start = rigid_equation(inlet, cells)
-    last = iterate(rigid, start, DirectSolver.for_equation(rigid), FilmControls())
-    assert last.converged(1e-8)
-    return last.film
-
-
-def test_nothing_flows_out_of_a_cell_that_holds_nothing() -> None:
-    equation, start = rigid_equation(12, 64)
-    void = np.zeros_like(start.void)
-    void[40:42] = 1
-    linear = equation.linearise(equation.film_of(np.zeros_like(void), void, start.separation))
-    assert (linear.flux[40:42] == 0).all()
-    assert np.isfinite(linear.residual).all()
-
-
-@pytest.mark.cases(1)
-@pytest.mark.parametrize(("inlet", "film"), [(12, 2.4067), (25, 2.4379), (50, 2.4452)])
-def test_rigid_cylinders_have_the_film_of_martin(inlet: float, film: float) -> None:
-    # the change by halving is three times the error, of second order; published digits
-    coarse, fine = (8 / pi * rigid_film(inlet, cells).separation for cells in (400, 800))
-    assert fine == pytest.approx(film, abs=abs(fine - coarse) + 1e-4)

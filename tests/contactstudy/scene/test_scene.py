@@ -55,12 +55,6 @@ def test_solids_that_are_not_two_bodies_are_refused(solids: object) -> None:
         cs.Scene(load=cs.LineLoad(1.0), solids=solids)  # type: ignore[arg-type]
 
 
-def test_a_rigid_body_adds_no_compliance() -> None:
-    rigid = cs.HalfSpace(youngs_modulus=math.inf, poisson_ratio=0.0)
-    scene = cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, rigid))
-    assert scene.contact_modulus == pytest.approx(210e9 / (1 - 0.09), rel=1e-15)
-
-
 def test_shapes_add_up(line_contact: LineContact) -> None:
     halves = replace(line_contact.scene, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
     grid = line_contact.grid((16, 4), 1.0)
@@ -86,11 +80,6 @@ def test_numbers_of_any_kind_are_kept_as_floats(kind: type) -> None:
 def test_what_is_no_shape_is_refused(shape: object) -> None:
     with pytest.raises(cs.InvalidInput, match=r"^Scene\.shapes\[0\] is .*: give a shape"):
         cs.Scene(load=cs.LineLoad(1.0), solids=(STEEL, STEEL), shapes=(shape,))  # type: ignore[arg-type]
-
-
-def test_without_a_curved_shape_the_width_and_the_mean_pressure_are_the_scales() -> None:
-    flat = cs.Scene(cs.LineLoad(48.0), (STEEL, STEEL)).scales(cs.Grid((4, 2), (3.0, 0.5)))
-    assert (flat.length, flat.pressure) == (3.0, 16.0)
 
 
 def test_what_is_no_grid_is_refused(line_contact: LineContact) -> None:
@@ -206,12 +195,6 @@ def test_a_roller_without_a_length_is_refused() -> None:
         scene(cs.TotalLoad(100.0), cs.Cylinder(0.01))
     with pytest.raises(cs.InvalidInput, match=r"TotalLoad\.length is None"):
         _ = cs.TotalLoad(100.0).largest
-
-
-def test_a_march_carries_the_total_load() -> None:
-    worn = replace(scene(cs.TotalLoad(100.0)), wear=cs.Wear(1e-18, 1.0))
-    evolution = evolve(worn, GRID, cs.ZeroPadding(), times=[0.0])
-    assert evolution.pressure[-1].sum() * GRID.cell_area == pytest.approx(100.0, rel=1e-7)
 
 
 # E / (1 - nu^2): 80, 75 and 64 GPa

@@ -38,30 +38,6 @@ def problem(
     return scene.problem(grid, padding)
 
 
-@pytest.mark.parametrize("padding", PADDINGS, ids=str)
-@pytest.mark.parametrize("heights", ROUGH)
-def test_both_solvers_agree(
-    heights: str, padding: cs.Padding | cs.Paddings, line_contact: LineContact
-) -> None:
-    posed = problem(line_contact, 64, heights, padding)
-    ours = cs.solve(posed, tolerance=1e-11)
-    reference = cs.solve(posed, tolerance=1e-11, solver=PolonskyKeer())
-    assert ours.residual <= 1e-11
-    assert reference.residual <= 1e-11
-    # a gap of 1e-11 is a pressure of that times the operator's condition, up to 64 waves across
-    difference = np.abs(ours.pressure - reference.pressure).max() / posed.scales.pressure
-    assert difference < 64 * 1e-11 * 10
-    assert ours.note == ""
-
-
-@pytest.mark.parametrize("heights", ["smooth", "9 %"])
-def test_iterations_do_not_grow_with_the_grid(heights: str, line_contact: LineContact) -> None:
-    few = cs.solve(problem(line_contact, 64, heights)).iterations
-    many = cs.solve(problem(line_contact, 256, heights)).iterations
-    assert max(few, many) <= 20
-    assert many <= 1.3 * few + 4  # whole iterations of a few
-
-
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
 @pytest.mark.parametrize("fraction", [0.05, 0.2, 0.6])
 def test_iterations_do_not_grow_with_detail_down_to_the_cell(fraction: float, hurst: float) -> None:
@@ -155,11 +131,3 @@ def test_a_tolerance_below_rounding_has_a_status(
     solution = cs.solve(problem(line_contact, 64, "80 %"), tolerance=1e-17, solver=solver)
     assert solution.status is cs.Status.PRECISION_LIMIT
     assert solution.residual < 1e-12
-
-
-@pytest.mark.parametrize("cells", [(50, 7), (64, 1), (66, 34), (128, 3), (97, 101), (2, 1)])
-def test_any_number_of_cells_converges(cells: tuple[int, int], line_contact: LineContact) -> None:
-    for padding in (cs.ExactPeriodicity(), cs.ZeroPadding()):
-        posed = problem(line_contact, cells, "smooth", padding)
-        solution = cs.solve(posed)
-        assert solution.residual <= 1e-8

@@ -19,7 +19,6 @@ from studies.store.journal import FORMAT, Journal
 from studies.store.records import (
     CaseIdentity,
     Context,
-    decoded,
     decoded_variable,
     encoded,
     encoded_variable,
@@ -199,16 +198,6 @@ def test_a_journal_of_another_format_is_set_aside_with_a_sentence(tmp_path: Path
         ]
     assert path.with_name("x.journal.jsonl.damaged").read_bytes() == old
     assert set(opened(tmp_path).records) == {"a"}
-
-
-LINE = {"case": "a", "value": 1.5}
-
-
-@pytest.mark.parametrize("place", range(len(encoded(LINE)) - 1))
-def test_a_byte_that_changed_anywhere_is_noticed(place: int) -> None:
-    raw = bytearray(encoded(LINE))
-    raw[place] ^= 1
-    assert decoded(bytes(raw)) is None
 
 
 def there_and_back(variables: dict[str, xr.Variable]) -> dict[str, xr.Variable]:

@@ -1,6 +1,4 @@
-import json
 from collections.abc import Callable
-from pathlib import Path
 
 import mpmath as mp
 import numpy as np
@@ -21,11 +19,6 @@ from tests.fifty_digits import over_decades, stored
 Array = NDArray[np.float64]
 Corner = Callable[[mp.mpf, mp.mpf], mp.mpf]
 
-REFERENCE = json.loads(
-    (Path(__file__).parents[3] / "reference/influence_coefficients.json").read_text(
-        encoding="utf-8"
-    )
-)
 EPS = float(np.finfo(np.float64).eps)
 EXACT = 1e-13  # what the docstrings promise
 TOLERANCE_DIGITS = 50  # of the judge: Love's formula loses up to 22 at 1e8 cells of aspect 1e3
@@ -61,10 +54,6 @@ def cell_error(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> floa
     return float(np.abs(relative).max())
 
 
-def column(table: str, name: str) -> Array:
-    return np.array([float(row[name]) for row in REFERENCE[table]])
-
-
 # --- the cell --------------------------------------------------------------------------------------
 
 ASPECTS = [1e-3, 0.0307, 1 / 3, 1.0, np.pi, 1e3]
@@ -74,11 +63,6 @@ STEPS = np.array(
     + [np.nextafter(zone, side) for zone in (NEAR_DISTANCE, 40.0) for side in (0, zone, np.inf)]
     + [3, 1e4, 1e8]
 )
-
-
-def test_cell_has_its_reference_values() -> None:
-    found = boussinesq_cell(*(column("love", name) for name in ("x", "y", "dx", "dy")))
-    assert_allclose(found, column("love", "I"), rtol=EXACT)
 
 
 def test_coefficient_is_exact_at_any_distance_and_aspect() -> None:

@@ -12,7 +12,6 @@ from contactstudy.elasticity.kernels.displacement_periodic import (
 from tests.contactstudy.elasticity.kernels.test_cell import (
     EXACT,
     TOLERANCE_DIGITS,
-    column,
     corners,
     love,
 )
@@ -87,13 +86,6 @@ def lattice_error(
 CELLS = [
     (1e-6, 1e-6), (1e-6, 1.0), (0.01, 0.02), (0.3, 0.7), (1.0, 1.0), (1.001, 1e-3), (30.0, 1e-2), (1e6, 1.0),
 ]  # fmt: skip
-
-
-def test_lattice_has_its_reference_values() -> None:
-    found = boussinesq_cell_periodic(*(column("lattice", k) for k in ("x", "y", "dx", "dy", "L")))
-    expected = column("lattice", "S")
-    fraction = column("lattice", "dx") * column("lattice", "dy") / column("lattice", "L")
-    assert (np.abs(found - expected) <= EXACT * np.maximum(np.abs(expected), fraction)).all()
 
 
 @pytest.mark.parametrize(

@@ -129,10 +129,6 @@ def evolve_lubricated(
         For a scene without lubrication, times that are not ascending, a speed of zero at the first time, and a load of
         zero at any: no film carries it.
     """
-    if lubricated_scales(scene).lubrication.thermal is not None:
-        raise InvalidInput(
-            "Lubrication.thermal is supported for a steady film only, and this one changes in time: leave it out."
-        )
     instants = instants_of(scene, times)
     check_loaded(scene, instants)
     if step is not None and error is not None:

@@ -187,8 +187,9 @@ class Lubrication:
             raise InvalidInput(
                 f"Lubrication.lubricant is {self.lubricant!r}: give a Lubricant(viscosity=..., pressure_viscosity=...)."
             )
-        changes = isinstance(self.mean_speed, ChangingSpeed)
-        if not changes or isinstance(self.mean_speed, ChangingLoad):  # which has all of a speed
+        speed = self.mean_speed
+        # a load history has all of a speed
+        if not isinstance(speed, ChangingSpeed) or isinstance(speed, ChangingLoad):
             remedy = "give a speed above 0 m/s, or a SpeedHistory, or leave Scene.lubrication out for the dry contact"
             check_fields(self, mean_speed=(in_range, remedy))
         remedy = "give the sliding speed over the mean speed, such as 0.1"
@@ -200,32 +201,23 @@ class Lubrication:
         if self.supply is not None:
             remedy = "give the thickness of a layer above 0 m, or None for a flooded inlet"
             check_fields(self, supply=(in_range, remedy))
-            if not isinstance(self.cavitation, ElrodAdams):
-                raise InvalidInput(
-                    "Lubrication.supply is supported with ElrodAdams() only, which conserves the lubricant: "
-                    "leave one out."
-                )
         if self.thermal is not None:
             self._check_thermal(self.thermal)
-        if self.boundary is None:
-            return
-        if not isinstance(self.boundary, Boundary):
+        if not isinstance(self.boundary, Boundary | None):
             raise InvalidInput(
                 f"Lubrication.boundary is {self.boundary!r}: give a Boundary(film=...), or None."
             )
-        if not isinstance(self.cavitation, ElrodAdams) or changes:
-            raise InvalidInput(
-                "Lubrication.boundary is supported for a steady film with ElrodAdams() only: leave it out."
-            )
+        for name in ("supply", "boundary"):
+            if getattr(self, name) is not None and not isinstance(self.cavitation, ElrodAdams):
+                raise InvalidInput(
+                    f"Lubrication.{name} is supported with ElrodAdams() only, which conserves the lubricant: "
+                    "leave one out."
+                )
 
     def _check_thermal(self, thermal: object) -> None:
         """Raise :class:`~contactstudy.InvalidInput` where temperatures have no meaning."""
         if not isinstance(thermal, FilmHeat):
             raise InvalidInput(f"Lubrication.thermal is {thermal!r}: give a FilmHeat(), or None.")
-        if isinstance(self.mean_speed, ChangingSpeed):
-            raise InvalidInput(
-                "Lubrication.thermal is supported at a steady speed only: give one, or leave it out."
-            )
         if self.lubricant.viscosity <= LEAST_VISCOSITY:
             raise InvalidInput(
                 f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "
@@ -270,6 +262,19 @@ class Lubrication:
         for number, solid in enumerate(scene.solids):
             if yields(solid):
                 self._check_yielding(scene, number)
+        for name in ("boundary", "thermal"):
+            if getattr(self, name) is not None and (changing := self._changing_field(scene)):
+                raise InvalidInput(
+                    f"Lubrication.{name} is supported for a steady film only, and {changing} changes in time: leave one "
+                    "of them out."
+                )
+
+    def _changing_field(self, scene: SceneContext) -> str | None:
+        """Return the name of a field by which the film is not steady at each instant, or None."""
+        if isinstance(self.mean_speed, ChangingSpeed):
+            return "Lubrication.mean_speed"
+        is_steady = scene.wear is not None or any(map(yields, scene.solids))
+        return None if is_steady else scene.time_dependent_field
 
     def _check_yielding(self, scene: SceneContext, number: int) -> None:
         """Raise InvalidInput unless the body that yields, of this `number`, stands still below a steady film."""

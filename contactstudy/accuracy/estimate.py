@@ -16,6 +16,7 @@ from contactstudy.accuracy.discretisation.coarser import (
     change_between_grids,
     coarse_solution,
     compare_grids,
+    has_ended,
 )
 from contactstudy.accuracy.discretisation.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
 from contactstudy.accuracy.image_errors import image_errors
@@ -272,7 +273,7 @@ def _cells(
         changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
     else:
         coarse = coarse or coarse_solution(problem, solution.pressure)
-        if coarse is None or coarse.status.is_failure:
+        if coarse is None or not has_ended(coarse):
             reason = "No bound for the discretisation error: no solution on cells of twice the size to compare with."
             return DiscretisationErrors.unbounded(reason)
         changes = change_between_grids(solution, coarse)

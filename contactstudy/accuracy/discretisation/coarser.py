@@ -9,7 +9,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, edge_fraction, on_cells
 from contactstudy.problem.problem import Problem, Source
-from contactstudy.solvers.solution import Solution
+from contactstudy.solvers.solution import Solution, Status
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 # Tolerance of the coarse solution, whose difference from the fine one needs two digits.
@@ -87,6 +87,15 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
     )
 
 
+def has_ended(solution: Solution) -> bool:
+    """Return whether a solution ended, so that others can be compared with it.
+
+    It converged, is as accurate as rounding lets it be, or found that the bodies do not touch.
+    """
+    status = solution.status
+    return status.has_converged or status in (Status.PRECISION_LIMIT, Status.DETACHED)
+
+
 def compare_grids(solution: Solution, coarse: Solution | None) -> DiscretisationErrors:
     """Return the errors of `solution`, with adhesion or at a given approach, by its change from cells of twice the size.
 
@@ -95,7 +104,7 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
     """
     attraction = None if solution.adhesion is None else solution.adhesion.attraction
     coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
-    failed = coarse is None or coarse.status.is_failure
+    failed = coarse is None or not has_ended(coarse)
     if coarse is None or failed or not coarse.pressure.any():
         why = "there is no solution" if failed else "the bodies do not touch"
         reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
@@ -114,7 +123,7 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
 def coarse_solution(
     problem: Problem, pressure: Array | None = None, attraction: Array | None = None
 ) -> Solution | None:
-    """Return the solution on cells of twice the size, as accurate as a comparison with it needs; None where it fails.
+    """Return the solution on cells of twice the size, as accurate as a comparison needs; None where it did not end.
 
     It begins with the means of a `pressure` and an `attraction` (x, y) [Pa] on the grid of `problem`, if they are given.
     It also is None without a source of the heights.
@@ -128,7 +137,7 @@ def coarse_solution(
         coarse = replace(coarse, adhesion=adhesion)
     tolerance = COARSE_TOLERANCE if coarse.adhesion is None else ADHESIVE_TOLERANCE
     solution = solve_contact(coarse, SolveOptions(tolerance), start)
-    return None if solution.status.is_failure else solution
+    return solution if has_ended(solution) else None
 
 
 def _added_heights(source: Source, problem: Problem) -> Array | None:

@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import contactstudy as cs
+from contactstudy.accuracy.discretisation.coarser import coarse_solution
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.accuracy.residual_errors import residual_errors
 from contactstudy.domain.fields import Array
@@ -167,6 +168,22 @@ def test_a_solve_that_failed_has_no_bound_with_its_status_and_no_part_of_another
     for _, parts in error_estimate(failed):
         assert parts.by_cause == {"residual": inf}
         assert "NOT_FINITE" in parts.reason
+
+
+@pytest.mark.parametrize("load", [cs.LineLoad(1e5), cs.Approach(1e-6)], ids=str)
+def test_a_solution_on_larger_cells_that_did_not_converge_is_no_comparison(
+    load: cs.LineLoad | cs.Approach, line_contact: LineContact
+) -> None:
+    """Waves of six cells make a comparison necessary under a load too."""
+    grid = line_contact.grid((96, 1), 1.0, width=4.0)
+    wave = cs.Waviness(1e-7, across=6 * grid.cell_size[0])
+    scene = replace(line_contact.scene, load=load, shapes=(*line_contact.scene.shapes, wave))
+    solution = cs.solve(scene.problem(grid, EXACT))
+    coarse = coarse_solution(solution.problem)
+    assert coarse is not None
+    for status in (cs.Status.ITERATION_LIMIT, cs.Status.STALLED, cs.Status.CONVERGED):
+        estimate = error_estimate(solution, coarse=replace(coarse, status=status))
+        assert (estimate.l1.total < inf) is status.has_converged
 
 
 def test_a_problem_without_paddings_is_refused(line_contact: LineContact) -> None:

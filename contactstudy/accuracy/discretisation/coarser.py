@@ -56,7 +56,8 @@ def halved(grid: Grid) -> Grid:
 def coarser_problem(problem: Problem) -> Problem | None:
     """Return `problem` on cells of twice the size; None without a source, or where the source refuses such cells.
 
-    Heights that the source does not contain are averaged over the larger cells.
+    Heights that the source does not contain are averaged over the larger cells. Constraint and control are those of
+    `problem`, but with adhesion, whose law may belong to the grid.
     """
     source = problem.source
     if source is None:
@@ -65,6 +66,10 @@ def coarser_problem(problem: Problem) -> Problem | None:
         coarse = source.problem(halved(problem.grid))
     except InvalidInput:
         return None
+    if problem.adhesion is None:
+        cells = problem.grid.cell_area / coarse.grid.cell_area
+        control = problem.control.scaled(cells)
+        coarse = replace(coarse, constraint=problem.constraint, control=control)
     added = _added_heights(source, problem)
     if added is None:
         return coarse

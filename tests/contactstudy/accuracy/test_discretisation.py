@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import discretisation_errors
-from contactstudy.accuracy.discretisation.coarser import coarser_problem
+from contactstudy.accuracy.discretisation.coarser import coarse_solution, coarser_problem
 from contactstudy.accuracy.discretisation.contact_edge import edge_error
 from tests.conftest import LineContact
 
@@ -52,3 +52,18 @@ def test_heights_of_a_problem_are_averaged_over_larger_cells(line_contact: LineC
     smooth, coarse = coarser_problem(problem), coarser_problem(rough)
     means = added.reshape(8, 2, 4, 2).mean(axis=(1, 3))
     assert coarse.undeformed_gap - smooth.undeformed_gap == pytest.approx(means, rel=1e-6)
+
+
+@pytest.mark.parametrize("cells", [48, 33])
+def test_a_problem_keeps_its_own_limits_and_load_on_larger_cells(
+    cells: int, line_contact: LineContact
+) -> None:
+    scene, grid = line_contact.scene, line_contact.grid((cells, 1), 1.0, width=6.0)
+    hardness = line_contact.hertz.peak_pressure
+    plain = scene.problem(grid, EXACT)
+    changed = replace(
+        plain, control=plain.control.scaled(3), constraint=cs.HardnessLimited(hardness)
+    )
+    named = replace(scene, load=cs.LineLoad(3e5), hardness=hardness).problem(grid, EXACT)
+    ours, theirs = (coarse_solution(problem) for problem in (changed, named))
+    np.testing.assert_allclose(ours.pressure, theirs.pressure, rtol=1e-9)

@@ -167,21 +167,23 @@ class _Request:
         if scene.lubrication is not None:
             self.refuse_options_of_films()
             if scene.wears_steadily:
-                self.refuse_unless("a film that wears", "times")
+                self.refuse_unless("a film that wears", "times", "error")
                 return self.film_wear()
             if scene.time_dependent_field is not None:
-                self.refuse_unless("a film that changes in time", "times")
+                used = () if any(map(yields, self.scene.solids)) else ("error", "step")
+                self.refuse_unless("a film that changes in time", "times", *used)
                 return self.time_dependent_film()
             self.refuse_unless("a steady film", "start")
             return self.film()
         if scene.wears_steadily:
-            self.refuse_unless("a contact that rolls and wears", "times")
+            self.refuse_unless("a contact that rolls and wears", "times", "error")
             return self.steady_wear()
         if scene.takes_times:
             if scene.evolves_without_states:
                 self.refuse_unless("a load history with adhesion or rolling", "times")
                 return self.quasi_static()
-            self.refuse_unless("a scene that changes in time", "times", "folder")
+            kind = "a scene that changes in time"
+            self.refuse_unless(kind, "times", "folder", "error", "scheme")
             return self.time_dependent()
         if scene.rolls:
             self.refuse_unless("a contact that rolls")
@@ -190,7 +192,7 @@ class _Request:
         return self.contact()
 
     def refuse_unless(self, kind: str, *used: str) -> None:
-        """Raise InvalidInput for a keyword beyond those that a scene of this `kind` has used."""
+        """Raise InvalidInput for a keyword or a setting of the steps that a scene of this `kind` does not use."""
         arguments = {
             "times": self.times is not None,
             "start": self.start is not None,
@@ -206,6 +208,14 @@ class _Request:
                     "device": f"{kind} is solved on this machine's processor",
                 }.get(name, f"{kind} has no use for it")
                 raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
+        if self.times is None:
+            return
+        for name in ("error", "scheme", "step"):
+            value = getattr(self.steps, name)
+            if name not in used and value != getattr(type(self.steps), name):
+                raise InvalidInput(
+                    f"TimeSteps.{name} is {value!r}, and {kind} has no use for it: leave it out."
+                )
 
     def refuse_options_of_films(self) -> None:
         """Raise InvalidInput for an option, or a start, that a film cannot use."""

@@ -83,7 +83,7 @@ class TimeSteps:
     Raises
     ------
     InvalidInput
-        If an `error` is given beside :attr:`StepError.NONE`.
+        If an `error` is given beside :attr:`StepError.NONE` or a `step`, or `times` beside `end` or `instants`.
     """
 
     times: tuple[Seconds, ...] | None = None
@@ -96,6 +96,13 @@ class TimeSteps:
 
     def __post_init__(self) -> None:
         check_estimated(self.error, self.step_error)
+        if self.error is not None and self.step is not None:
+            raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
+        for name in ("end", "instants"):
+            if self.times is not None and (value := getattr(self, name)) is not None:
+                raise InvalidInput(
+                    f"TimeSteps.{name} is {value!r} beside times, which name all instants: leave one of them out."
+                )
 
     @classmethod
     def of(cls, times: "ArrayLike | TimeSteps | None") -> "TimeSteps":

@@ -71,6 +71,17 @@ def test_a_keyword_that_a_scene_cannot_use_is_refused(monkeypatch: pytest.Monkey
     monkeypatch.setattr(cs.Gpu, "__post_init__", lambda _: None)
     with pytest.raises(cs.InvalidInput, match=r"^solve\.device is given, .*: leave it out\.$"):
         cs.solve(*KINDS["film"], EXACT, device=cs.Gpu())
+    history = cs.LoadHistory((0.0, 100.0), (0.5 * LOAD, LOAD))
+    rolling = replace(KINDS["rolling"][0], load=history), KINDS["rolling"][1]
+    for (scene, grid), named in (
+        (KINDS["creep"], {"step": 1e-3}),
+        (rolling, {"error": 1e-2}),
+        (rolling, {"scheme": cs.Scheme.EXPLICIT}),
+    ):
+        with pytest.raises(
+            cs.InvalidInput, match=rf"^TimeSteps\.{next(iter(named))} is .*: leave it out\.$"
+        ):
+            cs.solve(scene, grid, EXACT, times=cs.TimeSteps(**named))
 
 
 def test_a_smooth_film_has_the_period_that_is_given() -> None:

@@ -27,7 +27,7 @@ def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
     assert TimeSteps(end=7.0, instants=4).instants_of(load) == [1, 3, 5, 7]
     assert TimeSteps(instants=2).instants_of(load) == [1, 3]
     assert TimeSteps(end=3.0, instants=2).instants_of(cs.LineLoad(1.0)) == [0, 3]
-    assert TimeSteps(times=(2.0, 5.0), end=7.0).instants_of(load) == (2, 5)
+    assert TimeSteps(times=(2.0, 5.0)).instants_of(load) == (2, 5)
     # an error chooses its own, up to the end of the load
     assert TimeSteps(error=1e-3).instants_of(load) is None
     assert len(TimeSteps(error=1e-3, instants=13).instants_of(load) or []) == 13
@@ -36,6 +36,13 @@ def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
         TimeSteps(end=7.0, instants=1).instants_of(load)
     with pytest.raises(cs.InvalidInput, match=r"give time_steps\.end or time_steps\.times"):
         TimeSteps().instants_of(cs.LineLoad(1.0))
+    for named in (
+        {"times": (0.0, 5.0), "end": 5.0},
+        {"times": (0.0,), "instants": 7},
+        {"step": 1.0, "error": 0.1},
+    ):
+        with pytest.raises(cs.InvalidInput, match=r"^TimeSteps.*: leave one of them out\.$"):
+            TimeSteps(**named)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

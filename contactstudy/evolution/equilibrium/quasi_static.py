@@ -95,7 +95,9 @@ def follow_load(
     last: Solution | None = None
     for point in breakpoints:
         jumps = point.jumps and point is not breakpoints[0]
-        loads = (point.before, point.after) if jumps else (point.after,)
+        loads = (
+            (point.before, point.after) if jumps else (point.after,) * max(1, point.times_recorded)
+        )
         for number, value in enumerate(loads):
             # a jump that is recorded once is recorded after it
             is_recorded = number >= len(loads) - point.times_recorded

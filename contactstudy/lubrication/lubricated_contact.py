@@ -195,15 +195,15 @@ class FilmSolution:
         """
         if isinstance(self.scales.lubrication.lubricant.shear, LimitingShear):
             return ""
-        stress = np.abs(self.shear)
-        excess = np.clip(
-            stress - SHEAR_LIMIT - SHEAR_LIMIT_OVER_PRESSURE * self.pressure, 0, None
-        ).sum()
-        if excess <= FRICTION_BEYOND_LIMIT * stress.sum():
+        stress = np.abs(self.shear - _asperity_friction(self.scales, self.contact_pressure))
+        limit = SHEAR_LIMIT + SHEAR_LIMIT_OVER_PRESSURE * self.lubricant_pressure
+        total = np.abs(self.shear).sum()
+        excess = np.clip(stress - limit, 0, None).sum()
+        if excess <= FRICTION_BEYOND_LIMIT * total:
             return ""
         return (
-            f"Friction has no bound: {100 * excess / stress.sum():.0f} % of it is shear stress above the largest known "
-            f"limit of a lubricant, {SHEAR_LIMIT_OVER_PRESSURE:g} of the pressure. "
+            f"Friction has no bound: {100 * excess / total:.0f} % of it is shear stress above the largest known "
+            f"limit of a lubricant, 10 MPa and {SHEAR_LIMIT_OVER_PRESSURE:g} of the pressure. "
             "Give Lubricant.shear a limit, such as LimitingShear(0.07)."
         )
 
@@ -292,7 +292,12 @@ def shear_stress(
         sliding = mean_speed * motion.slide_roll_ratio
         newtonian = viscosity_ratio * oil.viscosity * np.exp(log_viscosity) * sliding / film
     lubricant = film_fraction * oil.shear.stress(newtonian, pressure)
+    return np.asarray(lubricant + _asperity_friction(scales, contact))
+
+
+def _asperity_friction(scales: FilmScales, contact: Array | None) -> Array | float:
+    """Return the shear stress (x, y) [Pa] of asperities that carry the pressure ``contact`` [Pa]; 0 without them."""
+    motion = scales.lubrication
     if contact is None or motion.boundary is None:
-        return lubricant
-    asperities = np.sign(motion.slide_roll_ratio) * motion.boundary.coefficient * contact
-    return np.asarray(lubricant + asperities)
+        return 0.0
+    return np.asarray(np.sign(motion.slide_roll_ratio) * motion.boundary.coefficient * contact)

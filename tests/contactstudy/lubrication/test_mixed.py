@@ -219,7 +219,11 @@ def test_an_effect_that_is_known_for_a_steady_film_is_refused_in_time(
 
 
 def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
-    contact = cs.solve(mixed(0.06, 0.01), grid(200))
+    # of a stress that no lubricant carries
+    layer = cs.Boundary(0.004 * UNIT, 0.3)
+    scene = mixed(0.06, 0.01)
+    scene = replace(scene, lubrication=replace(scene.lubrication, boundary=layer))
+    contact = cs.solve(scene, grid(200))
     fraction = contact.quantities["contact_load_fraction"]
     assert fraction.value == contact.contact_load_fraction
     assert fraction.bound is not None
@@ -227,4 +231,5 @@ def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
     assert dataset["contact_pressure"].dims == ("x", "y")
     assert float(dataset["contact_load_fraction"]) == fraction.value
     # of both, in the direction of sliding
-    assert contact.friction == pytest.approx(0.12 * fraction.value, rel=0.05)
+    assert contact.friction == pytest.approx(0.3 * fraction.value, rel=0.05)
+    assert contact.friction_reason == ""

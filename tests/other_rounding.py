@@ -1,6 +1,6 @@
 """A pytest plugin, ``-p tests.other_rounding``: transforms that round otherwise, as on another machine.
 
-Each field that comes back from a transform is off by some two roundings of its largest value, which is
+Each field that comes back from a transform is off by about two machine epsilons of its largest value, which is
 what another FFT library or other instructions change. The same field is always off by the same, so that
 equal solves stay equal to the last bit. ``OTHER_ROUNDING=7`` is another machine than ``OTHER_ROUNDING=8``.
 """

@@ -128,7 +128,7 @@ def in_range_or_zero(field: str, value: object, remedy: str) -> float:
     number = finite(field, value, remedy)
     if number and not MIN_SIZE <= abs(number) <= MAX_SIZE:
         raise InvalidInput(
-            f"{field} is {value!r}: {remedy}, if not 0 of a size between {MIN_SIZE:g} and {MAX_SIZE:g}."
+            f"{field} is {value!r}: {remedy}, 0 or of a size between {MIN_SIZE:g} and {MAX_SIZE:g}."
         )
     return number
 

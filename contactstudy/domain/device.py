@@ -227,7 +227,7 @@ def using(chosen: Device) -> Iterator[None]:
 class Gpu:
     """Graphics processor of this machine, through CuPy (extra ``gpu``).
 
-    Influence coefficients are computed on the processor in double precision and moved once; a solution's fields are
+    Influence coefficients are computed on the CPU in double precision and copied once; a solution's fields are
     numpy arrays. Of several graphics processors it is CuPy's current one.
 
     Raises

@@ -11,17 +11,17 @@ class ErrorParts:
     Attributes
     ----------
     images
-        Error by the images that the padding leaves out.
+        Error due to images that the padding leaves out.
     discretisation
-        Error by the cells.
+        Error due to the cells.
     residual
-        Error by the solver's remaining residual.
+        Error due to the solver's remaining residual.
     steps
-        Error by the steps in time.
+        Error due to the steps in time.
     inlet
-        Error by the finite inlet of a film.
+        Error due to the finite inlet of a film.
     range
-        Error by a range of the attraction that is chosen for the grid, in place of the JKR limit of short ranges.
+        Error due to a range of the attraction that is chosen for the grid, in place of the JKR limit of short ranges.
     reason
         Sentence on why a part is infinite; empty where none is.
     """
@@ -73,7 +73,7 @@ class ErrorEstimate:
     rolling_resistance
         Error of the coefficient of rolling resistance; None where nothing rolls.
     load, pull_off
-        Errors of the load at a given approach, and of the load of separation; None where they are not sought.
+        Errors of the load at a given approach, and of the pull-off load; None where they are not sought.
     warnings
         A sentence for each bound that is infinite, or on what to change.
     """

@@ -174,7 +174,7 @@ def max_abs(field: Array) -> float:
 
 
 def mean_over(active: Array, field: Array) -> float:
-    """Return the mean of `field` over the cells in which `active` is 1; in the others it is 0."""
+    """Return the mean of `field` over the cells in which `active` is 1; `active` is 0 in the others."""
     return inner(field, active) / total(active)
 
 

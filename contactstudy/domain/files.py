@@ -60,7 +60,7 @@ def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary path, and replace ``path`` by the file written there when the block ends, synced to the disk.
 
     Until then, and after a kill or an error at any moment, ``path`` is unchanged. The folder of ``path`` is created if
-    it does not exist.
+    it does not exist; the one above it must.
     """
     path.parent.mkdir(exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial{path.suffix}")

@@ -32,13 +32,14 @@ LARGEST_ASPECT_RATIO = 1e9
 class Grid:
     """Grid of equal rectangular cells, centred on the origin.
 
-    x runs across the contact line, which is the direction of motion (longitudinal), y along it (lateral). Fields are
+    x runs across the contact line, in the direction of motion (longitudinal), y along the line (lateral). Fields are
     constant in a cell and have the shape (nx, ny).
 
     Parameters
     ----------
     cells
-        Number of cells (nx, ny), across and along; ``ny = 1`` is plane strain.
+        Number of cells (nx, ny), across and along; ``ny = 1`` with :class:`ExactPeriodicity` along is
+        plane strain.
     extent
         Width and length (across, along) [m]; the length is a period where the axis is periodic.
 
@@ -176,8 +177,8 @@ class _Counted:
 class Superposition(_Counted):
     """Padding with zeros, and coefficients summed over images on each side.
 
-    The window of images is centred on the domain and not on the observer, so that points near the ends of the domain see
-    more pressure on one side.
+    The window of images is centred on the domain and not on each point, so that points near the ends of the domain
+    see more pressure on one side.
 
     Parameters
     ----------
@@ -191,7 +192,7 @@ class Superposition(_Counted):
 @suggest_fields
 @dataclass(frozen=True)
 class CircularSuperposition(_Counted):
-    """Periodic axis with coefficients summed over images on each side of the observer.
+    """Periodic axis with coefficients summed over images on each side of every point.
 
     The pressure within ``images + 1/2`` periods to either side acts on every point, so a uniform contact stays uniform,
     with a transform of half the size of :class:`Superposition`. This is how semi-periodic contacts are computed in

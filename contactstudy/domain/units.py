@@ -33,7 +33,7 @@ VolumetricHeatCapacity = Annotated[
     float, Unit("J/(m^3*K)", "a volumetric heat capacity", "3.6 MJ/(m^3*K)")
 ]
 Kelvins = Annotated[float, Unit("K", "a temperature", "333 K")]
-PerKelvin = Annotated[float, Unit("1/K", "a fraction per temperature", "0.04 1/K")]
+PerKelvin = Annotated[float, Unit("1/K", "a temperature coefficient", "0.04 1/K")]
 PascalSeconds = Annotated[float, Unit("Pa*s", "a viscosity", "40 mPa*s")]
 MetresPerSecond = Annotated[float, Unit("m/s", "a speed", "100 mm/s")]
 Seconds = Annotated[float, SECONDS]
@@ -41,7 +41,8 @@ PerSecond = Annotated[float, Unit("Hz", "a frequency", "50 Hz")]
 Radians = Annotated[float, Unit("rad", "an angle", "1 degree")]
 Number = Annotated[float, Unit("", "a number", "0.3")]
 
-# Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used.
+# Units for display, by the SI unit, largest first: the first one in which the value is at least 1 is used,
+# of areas 1e-3 and of volumes 1e-4.
 DISPLAY_UNITS: Mapping[str, tuple[tuple[float, str], ...]] = {
     "Pa": ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa")),
     "m": ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm")),

@@ -10,7 +10,8 @@ from contactstudy.problem.constraint import Constraint, Control, Gap, largest_of
 from contactstudy.problem.field_operations import ArrayOperations, operations_for
 from contactstudy.problem.operator import Operator
 
-# Rounding error of a gap, in roundings of the largest displacement; residuals stop falling at half of it.
+# Rounding error of a gap, in units of machine epsilon times the largest displacement; residuals stop falling at half of
+# it.
 GAP_ROUNDINGS = 2.0
 
 
@@ -104,7 +105,7 @@ class BareProblem:
     def residual(self, pressure: Array, gap: Gap) -> float:
         """Return the dimensionless residual: the largest of the gap's violation and the error of the load.
 
-        `gap` is the gap under `pressure`. See :func:`~contactstudy.solve`.
+        `gap` is the gap under `pressure`. See :class:`~contactstudy.SolveOptions`.
         """
         return largest_of(gap.violation, self.control.error(gap.load))
 

@@ -117,9 +117,9 @@ class Constraint(Protocol):
     def violation(self, pressure: Array, height: Array, load: float) -> float:
         """Return the largest violation of the complementarity conditions, in units of the gap scale.
 
-        It is the largest of the mean gap of the active set weighted by pressure, the penetration of cells without
-        pressure, and the open gap of cells at an upper limit. `height` is that of the gap (x, y), `load` the sum of
-        `pressure`. See :func:`~contactstudy.solve`.
+        It is the largest of the mean absolute gap of the active set weighted by pressure, the penetration of cells
+        without pressure, and the open gap of cells at an upper limit. `height` is that of the gap (x, y), `load` the sum
+        of `pressure`. See :class:`~contactstudy.SolveOptions`.
         """
 
 
@@ -251,7 +251,7 @@ def shift_to_load(
 
     The shift is the Lagrange multiplier of the load. The pressure has the sum `current_load` in a number of
     `loaded_cells`; `load_above` returns both for a shift. The factor corrects what rounding leaves; it is 1 within 16
-    roundings `epsilon`.
+    machine epsilons (`epsilon`).
     """
     shift, before = 0.0, -1.0
     while current_load > load and loaded_cells != before:

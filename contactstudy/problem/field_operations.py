@@ -109,7 +109,7 @@ class ArrayOperations:
         self._is_large = prod(shape) >= MIN_COMPILED_CELLS and isinstance(device(), Cpu)
 
     def preconditioner_precision(self, undeformed_gap: Array) -> Precision | None:
-        """Return single precision on large fields whose heights allow it, else None.
+        """Return single precision on large fields of a CPU whose largest height it can hold, else None.
 
         It takes half the time and no more iterations.
         """

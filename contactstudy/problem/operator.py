@@ -19,14 +19,14 @@ class Extension(Protocol):
         """Return the `displacement` extended to all cells."""
 
     def pressure(self, extended: Array) -> Array:
-        """Return the pressure (x, y) on the active set that makes about the `extended` displacement.
+        """Return the pressure (x, y) on the active set that approximately makes the `extended` displacement.
 
         The given array may be overwritten.
         """
 
 
 class ApproximateInverse(Protocol):
-    """Self-adjoint preconditioner: from the displacement of an active set about the pressure on it that makes it.
+    """Self-adjoint preconditioner: from the displacement of an active set to an approximate pressure on it.
 
     For a set that is 1 in its cells and 0 elsewhere it is applied in two steps: ``extension =
     inverse.extension(active)``, then ``extension.pressure(extension(displacement))``.
@@ -45,7 +45,7 @@ class ApproximateInverse(Protocol):
 
 
 class Operator(Protocol):
-    """Self-adjoint linear map from pressure to displacement, both (x, y), positive for pressures of zero sum."""
+    """Self-adjoint linear map from pressure to displacement (x, y), positive definite for pressures of zero sum."""
 
     @property
     def transform_size(self) -> float:

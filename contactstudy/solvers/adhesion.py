@@ -86,7 +86,7 @@ def is_cut_off(problem: Problem, attraction: Array) -> bool:
     return at_edge > CONSTANTS.edge * float(attraction.max())
 
 
-# Solves a problem without adhesion together with a state beside it: from the frozen attraction (x, y) [Pa] that its
+# Solves a problem without adhesion coupled to a state of the bodies: from the frozen attraction (x, y) [Pa] that its
 # heights contain, options, and a pressure (x, y) [Pa] to begin with.
 InnerSolve = Callable[[Problem, Array, SolveOptions, Array | None], CoupledSolution]
 
@@ -135,9 +135,9 @@ class AdhesiveSolver:
         self, problem: Problem, options: SolveOptions, start: Array | None, device: Device
     ) -> Solution:
         """Return the solution of the contact `problem` with adhesion, from the state that the branch names."""
-        return self.solve_beside(None, problem, options, start, device)[0]
+        return self.solve_coupled(None, problem, options, start, device)[0]
 
-    def solve_beside(
+    def solve_coupled(
         self,
         inner: InnerSolve | None,
         problem: Problem,
@@ -145,11 +145,11 @@ class AdhesiveSolver:
         start: Array | None,
         device: Device,
     ) -> tuple[Solution, Any]:
-        """Return the solution of :meth:`solve`, and the state of the bodies that `inner` found with it.
+        """Return the solution of :meth:`solve`, and the coupled state of the bodies.
 
-        `inner` solves each contact under a frozen attraction together with such a state, as of plastic strain. The state
-        is that of the last contact, empty where `inner` is None; it is None where no contact was solved, because the
-        attraction does not carry the pull.
+        `inner` solves each contact under a frozen attraction together with a state such as plastic strain. The state
+        returned is that of the last contact, empty where `inner` is None; it is None where no contact was solved,
+        because the attraction does not carry the pull.
         """
         first = {
             Branch.FROM_AFAR: 0.0,
@@ -166,11 +166,11 @@ class _State:
 
     `attraction_displacement` (x, y) [m] is the displacement of the surface by it, `updated` the attraction (x, y) [Pa]
     at its gap, `change` the distance to that over its sum, `energy` [J] that of the bodies, the load and the surfaces,
-    and `cohesion` [J] the remaining work of separation. A state `beside` the contact has added `added_gap` (x, y) [m].
+    and `cohesion` [J] the remaining work of separation. The state `of_bodies` has added `added_gap` (x, y) [m].
     """
 
     contact: Solution
-    beside: Any
+    of_bodies: Any
     added_gap: Array
     attraction: Array
     attraction_displacement: Array
@@ -199,7 +199,7 @@ class OuterIteration:
     energies: list[float] = field(default_factory=list)
 
     def solution(self, attraction: Array, start: Array | None) -> tuple[Solution, Any]:
-        """Return the solution that the iteration from an `attraction` (x, y) [Pa] leads to, and the state beside it.
+        """Return the solution from an `attraction` (x, y) [Pa] on, and the coupled state of the bodies.
 
         The first contact begins with the pressure `start` (x, y) [Pa].
         """
@@ -338,7 +338,7 @@ class OuterIteration:
         )
 
     def _ended(self, state: _State) -> tuple[Solution, Any]:
-        """Return the solution of the last `state`, and the state of the bodies beside it."""
+        """Return the solution of the last `state`, and the coupled state of the bodies."""
         contact = state.contact
         gap = self.problem.undeformed_gap + state.added_gap
         residual = max(contact.residual, state.change / CONSTANTS.change_in_tolerances)
@@ -359,7 +359,7 @@ class OuterIteration:
             residual=residual,
             adhesion=self._part(state.attraction, tuple(self.energies)),
         )
-        return solution, state.beside
+        return solution, state.of_bodies
 
     def _detached(self) -> Solution:
         """Return the undeformed bodies as they just touch: the attraction does not carry the pull."""

@@ -16,7 +16,7 @@ class Iterate:
     approach
         Approach of the bodies, counted from the reference height of the problem.
     residual
-        Largest violation of the complementarity conditions, or error of the load, see :func:`~contactstudy.solve`.
+        Violation of the complementarity conditions, or error of the load, see :class:`~contactstudy.SolveOptions`.
     iterations
         Number of iterations.
     convolutions

@@ -15,7 +15,7 @@ from contactstudy.solvers.polonsky_keer import PolonskyKeer
 
 @dataclass(frozen=True)
 class DescentConstants:
-    """Constants of the iteration, each chosen by its iterations on rough contacts of 9 % to 100 % of Hertz's area.
+    """Constants of the iteration, chosen for few iterations on rough contacts with 9 % to 100 % of the area of Hertz.
 
     Attributes
     ----------
@@ -299,7 +299,8 @@ class PreconditionedCG:
     Parameters
     ----------
     coarse_tolerance
-        Residual at which coarser grids, which give the start, end; they also end at a 50th of their first residual.
+        Residual at which coarser grids, which give the start, end; they also end at a 50th of their first residual, and
+        after `patience` iterations.
     patience
         Iterations without a halving of the residual after which Polonsky & Keer's scheme goes on from there, and the
         solution's note says so.
@@ -339,7 +340,7 @@ class PreconditionedCG:
     def _first_pressure(
         self, problem: BareProblem, start: Array | None, tolerance: float
     ) -> tuple[Array, float]:
-        """Return the admissible pressure to start from, in a new array, and the convolutions that it took."""
+        """Return the admissible pressure to start from, in a new array, and the convolutions that it takes at most."""
         if start is not None:
             admissible = problem.clip_and_scale(arrays().asarray(start, copy=True))
             if problem.control.approach is None or arrays().any(admissible > 0):

@@ -91,7 +91,7 @@ class Status(Enum):
 
     @property
     def has_converged(self) -> bool:
-        """True if the residual of a contact or film is below the tolerance, whatever else the status warns of."""
+        """True if the residual of a contact or film is below the tolerance, whatever it warns of but detachment."""
         return self in (
             Status.CONVERGED, Status.CONTACT_AT_EDGE, Status.YIELD_AT_EDGE, Status.ATTRACTION_AT_EDGE,
             Status.STARVED_INLET, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS, Status.PASS_NOT_STEADY,
@@ -127,8 +127,8 @@ class TangentialTraction:
     method
         Method, in words.
     iterations
-        Number of applications of the response to traction; where the traction follows from pressures alone, of normal
-        contacts solved.
+        Number of applications of the response to traction, of tractive rolling on the finest grid in the last outer
+        iteration; where the traction follows from pressures alone, of normal contacts solved.
     """
 
     shear: Array
@@ -160,7 +160,8 @@ class AdhesiveTraction:
         History that the state belongs to, in words.
     energies
         Energy [J] of the deformed bodies, the load and the adhesive traction after each outer iteration but those whose
-        mixture was rejected, relative to bodies far apart.
+        mixture was rejected, relative to undeformed bodies far apart; the potential of the load counts from zero
+        approach.
     cells_in_zone
         Number of cells in the cohesive zone, over which the traction falls at the edge of a contact.
     tabor
@@ -187,7 +188,7 @@ class AdhesiveTraction:
 
     @property
     def energy(self) -> float:
-        """Energy [J] of the deformed bodies, the load and the adhesive traction, relative to bodies far apart."""
+        """Energy [J] of the deformed bodies, the load and the adhesive traction, the last of `energies`."""
         return self.energies[-1]
 
 
@@ -218,7 +219,7 @@ class Solution:
     convolutions
         Number of transform pairs of the full grid; smaller ones count in proportion.
     residual
-        Dimensionless residual, see :func:`~contactstudy.solve`.
+        Dimensionless residual, see :class:`~contactstudy.SolveOptions`.
     note
         Empty, or sentences on how the solution was found, such as how the solver went on after a stall.
     traction

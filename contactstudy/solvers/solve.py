@@ -59,7 +59,9 @@ class SolveOptions:
     Parameters
     ----------
     tolerance
-        Largest dimensionless residual, see :func:`~contactstudy.solve`; above 0.
+        Largest dimensionless residual, above 0. The residual is the largest of these: the mean absolute gap in the
+        active set, weighted by pressure; the largest penetration without pressure, and the largest open gap at the
+        hardness, all three in units of ``Problem.scales.gap``; and the relative error of the load.
     max_iterations
         Iterations after which a solve ends with :attr:`~contactstudy.Status.ITERATION_LIMIT`; of tangential traction,
         applications of its response; with adhesion, inner and outer iterations together, and ten times as many for each
@@ -111,10 +113,10 @@ def solve_contact(
     options
         Accuracy and method.
     start
-        Pressure (x, y) [Pa] to begin with, at least 0 Pa; None leaves it to the solver, such as a solution on coarser
-        grids.
+        Pressure (x, y) [Pa] to begin with, at least 0 Pa; None leaves the start to the solver, which may take it
+        from coarser grids.
     device
-        The device that the fields of the iteration are held on; the one in use if None, a thread of this machine.
+        The device that the fields of the iteration are held on; the one in use if None, by default one CPU thread.
 
     Returns
     -------

@@ -20,15 +20,15 @@ from contactstudy.elasticity.kernels.displacement_cell import (
 FOURIER_START, FOURIER_END, FOURIER_TERMS = 0.5, 6.0, 13
 # Beyond this K0 is below 1e-18.
 NEGLIGIBLE_K0 = 40.0
-# Largest distance from the axis to observer and cell over that to the images that are not summed one by one: their
+# Largest distance from the axis to field point and cell over that to the images that are not summed one by one: their
 # multipoles then fall by a factor of 4.7 from one to the next.
 IMAGE_RATIO = 0.46
 # Relative error of a quadrature by Gauss points, and of a truncated series of multipoles.
 QUADRATURE_ERROR = 1e-17
 
 # A cell wider than the period is cut into strips narrower than it. Their number is odd, so that no border lies on the
-# axis: a border that is off by one rounding beside an observer costs 1e-10 of a thin cell. They end beyond FOURIER_END,
-# where the rest of the cell adds its logarithm alone.
+# axis: a border that is off by one rounding near a field point costs 1e-10 of a thin cell. They end beyond
+# FOURIER_END, where the rest of the cell adds its logarithm alone.
 STRIPS, STRIPS_END = 15, 7.2
 
 
@@ -75,7 +75,7 @@ def boussinesq_cell_periodic(
 def _row_of_cells(x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
     """Return the sum S of :func:`boussinesq_cell_periodic` for one size of cell."""
     shape = np.broadcast_shapes(x.shape, y.shape)
-    # fmod is exact; rounding a quotient y / period would move the observer by many cells, where these are smallest
+    # fmod is exact; rounding a quotient y / period would move the field point by many cells, where these are smallest
     x, y = np.abs(x), np.fmod(np.abs(y), period)
     y = np.minimum(y, period - y)
     if dy == period:  # nothing varies along y: plane strain

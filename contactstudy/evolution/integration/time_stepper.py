@@ -261,7 +261,7 @@ class TimeStepper:
         law: Any = problem.adhesion
         limit = CONTACTS_PER_COUPLED_STEP * self.options.max_iterations
         options = replace(self.options, max_iterations=limit)
-        solution, after = law.solve_beside(solve_under, problem, options, start, Cpu())
+        solution, after = law.solve_coupled(solve_under, problem, options, start, Cpu())
         if after is None:  # the bodies came apart before anything was solved
 
             def separated(added_gap: Array) -> Solution:

@@ -67,14 +67,14 @@ class FrictionSet:
             if worst <= 1e-14 * size or (worst >= error * (1 - 1e-3) and worst <= 1e-10 * size):
                 break
             error = worst
-            # derivative of a cell: the identity within, cut (1 - e e^T) on the rim, e = (u, v) / distance
-            rim = (distance > r) * cut / farther**2
-            diagonal, across = float(cut.sum()) + ridge, rim * u
+            # derivative of a cell: the identity within, cut (1 - e e^T) where it slips, e = (u, v) / distance
+            slipping = (distance > r) * cut / farther**2
+            diagonal, across = float(cut.sum()) + ridge, slipping * u
             xx, xy = (
                 diagonal - float(np.einsum("i,i->", across, u)),
                 -float(np.einsum("i,i->", across, v)),
             )
-            yy = diagonal - float(np.einsum("i,i->", rim * v, v))
+            yy = diagonal - float(np.einsum("i,i->", slipping * v, v))
             matrix = np.where(np.outer(prescribed, prescribed), [[xx, xy], [xy, yy]], np.eye(2))
             direction = np.linalg.solve(matrix, missing)
             longest = float(np.abs(direction).max())
@@ -83,7 +83,7 @@ class FrictionSet:
             shift = origin + step
             reach *= 2
         if guessed and not worst <= 1e-9 * size:
-            # a shift that brought all cells to their rims leaves Newton's method without a slope
+            # a shift that made all cells slip leaves Newton's method without a slope
             self._shift = None
             return self._shift_to(total, trial)
         return shift

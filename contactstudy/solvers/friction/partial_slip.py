@@ -42,7 +42,8 @@ class SlipStep:
     stick
         Cells (x, y) in contact that stick.
     residual
-        Root mean square of the change by one projection, over the largest traction.
+        Root mean square of the change by one projection, over the largest traction, or over a fraction
+        of the largest limit where that is larger.
     applications
         Number of applications of the response to traction.
     """

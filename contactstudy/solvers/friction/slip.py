@@ -12,7 +12,7 @@ from contactstudy.elasticity.transforms import TRANSFORMS
 
 
 class SlipOperator(Protocol):
-    """Linear map D from tangential traction to elastic slip, both (component, x, y); its symmetric part is positive."""
+    """Linear map D from traction to elastic slip, both (component, x, y), whose symmetric part is positive definite."""
 
     @property
     def self_compliance(self) -> float:
@@ -22,7 +22,7 @@ class SlipOperator(Protocol):
         """Return the slip under `shear`."""
 
     def approximate_inverse(self, slip: Array) -> Array:
-        """Return about the traction (component, x, y) that makes a `slip` of some cells, which is zero elsewhere.
+        """Return an approximation to the traction (component, x, y) of a `slip` of some cells, which is zero elsewhere.
 
         The given array may be overwritten.
         """

@@ -6,8 +6,8 @@ displaced by ``A q`` against the second one. The slip of the first against the s
     ``s = -c + D q``,  ``(D q)(x) = [(A q)(x) - (A q)(x + dx)] / dx``,  ``c = (xi - phi y, eta + phi x)``,
 
 with the creepages xi and eta of the second against the first body and the spin phi. Coulomb's law is ``|q| <= mu p``,
-``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is self-adjoint and positive, and so the
-symmetric part of D is positive too: a monotone variational inequality, whose solution is unique. It is solved on coarser
+``s = 0`` where the inequality is strict, and else ``q = -mu p s / |s|``. A is self-adjoint and positive definite, and so
+is the symmetric part of D: a monotone variational inequality, whose solution is unique. It is solved on coarser
 grids first, each by :class:`~contactstudy.solvers.friction.coulomb_newton.CoulombNewton`.
 
 Source: Carter (1926), Proc. R. Soc. A 112, 151; Kalker (1990), ch. 4.
@@ -216,10 +216,10 @@ class TractiveShear:
     def _errors(self, levels: Array, chord: float) -> RollingErrors:
         """Return the errors of the last of `levels`: (grid, number), forces over the load, creepage and power.
 
-        Each grid has half the cells' width of the one before, and the error is of first order: the last difference
-        estimates it, and half of the one before guards against a last one that is small by chance. The stick-slip
-        border is uncertain by STICK_EDGE_CELLS cells, with the effect on force or creepage of Carter's closed form for
-        a contact of `chord` cells along x.
+        Each grid has half the cells' width of the one before along axes that allow it, and the error is of first
+        order: the last difference estimates it, and half of the one before guards against a last one that is small by
+        chance. The stick-slip border is uncertain by STICK_EDGE_CELLS cells, with the effect on force or creepage of
+        Carter's closed form for a contact of `chord` cells along x.
         """
         if len(levels) == 1:
             return UNKNOWN

@@ -1,4 +1,4 @@
-"""Tangent operator of a contact under a fixed load: minus the derivative of the pressure by the gap."""
+"""Tangent operator of a contact under a fixed load: minus the derivative of the pressure with respect to the gap."""
 
 from dataclasses import dataclass
 from functools import cached_property

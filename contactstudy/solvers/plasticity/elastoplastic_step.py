@@ -32,7 +32,7 @@ class PlasticConstants:
     max_iterations
         Newton iterations of a step; up to 15 were seen for a load of 5 times that of first yield in one step.
     stall_iterations
-        Iterations without a halving of the residual after which it is limited by the tolerance of the contact.
+        Iterations without a halving of the residual after which a step ends: the tolerance of the contact limits it.
     min_fraction
         Smallest fraction of a Newton step that is tried before a step of plain return mapping is taken.
     max_forcing, min_forcing
@@ -105,7 +105,7 @@ def solve_elastoplastic_step(
     Parameters
     ----------
     bodies
-        Operators and yield laws of the bodies that yield.
+        Operators, yield criteria and hardening of the bodies that yield.
     contact
         Solves for the pressure over a surface that is lowered by a field (x, y) [m].
     tangent

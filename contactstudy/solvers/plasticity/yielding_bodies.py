@@ -15,8 +15,8 @@ SQRT_TWO_THIRDS = (2 / 3) ** 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class YieldLaw:
-    """Von Mises' yield law with linear hardening, with one value per cell (cells,) [Pa].
+class VonMisesPlasticity:
+    """Von Mises' yield criterion with linear hardening, with one value per cell (cells,) [Pa].
 
     `twice_shear` is twice the shear modulus. Hardening moduli, `isotropic` and `kinematic`, are stress over plastic
     strain in tension.
@@ -73,7 +73,7 @@ class ReturnMapping:
     `flows` (cells,).
     """
 
-    law: YieldLaw
+    law: VonMisesPlasticity
     strain: Array
     direction: Array
     size: Array
@@ -97,7 +97,7 @@ class ReturnMapping:
     def stiffness(self) -> Array:
         """Inverse derivative of the return mapping less 2G, as matrices (flowing cells, C, C) [Pa].
 
-        They are positive semidefinite. The derivative is that of the plastic strain by the trial stress.
+        They are positive semidefinite. The derivative is that of the plastic strain with respect to the trial stress.
         """
         flows, direction = self.flows, self.direction[:, self.flows]
         transverse = (self._transverse - self.law.twice_shear)[flows][:, None, None]
@@ -126,9 +126,9 @@ class YieldingBodies:
     hardening: tuple[Hardening, ...]
 
     @cached_property
-    def law(self) -> YieldLaw:
-        """Yield law of all cells."""
-        return YieldLaw(
+    def law(self) -> VonMisesPlasticity:
+        """Yield criterion and hardening of all cells."""
+        return VonMisesPlasticity(
             self._per_cell([2 * operator.moduli.shear for operator in self.operators]),
             self._per_cell([body.yield_stress for body in self.hardening]),
             self._per_cell([body.isotropic for body in self.hardening]),

@@ -22,7 +22,7 @@ FAMILIES = {
     "units": "one contact in other units of length and pressure",
     "material": "rigid and incompressible bodies, moduli 1e6 apart, hardnesses down to the mean pressure",
     "surface": "steps, spikes, a flat punch, noise from cell to cell, far higher than what is flattened",
-    "perturbation": "a contact that is shifted, mirrored, repeated or changed by roundings",
+    "perturbation": "a contact that is shifted, mirrored, repeated or changed by rounding errors",
     "solver": "loose and impossible tolerances, few iterations, single precision, wrong starts",
 }
 SOLVER_COLORS = dict(zip(SOLVERS, COLORS, strict=False))

@@ -207,7 +207,7 @@ def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineCo
     soft = replace(line_contact.scene, hardness=line_contact.hertz.peak_pressure / 8)
     width = 40 / 32 * soft.load.largest / soft.hardness
     solution = cs.solve(soft.problem(cs.Grid((40, 1), (width, width)), EXACT))
-    # a cell may be left some roundings below
+    # a cell may be left some machine epsilons below
     yields = solution.pressure > (1 - 1e-12) * soft.hardness
     assert np.count_nonzero(yields) == np.count_nonzero(solution.pressure) == 32
     solution = replace(solution, pressure=np.where(yields, soft.hardness, 0.0))

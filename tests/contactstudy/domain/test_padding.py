@@ -10,13 +10,13 @@ from contactstudy.elasticity.kernels.displacement_cell import boussinesq_cell
 
 @dataclass(frozen=True)
 class Images:
-    """The periods seen, counted from the domain's own or from the one nearest to the observer."""
+    """The periods seen, counted from the domain's own or from the one nearest to the field point."""
 
     window: range
-    of_observer: bool = False
+    of_point: bool = False
 
     def offset(self, offset: np.ndarray, period: float) -> np.ndarray:
-        return offset - period * np.round(offset / period) if self.of_observer else offset
+        return offset - period * np.round(offset / period) if self.of_point else offset
 
 
 NONE = Images(range(1))
@@ -24,7 +24,7 @@ GRID = cs.Grid(cells=(6, 5), extent=(1.2, 0.8))
 EPS = np.finfo(float).eps
 
 
-def roundings(field: np.ndarray) -> float:
+def rounding_error(field: np.ndarray) -> float:
     """What a transform pair may be off by: a rounding of the largest at each of its steps, of which there
     are some log2 of the cells there and back, and as many again for the sum over images.
     """
@@ -51,8 +51,8 @@ def applied(grid: cs.Grid, padding: cs.Padding | cs.Paddings) -> np.ndarray:
     return np.stack([operator(unit).ravel() for unit in units], axis=1)
 
 
-def around(images: int, *, of_observer: bool = False) -> Images:
-    return Images(range(-images, images + 1), of_observer)
+def around(images: int, *, of_point: bool = False) -> Images:
+    return Images(range(-images, images + 1), of_point)
 
 
 @pytest.mark.cases(3)
@@ -60,11 +60,11 @@ def around(images: int, *, of_observer: bool = False) -> Images:
     ("padding", "along", "across"),
     [
         *((cs.Superposition(n), around(n), NONE) for n in (0, 1, 4)),
-        *((cs.CircularSuperposition(n), around(n, of_observer=True), NONE) for n in (0, 1, 4)),
+        *((cs.CircularSuperposition(n), around(n, of_point=True), NONE) for n in (0, 1, 4)),
         (
             (cs.CircularSuperposition(1), cs.Superposition(2)),
             around(2),
-            around(1, of_observer=True),
+            around(1, of_point=True),
         ),
     ],
     ids=str,
@@ -73,14 +73,14 @@ def test_superposition_is_equation_five_counted_from_the_domain_or_from_the_obse
     padding: cs.Padding | cs.Paddings, along: Images, across: Images
 ) -> None:
     expected = dense(GRID, along, across)
-    assert_allclose(applied(GRID, padding), expected, rtol=0, atol=roundings(expected))
+    assert_allclose(applied(GRID, padding), expected, rtol=0, atol=rounding_error(expected))
 
 
 @pytest.mark.parametrize("images", [4, 10])
 def test_only_a_circular_sum_leaves_a_uniform_pressure_uniform(images: int) -> None:
     pressure = np.ones(GRID.cells)
     moved = cs.convolution(1.0, GRID, cs.CircularSuperposition(images), datum=1.0)(pressure)
-    assert np.ptp(moved, axis=1).max() < roundings(moved)
+    assert np.ptp(moved, axis=1).max() < rounding_error(moved)
     moved = cs.convolution(1.0, GRID, cs.Superposition(images), datum=1.0)(pressure)
     # a window off centre by y lacks ln(1 - y^2 / D^2) of the line load's potential
     off_centre = 0.4 / (images + 0.5)
@@ -100,7 +100,7 @@ def test_folded_duplication_is_the_literal_copy(cells: tuple[int, int]) -> None:
     coefficients = boussinesq_cell(around[0][:, None], around[1][None], dx, dy)
     moved = np.fft.ifft2(np.fft.fft2(copied) * np.fft.fft2(coefficients)).real[:nx, :ny]
     operator = cs.convolution(1 / np.pi, grid, cs.DuplicatedPadding(), datum=1.0)
-    assert_allclose(operator(pressure), moved, rtol=0, atol=roundings(moved))
+    assert_allclose(operator(pressure), moved, rtol=0, atol=rounding_error(moved))
 
 
 @pytest.mark.parametrize("kind", [cs.Superposition, cs.CircularSuperposition])

@@ -22,7 +22,7 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_creep_times_relaxation_is_one_in_laplace_space(name: str) -> None:
-    """``E(s) J(s) = 1`` for both times s: each factor is a sum of few terms, so to some roundings of it."""
+    """``E(s) J(s) = 1`` for both times s: each factor is a sum of few terms, so to some machine epsilons."""
     equilibrium, relaxation = CASES[name]
     found = creep_from_relaxation(equilibrium, relaxation)
     for s in np.geomspace(1e-8, 1e9, 40):

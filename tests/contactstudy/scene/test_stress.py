@@ -30,7 +30,7 @@ def below(
 
 
 def seen(one: cs.Padding, count: int) -> list[tuple[int, int, int, float]]:
-    """For each pair (observer, source), an offset in cells that counts, and how much."""
+    """For each pair (field point, source), an offset in cells that counts, and how much."""
     pairs = [(i, j) for i in range(count) for j in range(count)]
     if isinstance(one, cs.ZeroPadding | cs.Superposition):
         return [(i, j, i - j + m * count, 1.0) for i, j in pairs for m in one.window]

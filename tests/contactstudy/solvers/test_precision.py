@@ -27,7 +27,7 @@ def test_single_precision_ends_at_its_rounding_with_a_status(
     assert "double precision" in str(solution.status)
     assert solution.note == ""
     assert solution.iterations < 200
-    # it stops at two roundings of the largest displacement, which here went to metres and back
+    # it stops at two machine epsilons of the largest displacement, which here went to metres and back
     rounding = np.finfo(np.float32).eps * np.abs(solution.displacement).max() / posed.scales.gap
     assert solution.residual <= 2 * rounding * (1 + 4 * np.finfo(float).eps)
     # found again without rounding, it is another by no more than the gap was uncertain by

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from contactstudy.solvers.plasticity.yielding_bodies import YieldLaw
+from contactstudy.solvers.plasticity.yielding_bodies import VonMisesPlasticity
 
 TWICE_SHEAR, YIELD = 1.6, 1.0
 
 
-def stressed(law: YieldLaw, deviators: list[float]) -> tuple[float, float]:
+def stressed(law: VonMisesPlasticity, deviators: list[float]) -> tuple[float, float]:
     """Plastic strain and equivalent strain in tension after tension by these stresses, one after the other."""
     # a bar under s has the deviator sqrt(2/3) s along (2, -1, -1) / sqrt(6), its strain sqrt(3/2) e
     strain, equivalent = np.zeros((3, 1)), np.zeros(1)
@@ -24,8 +24,10 @@ def stressed(law: YieldLaw, deviators: list[float]) -> tuple[float, float]:
     return float((2 / 3) ** 0.5 * strain[0, 0]), float(equivalent[0])
 
 
-def law(isotropic: float, kinematic: float) -> YieldLaw:
-    return YieldLaw(*(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic)))
+def law(isotropic: float, kinematic: float) -> VonMisesPlasticity:
+    return VonMisesPlasticity(
+        *(np.array([one]) for one in (TWICE_SHEAR, YIELD, isotropic, kinematic))
+    )
 
 
 @pytest.mark.parametrize("fraction", [0.0, 0.5, 1.0])
@@ -52,7 +54,9 @@ def test_kinematic_hardening_moves_the_range_without_yield() -> None:
     assert back == pytest.approx(0.8 - 0.2 / 0.5, rel=1e-12)
 
 
-MANY = YieldLaw(*(np.array(one) for one in ([1.6, 2.5], [1.0, 0.5], [0.3, 0.7], [0.2, 0.4])))
+MANY = VonMisesPlasticity(
+    *(np.array(one) for one in ([1.6, 2.5], [1.0, 0.5], [0.3, 0.7], [0.2, 0.4]))
+)
 
 
 def test_a_step_costs_the_work_of_the_yield_stress_and_of_hardening() -> None:

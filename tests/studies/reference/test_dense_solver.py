@@ -15,7 +15,7 @@ def test_the_smallest_eigenvalue_is_that_of_modes_that_shift_no_mean(count: int)
     basis = np.linalg.qr(np.column_stack([np.ones(count), np.eye(count)[:, 1:]]))[0][:, 1:]
     among = basis.T @ matrix[np.ix_(free, free)] @ basis
     expected = np.linalg.eigvalsh(among)[0]
-    # eigenvalues to some roundings of the largest
+    # eigenvalues to some machine epsilons of the largest
     assert dense_solver._smallest_eigenvalue(matrix, free) == pytest.approx(
         expected, abs=1e-12 * np.trace(matrix)
     )

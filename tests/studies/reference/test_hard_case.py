@@ -71,6 +71,6 @@ def test_other_heights_may_move_the_pressure_by_their_difference_over_the_smalle
     # in multiples of what a contact flattens, 3-4-5
     change = 5e-6 / dense.smallest_eigenvalue * unit / highest
     _, stated = judged(CASE, solution)
-    # heights are told to roundings of the largest gap
+    # heights are told to machine epsilons of the largest gap
     assert allowed == pytest.approx(2e-6 + stated + change, rel=1e-6)
     assert error <= allowed

@@ -62,7 +62,7 @@ class LayerRemainder:
 
         Functions of x or of y alone are evaluated once for each value, so these should be few or form a grid. Source:
         the radial field whose divergence is g, integrated along the four edges of the cell, each by Gauss points on
-        pieces that grow with their distance from the observer.
+        pieces that grow with their distance from the field point.
         """
         x, y = (np.asarray(a, dtype=np.float64) for a in (x, y))
         shape = np.broadcast_shapes(x.shape, y.shape)
@@ -213,7 +213,7 @@ def unique_within_rounding(values: Array) -> tuple[Array, NDArray[np.intp]]:
 
 
 def quadrant(table: RemainderTables, x: Array, y: Array) -> Array:
-    """Return the integral of ``g`` over rectangles from the observer to each (x, y), both at least 0 in thicknesses."""
+    """Return the integral of ``g`` over rectangles from the field point to each (x, y), of at least 0 thicknesses."""
     across = x[:, None] * _along_edges(table, x, y)
     along = y[:, None] * _along_edges(table, y, x)
     return np.asarray(across + along.T)
@@ -247,7 +247,7 @@ def _along_edges(table: RemainderTables, aside: Array, ends: Array) -> Array:
 def _breakpoints(ends: Array, scale: float) -> tuple[Array, NDArray[np.intp]]:
     """Return ends of pieces from zero on, among them all of `ends`, and the indices of these.
 
-    No piece is longer than its distance from the observer, or than `scale` next to it.
+    No piece is longer than its distance from the field point, or than `scale` next to it.
     """
     farthest = max(float(ends[-1]), scale)
     growing = scale * 2.0 ** np.arange(np.ceil(np.log2(farthest / scale)))

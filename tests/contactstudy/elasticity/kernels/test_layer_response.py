@@ -70,7 +70,7 @@ def test_the_response_is_that_of_the_layered_boundary_value_problem(name: str, k
     materials = layer.shear_ratio, layer.coating_poisson_ratio, layer.substrate_poisson_ratio
     wanted = judged_layer(*materials, k)
     found = 1 + layer.contrast * np.exp(-2 * k) + rest(layer, k)
-    # roundings of d0 and of R, and those of d0 e^-2k in a sum that may cancel
+    # rounding errors of d0 and of R, and those of d0 e^-2k in a sum that may cancel
     rounding = 16 * np.finfo(float).eps * (1 + abs(layer.contrast))
     assert abs(found - float(wanted)) <= rounding + 1e-13 * abs(rest(layer, k))
 

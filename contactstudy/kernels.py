@@ -1,4 +1,4 @@
-"""Influence coefficients of a uniformly loaded rectangular cell on an elastic half-space, in closed form.
+"""Influence coefficients of a uniformly loaded rectangular cell on an elastic half-space.
 
 ``pi E*`` times the displacement [m] under unit pressure: of one cell, of a row of images along y, of
 a lattice of images along both axes.

@@ -36,12 +36,12 @@ class InverseConstants:
     Attributes
     ----------
     single_range
-        Largest ratio of the spectrum's values for single precision, whose noise is the same in all wave numbers.
+        Largest ratio of the spectrum's values for single precision, whose round-off is the same in all wave numbers.
     holes
-        Range of the smoothing over the width of a hole; of 1, 1.5, 2 and 3 this takes the fewest iterations on sparse
-        contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
+        Length of the smoothing kernel over the width of a hole; of 1, 1.5, 2 and 3 this takes the fewest iterations on
+        sparse contacts, and of 1, 2 and 4 the fewest in the sum over 15 contacts.
     noise
-        Roundings of the largest weight below which a weight is noise of a transform.
+        Multiple of the machine epsilon and the largest weight below which a weight is round-off of a transform.
     aspect_ratio
         Ratio of the sides of a cell above which cells are not merged into blocks of 2 x 2. Merging them makes solves 1.1
         to 2 times as fast.
@@ -130,7 +130,7 @@ class SpectralInverse:
         self._transforms, self._waves = transforms(), work_array(cells, real)
         # 1 / spectrum at the shortest wave along either axis
         self._stiffest = max(float(inverse[cells[0] // 2, 0]), float(inverse[0, -1]))
-        # the range of the smoothing in cells, and its spectrum
+        # the length of the smoothing kernel in cells, and its spectrum
         self._smoothing: tuple[float, Array] = 0.0, self._inverse
         self._coarser, self._transformed = self._on_blocks(spectrum), 0
 
@@ -161,7 +161,8 @@ class SpectralInverse:
     def _on_blocks(self, spectrum: Array) -> "SpectralInverse | None":
         """Return the same map on blocks of 2 x 2 cells, or None.
 
-        There is none where cells are elongated, too few to pay, or no multiple of 4 along either axis.
+        There is none where cells are elongated, too few to pay, or along one axis no multiple of 4, and without numba
+        or on another device.
         """
         nx, ny = self._cells
         if compiled_loops(self._cells) is None or nx % 4 or ny % 4:

@@ -89,7 +89,7 @@ class CoatingShearCoefficients:
 
     They are those of :class:`~contactstudy.elasticity.kernels.layer.shear.ShearWaves`: under long waves the
     displacement along the surface is that of a half-space of the substrate. A row's mean and a cell alone have long
-    waves in closed form, as images buried at two thicknesses; what is left is summed by its waves.
+    waves in closed form, as mirror sources buried at two thicknesses; what is left is summed by its waves.
 
     Parameters
     ----------

@@ -66,8 +66,9 @@ CONSTANTS = OperatorConstants()
 class Convolution:
     """Linear map from pressure to displacement on one grid, ``displacement = K * pressure``.
 
-    Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. It is symmetric, and positive definite except
-    for rigid-body motion. Rows of zeros are not transformed along y, and only the rows of the grid are transformed back.
+    Call it with a pressure (x, y) [Pa] to get the displacement (x, y) [m]. It is symmetric, and positive definite
+    except for rigid-body motion and, with a window of images, for some waves. Rows of zeros are not transformed along
+    y, and only the rows of the grid are transformed back.
 
     Parameters
     ----------

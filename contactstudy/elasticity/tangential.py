@@ -1,4 +1,4 @@
-"""Operators from tangential traction, called shear here, to displacement: odd coefficients and two components."""
+"""Operators from tangential traction to displacement: odd coefficients and two components."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -104,7 +104,7 @@ def general_convolution(
 
 @dataclass(frozen=True, eq=False)
 class ShearResponse:
-    """Displacement along the surface [m] under tangential traction [Pa], the shear, both (component, x, y).
+    """Displacement along the surface [m] under tangential traction [Pa], both (component, x, y).
 
     It is symmetric and positive, unless a body creeps while it rolls.
 
@@ -117,7 +117,7 @@ class ShearResponse:
     xy: GeneralConvolution
 
     def __call__(self, shear: Array) -> Array:
-        """Return the displacement [m] under `shear` [Pa], both (component, x, y), by four transforms."""
+        """Return the displacement [m] under the traction `shear` [Pa], both (component, x, y), by four transforms."""
         padded, cells = self.xx.padded, self.xx.cells
         x, y = (TRANSFORMS.forward(component, padded) for component in shear)
         across = self.xx.spectrum * x
@@ -134,7 +134,7 @@ class ShearResponse:
 
     @property
     def largest(self) -> float:
-        """Upper bound of displacement over shear in the root mean square [m/Pa], of any wave or the mean."""
+        """Upper bound of displacement over traction in the root mean square [m/Pa], of any wave or the mean."""
         sums = np.maximum(np.abs(self.xx.spectrum), np.abs(self.yy.spectrum))
         return float((sums + np.abs(self.xy.spectrum)).max())
 
@@ -145,7 +145,7 @@ ShearCompliance = Mapping[str, Mapping[Coefficients, float]]
 
 
 class ShearableBody(Protocol):
-    """Body whose response to shear is known."""
+    """Body whose response to tangential traction is known."""
 
     def shear_compliance(self, datum: float) -> ShearCompliance:
         """Return the compliance under tangential traction, with the `datum` [m] of the response to pressure."""

@@ -135,9 +135,9 @@ Kernel = Callable[[Array], Array]
 class RetardedCoefficients:
     """Influence coefficients of the retarded displacement under a moving pressure.
 
-    They are a part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with the coefficients K of
-    `inner`: the displacement behind a pressure that moves to larger x at a speed v, in a body with the retardation
-    time ``length / v``.
+    They are the even or the odd part of ``V(x) = int_0^inf exp(-t / length) / length K(x + t) dt`` with the
+    coefficients K of `inner`: the displacement at x from a pressure that moves to larger x at a speed v, in a body with
+    the retardation time ``length / v``.
 
     Parameters
     ----------

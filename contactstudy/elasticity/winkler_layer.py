@@ -39,7 +39,7 @@ class WithWinklerLayer:
 
     @property
     def self_compliance(self) -> float:
-        """Displacement of the most compliant cell under its own unit pressure, above the mean of all cells."""
+        """Displacement of the most compliant cell by its own unit pressure; that of the half-space above the mean."""
         return self.convolution.self_compliance + float(self.compliance.max())
 
     @property

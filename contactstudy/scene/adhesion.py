@@ -34,8 +34,8 @@ CONFLICTS = {
     "wear": "Archard's law does not say how much the attraction wears",
     "lubrication": "a film keeps the surfaces out of each other's reach",
 }
-# Cells in the cohesive zone: of a range that is chosen, and the fewest that are allowed. With 6 cells the pull-off load
-# of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
+# Cells in the cohesive zone: of the range that the grid chooses where none is given, and the fewest that are allowed.
+# With 6 cells the pull-off load of a cylinder is within 0.3 %, below 2 cells the contact is trapped between cells.
 ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
 
 
@@ -44,8 +44,9 @@ ZONE_CELLS, MIN_ZONE_CELLS = 6.0, 2.0
 class Adhesion:
     """Adhesion: an attraction between the surfaces that falls with their gap.
 
-    The contact is pressed by its load and by the attraction, which also acts across the gap beside it: friction is the
-    coefficient times that pressure (Derjaguin 1934), and a hardness limits what is left of it beside the attraction.
+    Load and attraction together press the contact; the attraction also acts across the gap beside it. Friction is the
+    coefficient times the compressive part of the pressure, which balances both (Derjaguin 1934). A hardness limits the
+    net pressure, which is the compressive part less the attraction.
     Several states may be in equilibrium under one load; the branch selects one of them.
 
     Parameters
@@ -146,7 +147,7 @@ class Adhesion:
         return float(2 * (pi * scene.contact_modulus * self.work**2 * scene.radius) ** (1 / 3))
 
     def reference_pressure(self, scene: SceneContext, width: float) -> float:
-        """Return the pressure [Pa] that opens a crack of this half-length `width` [m], ``sqrt(2 E* w / (pi width))``."""
+        """Return Griffith's tensile stress [Pa] of a crack of half-length `width` [m], ``sqrt(2 E* w / (pi width))``."""
         return sqrt(2 * scene.contact_modulus * self.work / (pi * width))
 
     def cohesive(self, scene: SceneContext, cell: float) -> CohesiveLaw:

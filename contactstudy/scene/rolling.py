@@ -38,8 +38,8 @@ class Rolling:
     Parameters
     ----------
     speed
-        Speed of the contact [m/s], at least zero, all transients decayed. At infinite speed the bodies respond
-        instantaneously. None with passes, which do not depend on it.
+        Speed of the contact [m/s], at least zero. Rolling is steady, after all transients. At infinite speed the bodies
+        respond instantaneously. None with passes, which do not depend on it.
     passes
         Number of passes over a body that yields, at least 1; None rolls steadily.
     pressure

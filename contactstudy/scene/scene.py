@@ -99,7 +99,7 @@ class Scene:
     rolling
         Steady rolling, or passes over a body that yields, or None.
     friction
-        Law that adds shear to the pressure, such as :class:`~contactstudy.Sliding`, or None.
+        Law that adds tangential traction to the pressure, such as :class:`~contactstudy.Sliding`, or None.
     lubrication
         Lubricant between the bodies and the motion that draws it in, or None for a dry contact.
     adhesion
@@ -282,8 +282,8 @@ class Scene:
     def scales(self, grid: Grid) -> Scales:
         """Return the scales of the problem: Hertz's half-width and peak pressure, and the gap that goes with them.
 
-        Without a curved shape they are the width of the grid and the mean pressure. The pressure is rounded to a
-        power of two, so that scaling a pressure or a hardness is exact.
+        Without a curved shape they are the width of the grid and the mean pressure, or that of the approach or of the
+        adhesion. The pressure is rounded to a power of two, so that scaling a pressure or a hardness is exact.
         """
         if (hertz := self.hertz) is not None:
             length, pressure = hertz.half_width, hertz.peak_pressure
@@ -377,7 +377,7 @@ class Scene:
         return scales.length
 
     def repeats(self, padding: Padding | Paddings) -> bool:
-        """Return whether `padding` makes a roller infinite: it repeats its length, and no shape ends or crowns it."""
+        """Return whether `padding` makes a roller infinite: it repeats the length, and no shape may end or crown it."""
         scales = [getattr(shape, "length_scales", None) for shape in self.shapes]
         is_free = _is_free(across_and_along(padding)[1])
         return not is_free and all(of_shape and not of_shape.roller for of_shape in scales)
@@ -472,7 +472,7 @@ class Scene:
         return stateful and all(effect is None for effect in effects)
 
     def _open_ends(self, gap: Array, grid: Grid, along: Padding) -> tuple[int, ...]:
-        """Return the end rows of a free length if the surface varies along it and no roller ends there; else empty."""
+        """Return the end rows under zero padding along if the surface varies along it and no roller ends there."""
         if not _is_free(along) or ends_along(self.shapes, grid):
             return ()
         return (0, -1) if (gap != gap[:, :1]).any() else ()

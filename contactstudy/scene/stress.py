@@ -43,7 +43,7 @@ class SubsurfaceStress:
     it and z into the body, and ``von_mises`` (z, x, y) [Pa]. They are computed when the Dataset is made. Poisson's
     ratio of the body sets xx, yy and xy. In a coated body these three jump at the bond: a depth equal to the thickness
     is the coating's side, any larger one is in the substrate. In a body that yields they include the residual stress,
-    between the middles of layers.
+    interpolated between the middles of its layers.
 
     Parameters
     ----------

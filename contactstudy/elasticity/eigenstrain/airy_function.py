@@ -2,7 +2,7 @@
 
 They are means over cells of the Airy stress function of a half-space free of traction,
 ``G = [r^2 ln(r / R) + 2 z z'] / (8 pi)``, which solves ``nabla^4 G = delta`` with G = dG/dz = 0 at z = 0; r is the
-distance from the source and R that from its image. Every mean is a difference over edges of an integral of G.
+distance from the source and R that from its mirror source. Every mean is a difference over edges of an integral of G.
 """
 
 from collections.abc import Callable, Mapping
@@ -76,7 +76,7 @@ def _powers(x: Array, z: Array) -> tuple[Array, ...]:
 def _products(x: Array, z: float, source: Array) -> dict[tuple[int, int], Array]:
     """Return ``d_z^(m-1) d_z'^(n-1) d_x^(2-m-n) (z z' ln R)`` for each (m, n), with z' the depths of the `source`.
 
-    R is the distance from the source's image. Polynomials that the differences over cells remove are left out.
+    R is the distance from the mirror source. Polynomials that the differences over cells remove are left out.
     """
     w = (z + source) + 1j * x
     log = np.log(np.where(w == 0, 1.0, w))

@@ -2,7 +2,8 @@
 
 Its mean along the length is plane strain and antiplane shear. Antiplane shear, the stress xy and yz by plastic strain
 that does not vary along y, has closed forms: means over cells of the Green's function of the Laplacian with a free
-surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from its image.
+surface, ``N = (ln r + ln R) / (2 pi)``, where r is the distance from the source and R that from its mirror source above
+the surface.
 """
 
 from collections.abc import Iterator
@@ -286,8 +287,8 @@ def _groups(volume: Volume, moduli: Moduli) -> Iterator[WaveGroup]:
         window = slice(max(volume.first - decay_cells, 0), min(volume.last + decay_cells, nx))
         reach = max(volume.last - window.start, window.stop - volume.first)
         period = _odd(max(reach + decay_cells, window.stop - window.start))
-        # shorter waves decay over a shorter distance and may use the same period, up to twice the first order, where
-        # that saves more than transforms of few orders cost
+        # shorter waves decay over a shorter distance and may use the same period: below order 8 up to twice the first
+        # order, and any number above, where longer transforms cost less than transforms of few orders
         count = max(1, min(TOGETHER // (layers * period), order if order < 8 else ny))
         orders = slice(order, min(order + count, last + 1))
         order = orders.stop

@@ -1,1 +1,1 @@
-"""Influence coefficients in closed form: one cell, a row of images, a lattice. May import `domain`."""
+"""Influence coefficients of a cell, a row of images and a lattice: closed forms and sums. May import `domain`."""

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
-# Distances in the longer side of a cell. Up to CORNER_DISTANCE the difference of corners loses a factor of
+# Distances in units of the longer side of a cell. Up to CORNER_DISTANCE the difference of corners loses a factor of
 # CORNER_DISTANCE^2 and the cell's aspect; from there on a point's field is analytic in a Bernstein ellipse of
 # rho >= 16, 36, 80, 320 or 4000, so that 7, 5, 4, 3 or 2 Gauss points leave at most 1e-13.
 CORNER_DISTANCE = 4.0
@@ -231,8 +231,8 @@ def stress_cell(
 ) -> Array:
     """Return a component of stress over pressure below a rectangular cell.
 
-    The error is below 1e-12 of the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond in
-    proportion to it. The result is even or odd in x and y to the last bit.
+    The error is below 1e-12 of the largest component at that distance for ``dx / dy`` from 0.1 to 10, and beyond
+    in proportion to the larger of this ratio and its inverse. The result is even or odd in x and y to the last bit.
 
     Parameters
     ----------

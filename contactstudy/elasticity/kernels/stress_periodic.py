@@ -16,7 +16,7 @@ from contactstudy.elasticity.kernels.stress_cell import CellKernel, Strip, sign,
 PLANE_STRAIN_PERIODS = 6.0
 # Nodes of the rule for images at more than twice the distance from the axis: each gains a factor of rho^2 = 8^2.
 TAIL_POINTS = 10
-# Points across and along that all of these are interpolated from: rho >= 6 and 13.
+# Points across and along that all of these are interpolated from: Bernstein ellipses of rho >= 6 and 13.
 INTERPOLATED = 22, 14
 # Points along either axis that all rows of a lattice but three are interpolated from: rho >= 9.
 LATTICE_INTERPOLATED = 18
@@ -48,7 +48,7 @@ def stress_cell_periodic(
     x, y
         Offsets from the centre of a cell: every x with every y.
     z
-        Depth at least 0.
+        Depth at least 0, not 0 on the edge of a cell.
     dx, dy
         Sides of the cell, ``dy <= period``; all lengths in one unit.
     period
@@ -191,7 +191,7 @@ def stress_cell_doubly_periodic(
     x, y
         Offsets from the centre of a cell: every x with every y.
     z
-        Depth at least 0.
+        Depth at least 0, not 0 on the edge of a cell.
     dx, dy
         Sides of the cell, all lengths in one unit.
     width, period

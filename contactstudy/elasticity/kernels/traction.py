@@ -1,4 +1,4 @@
-"""Displacement and stress by a uniform tangential traction, called shear here, on a rectangular cell of a half-space.
+"""Displacement and stress by a uniform tangential traction on a rectangular cell of a half-space.
 
 The same kind of :class:`~contactstudy.elasticity.kernels.stress_cell.CellKernel` as the stress under pressure, so
 that rows and lattices of cells are summed by the same functions. x runs across, y along, z into the body.

@@ -53,8 +53,8 @@ class Fretting:
 
     Where a force reverses, reverse slip starts at the edge of the contact, opposed by the residual traction (Johnson
     1985, sect. 7.4). Under a constant load the answer is the contact under the last force; its traction has the loop of
-    force and displacement, and the slip and the energy lost since the last force acted before. With `times` the scene
-    changes in time, also its load, and ``Wear(coefficient, speed=0.0)`` wears by the slip.
+    force and displacement, and the slip and the energy lost since the previous occurrence of that force. With `times`
+    the scene changes in time, also its load, and ``Wear(coefficient, speed=0.0)`` wears by the slip.
 
     Parameters
     ----------
@@ -67,9 +67,10 @@ class Fretting:
         Instants [s] of the forces, which are linear in between; None under a constant load.
     displacements
         Rigid displacements along x [m] of the second against the first body in place of the forces, with `times` and
-        under a constant load: a positive one makes a positive shear on the first body. Above a limit the contact slides
-        fully (gross slip, ``stick_fraction`` 0). They are relative to a point at the distance of Hertz's half-width (the
-        datum).
+        under a constant load: a positive one makes a positive tangential traction on the first body. Above a limit the
+        contact slides fully (gross slip, ``stick_fraction`` 0). They are relative to the datum, a point at the distance
+        of Hertz's half-width (without a curved shape the width of the grid), or with images along both axes to the
+        mean.
     period
         Duration of one cycle [s], with `times`. A force step that takes n half periods stands for n half cycles: slip
         and wear of one are counted n times (cycle jump). None counts each force once.

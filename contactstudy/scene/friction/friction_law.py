@@ -1,4 +1,4 @@
-"""What laws of friction share: their protocol, the checks of a scene, and the response of its bodies to shear."""
+"""What laws of friction share: their protocol, checks of a scene, and its bodies' response to tangential traction."""
 
 from itertools import product
 from math import inf
@@ -43,7 +43,7 @@ class Friction(Protocol):
         """Return the solver of this scene with friction, on a grid."""
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on how shear is solved and why; `varies`: whether the gap varies along the length."""
+        """Return a sentence on how traction is solved and why; `varies`: whether the gap varies along the length."""
 
 
 def has_proportional_compliances(
@@ -51,8 +51,8 @@ def has_proportional_compliances(
 ) -> bool:
     """Return whether the tangential compliance is in proportion to the normal one.
 
-    Shear along x then displaces the surface along x as pressure does along z. That is so of bodies without coating in
-    plane strain, and for a Poisson's ratio of 0.
+    Tangential traction along x then displaces the surface along x as pressure does along z. That is so of bodies
+    without coating in plane strain, and for a Poisson's ratio of 0.
     """
     if any(map(is_layered, solids)):
         return False
@@ -102,7 +102,7 @@ def _materials(solid: Body) -> tuple[Homogeneous, ...]:
 
 
 def are_similar(solids: tuple[Body, ...]) -> bool:
-    """Return whether shear between two bodies does not change the gap."""
+    """Return whether tangential traction between two bodies does not change the gap."""
     first, second = solids
     if first == second:
         return True

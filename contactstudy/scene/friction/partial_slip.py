@@ -29,8 +29,8 @@ class PartialSlip:
     """Partial slip under a tangential force that friction holds back.
 
     The bodies are pressed first, sheared after, and never unloaded. Shear is found by Ciavarella and Jaeger's
-    superposition where that is exact: under a load on half-spaces without adhesion or a hardness, where nothing varies
-    along the exact period or Poisson's ratio is 0. Else both components of shear are solved for.
+    superposition where that is exact: under a load on half-spaces without adhesion or a hardness, where the gap does
+    not vary along an exactly periodic length, or Poisson's ratio is 0. Else both components of shear are solved for.
 
     Parameters
     ----------

@@ -38,9 +38,9 @@ class TractiveRolling:
 
     The contact moves over both bodies, to larger x at a positive speed, and material enters it ahead. Heights are fixed
     in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid slip of the second
-    body against the first, over the distance rolled, so that a positive creepage makes a positive shear on the first
-    body. Between dissimilar bodies shear changes the pressure, and they slip under the normal load alone. Bodies that
-    creep follow pressure and shear with their delay, which makes a rolling resistance.
+    body against the first, over the distance rolled, so that a positive creepage makes a positive tangential traction
+    on the first body. Between dissimilar bodies shear changes the pressure, and they slip under the normal load alone.
+    Bodies that creep follow pressure and shear with their delay, which makes a rolling resistance.
 
     Parameters
     ----------

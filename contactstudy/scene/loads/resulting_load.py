@@ -86,7 +86,7 @@ class PullOff:
     Parameters
     ----------
     preload
-        Load [N/m] from which the bodies are pulled apart, of any sign.
+        Load [N/m] from which the bodies are pulled apart, of any sign; above 0 for bodies that come from afar.
     error
         Difference of the last load in equilibrium and the first without, over the latter.
 

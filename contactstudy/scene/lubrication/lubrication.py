@@ -49,7 +49,7 @@ Cavitation = ElrodAdams | ReynoldsCavitation
 @suggest_fields
 @dataclass(frozen=True)
 class Boundary:
-    """Adsorbed boundary film, on which asperities carry load where the fluid film is as thin.
+    """Adsorbed boundary film, on which asperities carry load where the fluid film is no thicker than it.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ class Lubrication:
     cavitation
         :class:`ElrodAdams`, which conserves mass, or :class:`ReynoldsCavitation`, to compare with.
     boundary
-        :class:`Boundary` on which asperities carry load; None for a film that is as thin as it becomes.
+        :class:`Boundary` on which asperities carry load; None for no lower limit of the film.
     supply
-        Thickness [m] of the layer of lubricant that enters, on both surfaces together, above 0; None floods the inlet.
+        Inlet film thickness [m] of starved lubrication, on both surfaces together, above 0; None is fully flooded.
     thermal
         :class:`FilmHeat` of sliding and of the inlet; None for one temperature.
 

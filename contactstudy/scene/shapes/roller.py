@@ -64,7 +64,8 @@ class Cylinder:
 class Sphere:
     """Paraboloid about the origin, ``(x^2 + y^2) / (2 R)``, as in Hertz's theory of a sphere.
 
-    Along a free length it is a point contact under the load per length times the grid's period.
+    With :class:`~contactstudy.ZeroPadding` along the length it is a point contact under the load per length times the
+    grid's period.
 
     Parameters
     ----------

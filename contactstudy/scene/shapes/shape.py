@@ -41,7 +41,8 @@ class LengthScales:
     longest
         Longest wavelength along the length [m].
     roller
-        Length [m] of a roller that the shape ends or crowns, infinite if it has none of its own, zero for other shapes.
+        Length [m] of a roller that the shape ends or crowns, infinite if the shape names no length, zero for other
+        shapes.
     height
         Height of the highest point above the mean [m].
     slope

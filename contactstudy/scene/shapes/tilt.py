@@ -24,7 +24,7 @@ class Tilt:
     The axis leans in the plane of the load, about the middle of the length. With an angle above zero the gap opens
     towards larger y, and the end at smaller y carries more. Under a crown of radius R the contact moves along the
     length by ``-R tan(angle)``. The roller must end within the grid: give it a length, as
-    :class:`~contactstudy.FiniteLength` does, and a free length.
+    :class:`~contactstudy.FiniteLength` does, and :class:`~contactstudy.ZeroPadding` along it.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ BELOW = 1 + 1e-12
 class CoatedStress:
     """Layer of one material on a half-space of another, as a body that is under stress.
 
-    The stress in the layer is the sum of that in a half-space of its material; at the mirror depth beyond the bond, of
+    The stress in the layer is the sum of that in a half-space of its material; at the depth mirrored in the bond, of
     the layer's stress under the strain in a half-space of the substrate, less that in a half-space of the layer; and of
     a remainder that decays within the thickness. Below the bond it is that in a half-space of the substrate and a
     remainder. At the depth of the bond it is that of the layer; only a larger depth is in the substrate.

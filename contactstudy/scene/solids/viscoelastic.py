@@ -109,7 +109,7 @@ class ViscoelasticHalfSpace:
 
 @dataclass(frozen=True)
 class RollingHalfSpace:
-    """Viscoelastic half-space under a contact that moves over it steadily: distance ahead is time past.
+    """Viscoelastic half-space under a contact that rolls steadily over it at the speed V: d/dt = -V d/dx.
 
     Parameters
     ----------

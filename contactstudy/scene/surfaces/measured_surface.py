@@ -39,9 +39,9 @@ class MeasuredSurface:
     """Measured surface.
 
     The surface is centred on the grid; a smaller grid contains its middle part. A grid must not be wider than the
-    surface without a seam across, and a longer period must be a whole multiple of the surface's. Each cell has the mean
-    of one smooth surface whose means around the points are their heights, whatever the grid. Two surfaces are equal if
-    the `digest` of all heights and all other fields agree.
+    surface without a seam across, and a longer period must be a whole multiple of the surface's. One smooth surface is
+    interpolated whose mean over the cell of each point is its height, and a cell of any grid has the mean of that
+    surface. Two surfaces are equal if the `digest` of all heights and all other fields agree.
 
     Parameters
     ----------
@@ -53,13 +53,13 @@ class MeasuredSurface:
         Size (width, length) [m] of all points, each standing for an equal cell; without it, heights are
         those of the grid's cells.
     missing
-        Rule for missing points, applied first.
+        Rule for missing (non-measured) points, applied first.
     trend
         Polynomial subtracted from all points, applied second.
     seam
-        Rule that makes the length periodic, applied last.
+        Rule of the periodic extension along the length, applied last.
     seam_across
-        Rule that makes the width periodic, for a flat that repeats across; unchanged heights otherwise.
+        Rule of the periodic extension across, for a flat that repeats across; unchanged heights otherwise.
     file
         File that the heights were read from, if any.
     is_turned

@@ -141,7 +141,7 @@ def _numbers(name: str, suffix: str) -> Array | None:
     """Return the numbers of a file in rows, nan where one is missing.
 
     It is None for an ``.asc`` file that is no plain table: such files have one of many kinds of headers, which
-    SurfaceTopography reads. Raises :class:`~contactstudy.InvalidInput` for another file that is none.
+    SurfaceTopography reads. Raises :class:`~contactstudy.InvalidInput` for any other file that is no table of numbers.
     """
     if suffix == ".npy":
         try:

@@ -1,4 +1,4 @@
-"""Preparation of measured heights: tiles, missing points, trend, seam and resampling to cells."""
+"""Preparation of measured heights: tiles, missing points, trend, periodic extension (seam) and resampling to cells."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -70,7 +70,7 @@ class Tile:
 
 
 class Missing(Protocol):
-    """Rule for missing points."""
+    """Rule for missing points, the non-measured points of ISO 25178."""
 
     def check(self, missing: int, points: int) -> None:
         """Raise :class:`~contactstudy.InvalidInput` if the rule refuses that many missing points."""
@@ -196,7 +196,7 @@ def _from_middle(count: int) -> Array:
 
 
 class Seam(Protocol):
-    """Rule that makes a measured surface periodic."""
+    """Rule of the periodic extension of a measured surface, such as a tapering window or mirroring."""
 
     @property
     def lengths(self) -> int:

@@ -76,7 +76,7 @@ def _lines(x: Array, y: Array, half_x: float, half_y: float, depth: float, point
 def _corners(x: Array, y: Array, half_x: float, half_y: float, depth: float) -> Array:
     """Return the integral over a cell by its four edges.
 
-    ``(x, y) / (r + depth)``, r the distance from the image, has this divergence.
+    ``(x, y) / (r + depth)``, r the distance from the mirror source, has this divergence.
     """
     total = np.zeros(x.shape)
     for u, v, half_u, half_v in ((x, y, half_x, half_y), (y, x, half_y, half_x)):

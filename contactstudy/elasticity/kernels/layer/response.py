@@ -1,4 +1,4 @@
-"""Response of a layered half-space to one wave of pressure or shear, and its short-ranged remainder in space.
+"""Response of a layered half-space to a wave of pressure or tangential traction, and its short-ranged remainder.
 
 In space the remainder is two functions of one distance, tabulated once for each pair of materials.
 """
@@ -18,7 +18,7 @@ from contactstudy.domain.fields import Array
 
 RealOrComplex = NDArray[np.inexact[Any]]
 
-# Below this the difference sinh k - k is summed as a series.
+# Below this the difference sinh(k)^2 - k^2 is summed as a series.
 SERIES_END = 1.0
 
 
@@ -78,7 +78,8 @@ class LayerResponse:
     def pole_distance_from_zero(self) -> float:
         """Lower bound of the distance of singularities of `remainder` from k = 0.
 
-        The nearest one tends to ``k = i / (4 m (1 - nu2))`` for a stiff layer, with the ratio m of the shear moduli.
+        The nearest one tends to ``k = -(1 - nu1) / (2 m (1 - nu2))`` for a stiff layer, with the ratio m of the shear
+        moduli; the bound takes nu1 = 1/2.
         """
         return min(0.2, 0.25 / (1 - self.substrate_poisson_ratio)) / max(self.shear_ratio, 1.0)
 

@@ -1,4 +1,4 @@
-"""Displacement of a coated surface under tangential traction (shear), less that of a half-space of the coating."""
+"""Displacement of a coated surface under tangential traction, less that of a half-space of the coating."""
 
 from dataclasses import dataclass
 from enum import Enum

@@ -1,9 +1,9 @@
-"""Stress in a layer and in the half-space below it, under a wave of pressure and of tangential traction (shear).
+"""Stress in a layer and in the half-space below it, under a wave of pressure and of tangential traction.
 
-With the wave number k, ``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos`` and a shear
-``Q sin`` along x give ``s_zz = -f cos``, ``s_xz = f' sin`` and ``s_xx = f'' cos``. Displacements and traction are
-continuous at the bond. Two bases are used: exponentials from either face of the layer, and for long waves, where these
-become alike, the matrix exponential of the state (2 G k U, 2 G k V, s_zz, s_xz).
+With the wave number k, ``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos`` and a
+traction ``Q sin`` along x give ``s_zz = -f cos``, ``s_xz = f' sin`` and ``s_xx = f'' cos``. Displacements and traction
+are continuous at the bond. Two bases are used: exponentials from either face of the layer, and for long waves, where
+these become alike, the matrix exponential of the state (2 G k U, 2 G k V, s_zz, s_xz).
 
 Source: plane strain of a bonded layer (Burmister 1945; Johnson 1985, sect. 5.8), with shear on its surface.
 """
@@ -20,8 +20,8 @@ from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOr
 
 # Wave number times thickness up to which the matrix exponential is used.
 LONG_WAVE = 1.5
-# Spline through the remainder: largest width of a piece, points on each, order, and last wave number, exp(-k) = 1e-18.
-SPLINE_PIECE, SPLINE_POINTS, SPLINE_ORDER, LAST_STRESS_WAVE = 0.25, 48, 7, 42.0
+# Spline through the remainder: largest width of a piece, points on each, degree, and last wave number, exp(-k) = 1e-18.
+SPLINE_PIECE, SPLINE_POINTS, SPLINE_DEGREE, LAST_STRESS_WAVE = 0.25, 48, 7, 42.0
 
 
 def half_space(t: RealOrComplex) -> tuple[tuple[RealOrComplex, RealOrComplex, RealOrComplex], ...]:
@@ -77,7 +77,7 @@ class LayerStress:
         """Return :meth:`plane` less what is known in closed form: zero at k = 0, decaying as exp(-k `decay_rate`).
 
         In the layer the closed form is the stress in a half-space of its material, and a change of s_xx at the depth
-        of the point's mirror image in the bond, from the stress there to that of the layer under the substrate's strain.
+        of the point mirrored in the bond, from the stress there to that of the layer under the substrate's strain.
         Below the layer it is the stress in a half-space of the substrate.
         """
         remainder: RealOrComplex = self.plane(k) - np.array(half_space(k * self.depth))
@@ -97,7 +97,7 @@ class LayerStress:
     def antiplane(self, k: RealOrComplex) -> tuple[RealOrComplex, RealOrComplex]:
         """Return the shear stresses along the crests by a unit shear along them, less those of a half-space.
 
-        The first acts on planes of constant depth, the second, of which this is the imaginary part, across the crests.
+        With the stress proportional to exp(i k x) and y along the crests, they are s_yz and the imaginary part of s_xy.
         """
         ratio = self._ratios[0]
         mismatch = (ratio - 1) / (ratio + 1)
@@ -220,4 +220,4 @@ def _table(stress: LayerStress) -> BSpline:
         [np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)]
     )
     k = np.append(k, ends[-1])
-    return make_interp_spline(k, stress.remainder(k).reshape(6, -1).T, SPLINE_ORDER)
+    return make_interp_spline(k, stress.remainder(k).reshape(6, -1).T, SPLINE_DEGREE)

@@ -76,6 +76,7 @@ class HertzLine:
         difference = (1 - x) * (1 + x) + z**2
         root = np.hypot(difference, 2 * x * z)
         m, n = np.sqrt((root + difference) / 2), np.copysign(np.sqrt((root - difference) / 2), x)
+        root = np.where(root, root, 1.0)  # at the edge of the contact the stress is 0
         fraction = (z**2 + n**2) / root
         xx, zz = 2 * z - m * (1 + fraction), -m * (1 - fraction)
         return self.peak_pressure * np.stack([xx, zz, -n * (m**2 - z**2) / root])
@@ -104,7 +105,7 @@ def first_yield(
     Raises
     ------
     InvalidInput
-        If a value is not above 0.
+        If the radius, the modulus or the stress is not above 0.
     """
     positive("yield_stress", yield_stress, "give a stress above 0")
     unit = HertzLine(1.0, radius, contact_modulus)

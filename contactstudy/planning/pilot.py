@@ -283,6 +283,7 @@ def _in_time(
     while True:
         watch = _Watch(CONSTANTS.time_limit)
         allowed = min(error_factor * error, CONSTANTS.max_error)
+        error_factor = allowed / error
         try:
             trajectory = evolve(
                 scene,

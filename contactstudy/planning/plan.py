@@ -1,7 +1,6 @@
 """Plans: the grid and padding that a scene needs, with error and cost, found by solutions on coarse grids."""
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import replace
 from math import inf, prod
 from typing import TYPE_CHECKING
@@ -219,7 +218,10 @@ def _plan_static(
             grid = with_width(grid, width)
     else:
         target = inf
-        forecast = forecast_of_grid(scene, requirements, within_memory(grid, padding, limit))
+        smaller = within_memory(grid, padding, limit)
+        forecast = forecast_of_grid(scene, requirements, smaller)
+        ratio = prod(grid.cells) / prod(smaller.cells)
+        forecast = replace(forecast, seconds=forecast.seconds * ratio**FORECAST.time_power)
     expected_error = forecast.error_of(grid.cell_size)
     return Plan(
         grid=grid,
@@ -331,9 +333,9 @@ def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> i
     if scene.time_dependent_field is None:
         return 0
     speed = None if scene.lubrication is None else scene.lubrication.mean_speed
-    recorded: ArrayLike | None = None
-    with suppress(InvalidInput):
-        recorded = _time_steps(times).instants_of(
-            scene.load, speed, getattr(scene.friction, "history", None)
-        )
+    histories = scene.load, speed, getattr(scene.friction, "history", None)
+    steps = _time_steps(times)
+    if steps.last is None and not any(hasattr(history, "end") for history in histories):
+        return 2
+    recorded = steps.instants_of(*histories)
     return 2 if recorded is None else np.size(recorded)

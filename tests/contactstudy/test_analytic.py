@@ -39,6 +39,7 @@ def test_hertz_line_displacement_is_the_logarithmic_potential_of_its_pressure() 
 def test_stress_on_the_axis_of_a_line_contact_is_johnsons() -> None:
     """Eqs. 4.46 and 4.47 (1985): the greatest shear is 0.300 of the peak pressure at 0.786 half-widths."""
     t = np.linspace(0, 2, 2001)
+    assert not LINE.stress(LINE.half_width, 0.0).any()  # the surface beyond is free of stress
     xx, zz, xz = LINE.stress(0.0, t * LINE.half_width) / LINE.peak_pressure
     np.testing.assert_allclose(xx, 2 * t - (1 + 2 * t**2) / np.hypot(1, t), atol=1e-14)
     np.testing.assert_allclose(zz, -1 / np.hypot(1, t), atol=1e-14)

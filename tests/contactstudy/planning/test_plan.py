@@ -165,6 +165,12 @@ def test_a_plan_refuses_what_its_scene_cannot_use(
         cs.plan(scene, times=(0.0, 1.0))
 
 
+def test_a_plan_refuses_instants_that_a_solve_refuses() -> None:
+    loaded = replace(films.by_moes(20, 2), load=cs.LoadHistory((0.0, 1.0), (1.0, 2.0)))
+    with pytest.raises(cs.InvalidInput, match=r"^TimeSteps\.instants is 1"):
+        cs.plan(loaded, times=cs.TimeSteps(instants=1))
+
+
 def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     planned = cs.plan(films.by_moes(20, 2), error=1e-6)
     assert planned.error == inf

@@ -10,6 +10,7 @@ import numpy as np
 
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
+from contactstudy.domain.units import readable
 from contactstudy.io.quantities.quantity import Quantity, per_length, roller_length, with_bound
 from contactstudy.problem.problem import Field
 from contactstudy.scene.scene import PosedScene
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
     from contactstudy.evolution.rolling.repeated_rolling import RepeatedRolling
 
 NO_BOUND_OF_SLIP = "No bound: the discretisation error of slip is not estimated; solve again on cells of half the width."
+NO_BOUND_OF_CELLS = "No bound: the errors of this load by cells and range are not estimated; those of a PullOff are."
+NO_BOUND_OF_DEPTH = (
+    "No bound: the error of the peak pressure, which wears the largest depth, has none."
+)
 NO_BOUND_OF_STRAIN = "No bound: the error of plastic strain is not estimated; solve again on cells of half the width."
 
 
@@ -66,7 +71,7 @@ def evolution_quantities(
     """
     quantities = _extremes(frames, times) | _final(frames[-1])
     if "worn_depth" in fields:
-        quantities |= _of_wear(fields, frames[-1], posed, error)
+        quantities |= _of_wear(fields, frames, posed, error)
     if "friction_energy" in fields:
         quantities |= _of_slip(fields, posed)
     if "residual_displacement" in fields:
@@ -106,21 +111,26 @@ def _final(last: Mapping[str, Quantity]) -> dict[str, Quantity]:
 
 def _of_wear(
     fields: Mapping[str, Field],
-    last: Mapping[str, Quantity],
+    frames: Sequence[Mapping[str, Quantity]],
     posed: PosedScene,
     error: ErrorParts,
 ) -> dict[str, Quantity]:
     """Return the worn volume, around all of a body that turns, and the largest worn depth.
 
     Where bodies slide, wear follows from load and pressure: the volume from the load, whose error is neither by images
-    nor by cells. On a film it follows from the pressure of asperities. The error of wear by slip is not known.
+    nor by cells, and the largest depth from the peak pressures. On a film the volume follows from the pressure of
+    asperities. Other errors are not known.
     """
+    last = frames[-1]
     worn, grid = fields["worn_depth"].values, posed.grid
     circumference = getattr(posed.scene.wear, "circumference", None)
     around = 1.0 if circumference is None else circumference / grid.extent[0]
-    of_volume, of_depth = replace(error, images=None, discretisation=None), error
+    of_volume = replace(error, images=None, discretisation=None)
+    peaks = [frame["peak_pressure"] for frame in frames]
+    by_peaks = max((peak.relative_bound for peak in peaks if peak.value), default=0.0)
+    of_depth = ErrorParts(discretisation=by_peaks, reason=NO_BOUND_OF_DEPTH)
     if "central_film" in last:
-        of_volume = error
+        of_volume, of_depth = error, ErrorParts(discretisation=inf, reason=NO_BOUND_OF_DEPTH)
     if "friction_energy" in fields or "frictional_power" in last:
         of_volume = of_depth = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_SLIP)
     volume = per_length(
@@ -189,21 +199,28 @@ def cycle_quantities(
     net_work
         Net work done by the load [J/m], the bound of its error, and why that is infinite.
     separation
-        Last load held and first load lost [N/m]; None where contact is not lost.
+        Last load with contact [N/m], and another so that contact is lost at one between both; None where it is not.
     jump_in
-        First load in contact and last load before [N/m]; None where contact is not made.
+        First load in contact [N/m], and another so that contact is made at one between both; None where it is not.
     """
     work, error, reason = net_work
     quantities = {"net_work": Quantity(work, "J m-1", "net work of the load", error, reason)}
     if separation is not None:
         last_stable, first_unstable = separation
-        bound = abs(last_stable - first_unstable)
-        pull_off = Quantity(-last_stable, "N m-1", "pull-off load", bound, "")
+        detail = f", lost before {readable(-first_unstable, 'N m-1')}"
+        pull_off = Quantity(
+            -last_stable, "N m-1", "pull-off load", reason=NO_BOUND_OF_CELLS, detail=detail
+        )
         quantities = {"pull_off": pull_off} | quantities
     if jump_in is not None:
         in_contact, separated = jump_in
-        label, bound = "load at which contact jumps in", abs(in_contact - separated)
-        quantities["jump_in"] = Quantity(in_contact, "N m-1", label, bound, "")
+        label, detail = (
+            "load at which contact jumps in",
+            f", not made at {readable(separated, 'N m-1')}",
+        )
+        quantities["jump_in"] = Quantity(
+            in_contact, "N m-1", label, reason=NO_BOUND_OF_CELLS, detail=detail
+        )
     return quantities
 
 

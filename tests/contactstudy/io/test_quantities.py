@@ -209,6 +209,9 @@ def test_wear_and_dent_are_what_is_left_at_the_last_instant() -> None:
     volume = evolution.quantities["worn_volume"]
     assert (volume.value, volume.unit) == (pytest.approx(1e-15 * 1e5 * 2, rel=1e-6), "m3 m-1")
     assert abs(volume.value - 1e-15 * 1e5 * 2) <= volume.bound < volume.value
+    depth = evolution.quantities["largest_worn_depth"]
+    peaks = [frame.quantities["peak_pressure"].relative_bound for frame in evolution.frames]
+    assert depth.relative_bound == pytest.approx(max(peaks), rel=1e-12)
     highest = evolution.over_time("peak_pressure")
     assert evolution.quantities["peak_pressure"].value == highest.max()
     body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 5e9)

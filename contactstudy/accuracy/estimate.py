@@ -67,9 +67,9 @@ class EstimateConstants:
     max_l1
         Largest L1 difference of two pressures of one load.
     load_error
-        Error of the load at a given approach over the L1 error by the edges or the hidden fraction of the load: at most
-        0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose datum was half the
-        width of the grid or more.
+        Error of the load at a given approach over the L1 error due to the edges or the hidden fraction of the load: at
+        most 0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose datum was half
+        the width of the grid or more.
     negligible_attraction
         Fraction of the largest force up to which heights under an attraction do not count.
     sharp_rise
@@ -78,7 +78,7 @@ class EstimateConstants:
         Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement,
         whichever is larger.
     gap_error_by_images
-        Error of the mean gap over the L1 error by images left out.
+        Error of the mean gap over the L1 error due to images left out.
     min_cells_across
         Least cells across the contact at the peak for its edges to follow their law.
     end_over_peak
@@ -127,10 +127,10 @@ def error_estimate(
 
     Under a given load, where heights and edges are smooth, the solution alone determines them. Otherwise, with adhesion
     and at a given approach, the same contact is solved once more on cells of twice the size, with its heights sampled
-    again. The heights inside the cells are examined for all. With a hundred cells along each axis the cost is up to that
-    of two solves, with some hundred that of half a solve. An error is infinite, with the reason in ``warnings``, where
-    no bound can be given: no solution, a contact cut off, the pressure at a sharp edge, heights finer than the cells, a
-    given approach with images left out.
+    again. Heights inside the cells are examined in all cases. The estimate takes up to twice the time of the solve on
+    100 x 100 cells, and half of it on several hundred along each axis. An error is infinite, with the reason in
+    ``warnings``, where no bound can be given: no solution, a contact cut off, the pressure at a sharp edge, heights
+    finer than the cells, a given approach with images left out.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def error_estimate(
         The heights inside the cells, if at hand, such as those of an earlier instant on the same grid.
     confidence
         Probability, between 0 and 1, with which a feature over 3 % of a cell is found in a shape without
-        ``length_scales``. It sets the number of points examined in each cell.
+        ``length_scales``. It sets the number of points examined in each cell, unless `heights` are given.
 
     Returns
     -------
@@ -235,7 +235,7 @@ def error_estimate(
 def _cells(
     solution: Solution, coarse: Solution | None, heights: SubgridHeights | None, confidence: float
 ) -> DiscretisationErrors:
-    """Return the errors that the cells cause."""
+    """Return the errors due to the cells."""
     problem = solution.problem
     pressure = solution.pressure[around_contact(solution.pressure)]
     assert problem.paddings is not None
@@ -407,9 +407,7 @@ def _cut_off(solution: Solution) -> str:
         what = "attraction" if is_cut_off(problem, solution.adhesion.attraction) else ""
     if not what:
         return ""
-    return (
-        f"No bound: the {what} is cut off at the edge of the grid, give Grid.extent a larger one."
-    )
+    return f"No bound: the {what} is cut off at the edge of the grid, give Grid.extent a larger width or length."
 
 
 def _unresolved_length(problem: Problem) -> str:

@@ -1,4 +1,4 @@
-"""Image errors: those by the images that a padding leaves out."""
+"""Image errors: those due to the images that a padding leaves out."""
 
 import numpy as np
 
@@ -20,7 +20,7 @@ ENDS_MARGIN = 1.5
 def image_errors(
     pressure: Array, grid: Grid, paddings: Paddings, *, ends_along: bool = False
 ) -> tuple[float, float]:
-    """Return the relative errors of the peak pressure and of the pressure in L1 by the images that a padding leaves out.
+    """Return the relative errors of the peak pressure and of the pressure in L1 due to images left out by a padding.
 
     A window that reaches D to each side takes ``x^2 / (2 D^2)`` from the logarithm of each image row, and so makes the
     contact, of half-width ``a = 2 rms(x)``, too highly curved by the factor ``1 + a^2 / (4 D^2)``. A window centred on

@@ -1,4 +1,4 @@
-"""Range errors: those by a range of the attraction that is chosen for the grid, in place of the JKR limit."""
+"""Range errors: those due to a range of the attraction that is chosen for the grid, in place of the JKR limit."""
 
 from bisect import bisect_left
 from math import inf, log, pi
@@ -24,8 +24,8 @@ PULL_OFF_OVER_JKR = (
     (2.145, 0.9920),
     (4.290, 0.9991),
 )
-# Bound over the errors by a finite range, of cylinders of a Tabor parameter of 0.4 to 6.4 beside the JKR limit: it was
-# at most 1.09 times what :func:`range_errors` has without it, and nearest at the largest parameter.
+# Factor on the errors due to a finite range: for cylinders of a Tabor parameter of 0.4 to 6.4 the difference from the
+# JKR limit was at most 1.09 times what :func:`range_errors` has without this factor, most at the largest parameter.
 RANGE_MARGIN = 1.25
 PEAK_WITHOUT_LIMIT = (
     "No bound for the peak pressure: in the JKR limit the pressure grows without limit beside the "
@@ -45,7 +45,7 @@ TRAPPED_FRACTION = ((5.0, 2e-3), (2.7, 1e-2), (0.0, 3e-2))
 
 
 def range_errors(solution: Solution) -> tuple[float, float] | None:
-    """Return the relative errors of the L1 pressure and of the contact area by a range that was chosen for the grid.
+    """Return the relative errors of the L1 pressure and of the contact area due to a range that was chosen for the grid.
 
     It is None for a range that is given. In the JKR limit the traction has an inverse square-root singularity at the
     edge of the contact, which a range r replaces by a cohesive zone. That moves a force E* r per length of edge, and the
@@ -113,7 +113,7 @@ def pull_off_error(solution: Solution, load: float, reason: str) -> ErrorParts:
 
 
 def _range_error(solution: Solution, adhesion: AdhesiveTraction, load: float) -> float | None:
-    """Return the error of a pull-off load by a range chosen for the grid in place of the JKR limit; None for others.
+    """Return the error of a pull-off load due to a range chosen for the grid in place of the JKR limit, or None.
 
     It is that of a cylinder with this Tabor parameter, or the change from the range of cells of twice the size, which on
     other surfaces affects more than the edge of one contact. It is infinite for a law other than the exponential one,

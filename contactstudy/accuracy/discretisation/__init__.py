@@ -1,1 +1,1 @@
-"""Errors by the cells: at the edges of the contact, within it, by heights inside the cells, and from coarser cells."""
+"""Errors due to the cells: at the edges of the contact, within it, from heights inside them, and from coarser cells."""

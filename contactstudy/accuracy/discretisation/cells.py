@@ -13,7 +13,7 @@ from contactstudy.domain.grid import Grid, Paddings, axis_first
 
 @dataclass(frozen=True)
 class DiscretisationConstants:
-    """Constants of the errors by the cells.
+    """Constants of the errors due to the cells.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ def around_contact(pressure: Array) -> slice:
 
 
 def discretisation_errors(pressure: Array, wraps: tuple[bool, bool]) -> tuple[float, float]:
-    """Return the relative errors of the peak pressure and of the pressure in L1 that the cells cause.
+    """Return the relative errors of the peak pressure and of the pressure in L1 due to the cells.
 
     The maximum lies beside a cell's centre, above its pressure by the parabola through three cells, and that pressure
     is a 24th of the second difference too high; where the edges lie in their cells changes both. In L1 each end of a

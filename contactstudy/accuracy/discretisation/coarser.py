@@ -22,7 +22,7 @@ FIRST_ORDER_MARGIN = 1.5
 
 @dataclass(frozen=True)
 class DiscretisationErrors:
-    """Relative errors that the cells cause, or changes of a solution from other cells.
+    """Relative errors due to the cells, or changes of a solution from other cells.
 
     Attributes
     ----------
@@ -48,19 +48,21 @@ class DiscretisationErrors:
 
 
 def halved(grid: Grid) -> Grid:
-    """Return a grid of the same extent with half as many cells along each axis, rounded up."""
+    """Return a grid of the same extent with half as many cells along each axis, rounded up, at least 2 across."""
     nx, ny = grid.cells
     return Grid((max(2, (nx + 1) // 2), (ny + 1) // 2), grid.extent)
 
 
 def coarser_problem(problem: Problem) -> Problem | None:
-    """Return `problem` on cells of twice the size; None without a source, or where the source refuses such cells.
+    """Return `problem` on cells of about twice the size.
+
+    It is None without a source, where the source refuses such cells, and where the grid is two cells wide.
 
     Heights that the source does not contain are averaged over the larger cells. Constraint and control are those of
     `problem`, but with adhesion, whose law may belong to the grid.
     """
     source = problem.source
-    if source is None:
+    if source is None or problem.grid.cells[0] == 2:
         return None
     try:
         coarse = source.problem(halved(problem.grid))

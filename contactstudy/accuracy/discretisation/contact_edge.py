@@ -286,9 +286,9 @@ def half_widths(pressure: Array, x: Array) -> Array:
     """Return half the width of the contact at each place along the length, shape (y,) [unit of x].
 
     Where the edge is smooth, straight over three lines of cells and a dozen cells from any other edge, the cells next
-    to it follow the law of this module, and the error falls like the cell cubed: on a smooth line contact 2e-7 of the
-    half-width at 128 cells across 2.4 of them. Elsewhere the outer faces of the touching cells count; the width is 0
-    where no cell touches.
+    to it follow the law of this module, and the error falls like the cell cubed: on a smooth line contact, 2e-7 of the
+    half-width with 128 cells across 2.4 half-widths. Elsewhere the outer faces of the touching cells count; the width is
+    0 where no cell touches.
 
     Parameters
     ----------

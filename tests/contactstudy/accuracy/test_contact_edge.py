@@ -7,7 +7,7 @@ from contactstudy.accuracy.discretisation.contact_edge import (
     corrected_pressure,
     half_widths,
 )
-from tests.conftest import LineContact
+from tests.conftest import STEEL, LineContact
 
 EXACT = cs.ExactPeriodicity()
 
@@ -75,6 +75,24 @@ def test_edge_of_a_sphere_is_found_where_it_runs_along_the_cells() -> None:
     assert np.abs(halves - true)[np.abs(grid.y) < step].max() < step**2 / a
     inner = touching[CONSTANTS.min_touching : -CONSTANTS.min_touching]
     assert np.abs(halves - true)[inner].max() < 1.5 * step
+
+
+def test_unresolved_edges_stay_as_they_are(line_contact: LineContact) -> None:
+    scale = line_contact.hertz.peak_pressure * line_contact.hertz.half_width
+    rough = cs.Roughness(
+        rms=0.6 * scale / line_contact.scene.contact_modulus, hurst=0.8, seed=1,
+        roll_off=line_contact.hertz.half_width, cut_off=0.1 * line_contact.hertz.half_width,
+    )  # fmt: skip
+    shapes = (*line_contact.scene.shapes, rough)
+    scene = cs.Scene(line_contact.scene.load, (STEEL, STEEL), shapes)
+    grid = line_contact.grid(64, 2.4, 3.6)
+    pressure = cs.solve(scene.problem(grid, EXACT), tolerance=1e-6).pressure
+    np.testing.assert_array_equal(corrected_pressure(pressure), pressure)
+    touching = pressure > 0
+    faces = grid.x + grid.cell_size[0] / 2
+    right = faces[63 - np.argmax(touching[::-1], axis=0)]
+    left = faces[63 - np.argmax(touching, axis=0)]
+    np.testing.assert_allclose(half_widths(pressure, grid.x), (right + left) / 2, rtol=1e-12)
 
 
 def test_the_half_width_of_few_cells_is_that_of_their_faces() -> None:

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -6,7 +7,11 @@ from scipy import ndimage
 
 import contactstudy as cs
 from contactstudy.lubrication import along_length
+from contactstudy.lubrication.film_equation import neighbour
+from contactstudy.lubrication.posed_film import pose, prolongated
+from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.steady_film import continued
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
 A = DRY.hertz.half_width
@@ -45,6 +50,40 @@ def test_a_rough_film_converges_and_loses_no_lubricant(load: float, viscosity: f
     assert (contact.film > 0).all()
     carried = contact.pressure.sum() * contact.grid.cell_area / contact.grid.length
     assert carried == pytest.approx(1e5, rel=1e-7)
+
+
+def test_a_film_on_finer_cells_starts_with_the_same_flow_through_each_row_of_the_inlet() -> None:
+    scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
+    posed = pose(scene, grid(192, 6.0, 32), cs.ExactPeriodicity())
+    coarser = posed.coarser()
+    assert coarser is not None
+    coarse = continued(coarser, FilmControls(tolerance=1e-6))
+    film = prolongated(posed.equation, coarse)[0]
+    assert film.thickness.min() <= coarse.film.thickness.min()
+    inlet = posed.equation.linearise(film).flux.mean(axis=1)[1:12]
+    # a mean of the flow is not quite the flow of a mean pressure
+    assert inlet == pytest.approx(inlet.mean(), rel=0.01)
+    # where interpolation alone lets the film of the first cells through
+    assert inlet.mean() < 0.01 * film.thickness[1].mean()
+
+
+def test_the_balance_of_the_film_changes_by_its_derivatives() -> None:
+    """By central differences: pressure at a constant film, film, and void fraction of each cell."""
+    posed = pose(by_moes(20, 5, crossed(2e-8)), grid(96, 4.0, 8), cs.ExactPeriodicity())
+    equation, chance = posed.equation, np.random.default_rng(1)
+    film = continued(posed, FilmControls(tolerance=1e-6)).film
+    linear, step = equation.linearise(film), 1e-6
+    for name, bands in (("pressure", linear.pressure), ("thickness", linear.thickness)):
+        field = getattr(film, name)
+        change = field * chance.uniform(0.5, 1, field.shape)
+        before, after = (
+            equation.linearise(replace(film, **{name: field + sign * step * change})).residual
+            for sign in (-1, 1)
+        )
+        wanted = sum(band * neighbour(change, offset) for offset, band in bands.items())
+        # of a sum that cancels, and the rounding of the difference
+        scale = np.abs(linear.flux).max()
+        np.testing.assert_allclose((after - before) / (2 * step), wanted, atol=1e-5 * scale)
 
 
 def test_shifting_the_heights_along_the_length_shifts_the_film() -> None:

@@ -63,9 +63,9 @@ class TimeSteps:
     end
         Last instant [s]; None for the last one that a history of load, speed or friction names.
     instants
-        Number of instants, evenly spaced but for those moved to where a history bends or turns. None for 41, or, where
-        `error` is given and `end` is not, for every step; of elastic bodies, which take no steps, for the start, the
-        end and where the load turns or jumps.
+        Number of instants, evenly spaced but for those moved to where a history has a kink or turns. None stands for 41,
+        but where `error` is given and `end` is not, every step is recorded. Elastic bodies take no steps: the start,
+        the end and where the load turns or jumps are recorded then.
     error
         Largest relative time-discretisation error, in L1, of the pressure and in fretting of the tangential traction.
         Where a contact wears that rolls, is driven or has a film, it is the largest change of the pressure by the
@@ -119,7 +119,7 @@ class TimeSteps:
 
         They are `times`, if these are given, else evenly spaced up to `end`, or up to the last end of the histories in
         `values`. Without a `step`, the nearest of the evenly spaced instants between the first and the last is moved to
-        where a history bends or turns.
+        where a history has a kink or turns; of several of them, to that of the largest value.
 
         Raises
         ------
@@ -142,20 +142,21 @@ class TimeSteps:
         start = min(history.start for history in histories) if histories else 0.0
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)
-        if self.step is None:  # the nearest instant is put where a history bends
-            for time in (time for history in histories for time in _bends(history, end)):
-                number = round((time - start) / spacing) if spacing else 0
-                if 0 < number < count - 1:
-                    instants[number] = time
+        if self.step is None and spacing and count > 2:
+            # the first history, the load, has the last word
+            for time in (time for history in reversed(histories) for time in _kinks(history, end)):
+                if start < time < end:
+                    number = round((time - start) / spacing)
+                    instants[min(max(number, 1), count - 2)] = time
         return instants
 
 
-def _bends(history: Any, end: float) -> tuple[float, ...]:
-    """Return the times [s] up to `end` at which a history bends or turns."""
+def _kinks(history: Any, end: float) -> list[float]:
+    """Return the times [s] up to `end` at which a history has a kink or turns, in the order of its values there."""
+    times = getattr(history, "times", ())
     if isinstance(history, ChangingLoad):
-        return history.turning_points(end)
-    times: tuple[float, ...] = getattr(history, "times", ())
-    return times
+        times = history.turning_points(end)
+    return sorted(times, key=lambda time: abs(history.at(time)))
 
 
 def check_estimated(error: float | None, step_error: StepError) -> None:

@@ -12,6 +12,9 @@ LOAD = cs.LoadHistory(times=(0.0, 1.0, 1.0, 3.0), per_length=(0.0, 2.0, 5.0, 1.0
 def test_instants_are_as_many_as_asked_and_peaks_of_the_load_are_among_them() -> None:
     load = cs.LoadHistory((0.0, 0.9, 2.0, 2.9, 4.0), (0.0, 2.0, 1.0, 3.0, 0.0))
     assert TimeSteps(instants=9).instants_of(load) == [0, 0.5, 0.9, 1.5, 2, 2.5, 2.9, 3.5, 4]
+    # two kinks are nearest to one instant, and one to the last: the larger load counts
+    near = cs.LoadHistory((0.0, 0.4, 0.42, 0.9, 1.0), (0.0, 500.0, 100.0, 400.0, 300.0))
+    assert TimeSteps(instants=5).instants_of(near) == [0, 0.25, 0.4, 0.9, 1]
     default = TimeSteps().instants_of(load)
     assert set(load.times) < set(default)
     assert sorted(default) == default

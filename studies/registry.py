@@ -21,7 +21,7 @@ from studies.model.drawing import Drawing, no_items
 from studies.model.study import Study
 from studies.study_file import module_in, module_name, study_in
 
-# Studies by family; those of `cost` after the first need what this project does not install.
+# Studies by family; those in OPTIONAL need what this project does not install.
 FAMILIES = {
     "settings": ("padding", "period", "images", "grid", "pareto", "paper"),
     "effects": ("coating", "friction", "creep", "wear", "plastic"),

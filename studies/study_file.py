@@ -17,7 +17,7 @@ FUNCTIONS = ("case_at", "measures", "figure", "findings", "tables")
 
 
 def module_name(path: Path) -> str:
-    """Return the module name of a study file, by which a file time.py does not replace Python's module."""
+    """Return the module name of a study file, with a prefix, so that time.py does not replace Python's module."""
     return f"study_in_file_{path.stem}"
 
 
@@ -45,7 +45,7 @@ def module_in(path: Path) -> ModuleType:
     for part in NEEDED:
         if not hasattr(module, part):
             raise InvalidInput(
-                f"Study {path.stem!r} has no {part!r}: define it at the file's top level."
+                f"Study file {quoted(path)} has no {part!r}: define it at the file's top level."
             )
     for part in FUNCTIONS:
         if not callable(getattr(module, part, print)):

@@ -35,12 +35,12 @@ REPORTED = {
     "mean_gap": "mean gap",
     "largest_von_mises": "largest von Mises stress",
     "stick_fraction": "stick fraction",
-    "traction_coefficient": "traction",
+    "traction_coefficient": "traction coefficient",
     "rolling_resistance": "rolling resistance",
     "pull_off": "pull-off load",
     "central_film": "central film",
     "minimum_film": "minimum film",
-    "friction_coefficient": "friction",
+    "friction_coefficient": "coefficient of friction",
 }
 UNBOUNDED = ErrorEstimate(ErrorParts(discretisation=inf))
 Answer = cs.Contact | cs.LubricatedContact | cs.Evolution

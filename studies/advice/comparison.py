@@ -13,7 +13,7 @@ from studies.advice.rounds import median_ratio_and_p
 from studies.reference.line_contact import PADDINGS
 
 # A setting of another padding is chosen only if it is quicker by this factor, with a p-value below this one.
-MIN_SPEED_UP, MAX_PROBABILITY = 1.1, 0.01
+MIN_SPEED_UP, SIGNIFICANCE_LEVEL = 1.1, 0.01
 # Factor by which the median of few times outside of rounds may be too short.
 FACTOR_WITHOUT_ROUNDS = 1.25
 FREE = "free"
@@ -69,7 +69,7 @@ class MeasuredSetting:
     error
         Relative L1 error of the pressure against the reference; the largest of this and any finer grid of its padding.
     is_bounded
-        Whether the solution itself says how large its error is.
+        Whether the solution or one on coarser cells has a bound on its error, or the reference is a closed form.
     seconds
         Processor times [s] outside of rounds.
     rounds
@@ -109,8 +109,8 @@ class Alternative:
 
     @property
     def is_significant(self) -> bool:
-        """True if the rounds show a difference of more than a tenth."""
-        return not self.is_as_fast and self.p < MAX_PROBABILITY
+        """True if the median ratio is beyond a tenth and the sign test over the rounds is significant."""
+        return not self.is_as_fast and self.p < SIGNIFICANCE_LEVEL
 
 
 @dataclass(frozen=True)
@@ -236,8 +236,8 @@ class Comparison:
     def verdict(self, error: float | None = None) -> Verdict | None:
         """Return the quickest setting that meets an error, by default the requested one; None without any setting.
 
-        It has the scene's own padding, unless another padding is quicker by more than a tenth in nearly all
-        rounds.
+        It has the scene's own padding, unless another one is quicker by more than a tenth in the median, and quicker in
+        nearly all rounds.
         """
         error = self.error if error is None else error
         meeting = self.settings_meeting(error)

@@ -3,10 +3,10 @@
 from itertools import product
 from math import log
 
-# Cells along the shorter axis of the coarsest common grid, of which every grid has an even multiple.
+# Cells along the shorter axis of the coarsest common grid, of which every grid has a multiple in MULTIPLES.
 UNIT = (4, 5, 6, 8)
 LARGEST_UNIT = 1024
-# Multiples of the unit: 2^k and 3 x 2^k.
+# Multiples of the unit: 2^k and 1.5 x 2^k from 2 on.
 MULTIPLES = tuple(sorted(part * 2**k for k in range(14) for part in (2, 3)))[:-1]
 
 

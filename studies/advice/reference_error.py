@@ -31,8 +31,8 @@ def answer_of(reference: SceneCase) -> Answer:
 def pressure_error(case: ReferencedCase, answer: Answer) -> Mapping[str, xr.Variable]:
     """Return the relative L1 error of an answer's pressure, at its end if it is an evolution, against the reference.
 
-    It is left out without a reference, and for one of another extent, or whose cells neither nest in these nor are a
-    third of their size.
+    It is left out without a reference, and for one of another extent, or whose cells neither nest in those of the
+    case nor are a third of their size.
     """
     reference, grid = case.reference, case.grid
     if reference is None:

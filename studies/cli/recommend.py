@@ -42,7 +42,9 @@ BUDGET = click.option(
 @ERROR
 @BUDGET
 @JSON
-@out_option("Folder of stored measurements: its folder with the name of SCENE.")
+@out_option(
+    "Folder of stored measurements; those of a scene are in its subfolder of the scene's name."
+)
 def recommendation(
     scene: Path | None,
     error: float,
@@ -86,8 +88,8 @@ def measured_scene(
 ) -> tuple[Comparison, Path]:
     """Return the comparison of settings of a scene file, or of the paper's cylinder, and the folder it is stored in.
 
-    Of the seconds `kept` times those that the imports take are kept for the start and the end of the command, which
-    take longer on a busy machine too.
+    `kept` times the duration of the imports is left of the seconds for the start and the end of the command, which take
+    longer on a busy machine too.
     """
     start = perf_counter()
     from studies.advice.compared_scene import paper_scene, scene_in

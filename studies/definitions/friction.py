@@ -67,8 +67,8 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     error, across = _superposition(case)
     over_coefficient = {
         "coefficient": (COEFFICIENTS, "coefficient of friction"),
-        "von_mises": (highest, "highest von Mises stress over Hertz's pressure"),
-        "depth": (depth, "its depth over the half-width"),
+        "von_mises": (highest, "highest von Mises stress over Hertz peak pressure p_H"),
+        "depth": (depth, "depth of the highest von Mises stress over Hertz half-width"),
     }
     over_force = {
         "fraction": (FRACTIONS, "tangential force over the largest that friction can carry"),
@@ -81,11 +81,11 @@ def measures(case: Rough, solution: cs.Solution) -> Mapping[str, xr.Variable]:
     errors = {
         "superposition_error": (
             error,
-            "relative L1 error of Ciavarella-Jaeger's shear on a rough contact",
+            "relative L1 error of the Ciavarella-Jäger tangential traction on a rough contact",
         ),
-        "shear_aside": (
+        "transverse_traction": (
             across,
-            "largest transverse shear, perpendicular to the force, over the largest shear",
+            "largest transverse tangential traction over the largest tangential traction",
         ),
     }
     return {
@@ -132,9 +132,9 @@ def _sphere(case: Rough, fraction: float) -> float:
 
 
 def _superposition(case: Rough) -> tuple[float, float]:
-    """Return the L1 error of Ciavarella's and Jaeger's shear on a rough contact, and the largest transverse shear.
+    """Return the L1 error of the Ciavarella-Jäger traction on a rough contact, and the largest transverse traction.
 
-    The tangential force is half of what friction can carry; both are relative, to the shear of the exact solution.
+    The tangential force is half of what friction can carry; both are relative to the traction of the exact solution.
     """
     rms = 0.3 * A**2 / (2 * HERTZ.radius)
     rough = cs.Roughness(rms, hurst=0.8, roll_off=0.8 * A, cut_off=0.2 * A, seed=1)

@@ -27,8 +27,16 @@ CAVITATION: Mapping[str, cs.ElrodAdams | cs.ReynoldsCavitation] = {
 }
 
 axes = (
-    Axis("load", (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0), "Moes' load M"),
-    Axis("viscosity", (0.0, 1.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0), "Moes' viscosity L"),
+    Axis(
+        "load",
+        (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0),
+        "Moes' load parameter M",
+    ),
+    Axis(
+        "viscosity",
+        (0.0, 1.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 17.5, 20.0),
+        "Moes' lubricant parameter L",
+    ),
     Axis("rms", (0.0,), "rms height over the film of Moes' formula"),
     Axis("cavitation", ("elrod-adams",), "elrod-adams, which conserves mass, or reynolds"),
     Axis("grid", (100, 200, 400), "cells across the width"),
@@ -84,10 +92,13 @@ def measures(case: SceneCase, solved: TimedAnswer) -> Mapping[str, xr.Variable]:
             contact.central_film * units,
             "central film, (h/R) (eta0 u_s/(E' R))^-1/2",
         ),
-        "minimum_film": (contact.minimum_film * units, "smallest film in the same unit"),
-        "flat_film": (flat * units, "film where the pressure is flat, in the same unit"),
-        "film_over_moes": (flat * units / moes, "film where the pressure is flat over Moes'"),
-        "friction": (contact.friction, "friction force over load at 10 % sliding"),
+        "minimum_film": (
+            contact.minimum_film * units,
+            "smallest film, (h/R) (eta0 u_s/(E' R))^-1/2",
+        ),
+        "film_at_zero_gradient": (flat * units, "film at dp/dx = 0, (h/R) (eta0 u_s/(E' R))^-1/2"),
+        "film_over_moes": (flat * units / moes, "film at dp/dx = 0 over Moes'"),
+        "friction": (contact.friction, "coefficient of friction at a slide-to-roll ratio of 0.1"),
         "flux_spread": (contact.flux_spread, "range of the flow over x over its mean"),
         "thin_load": (thin_load, "fraction of the load on less than half of Moes' film"),
         "peak_pressure": (largest, "peak pressure over Hertz's"),

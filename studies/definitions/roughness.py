@@ -51,7 +51,7 @@ ERRORS = {
     "half_width_error": "relative error of the effective half-width",
     "peak_pressure_error": "relative error of the peak pressure",
     "pressure_error_max": "largest pressure error over Hertz peak pressure",
-    "curved_difference": "relative L1 difference from exact on a cylinder more curved by a²/(4D²)",
+    "curved_difference": "relative L1 difference from exact on a cylinder more curved by a²/(4D²), D the window's reach",
 }
 
 
@@ -104,7 +104,7 @@ def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.
         whole_width = not answer.pressure[list(answer.problem.open_edges)].any()
         solved = answer.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
         converged.append(solved and whole_width)
-    label = {"long_name": "representation of the periodic direction"}
+    label = {"long_name": "treatment of the periodic direction (padding)"}
     flag = "1 where the solve of this padding converged within the width"
     return {
         "padding": xr.Variable(("padding",), list(PADDINGS), label),
@@ -118,7 +118,7 @@ def measures(case: PaddingComparison, solution: cs.Solution) -> Mapping[str, xr.
 def _with_window_curvature(exact: Case, problem: cs.Problem, padding: cs.Padding) -> cs.Solution:
     """Solve with exact periodicity on a cylinder with the additional curvature that a window of images causes.
 
-    Beyond the window's reach D the logarithm lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
+    Beyond the window's reach D the kernel ``-2 ln r`` lacks ``(x - x')^2 / (2 D^2)``. Under the load of any pressure
     that is a parabola and a tilt, whatever the surface.
     """
     curvature = 2 * image_error(HERTZ.half_width, padding.reach(exact.grid.length))

@@ -90,7 +90,7 @@ def preset(name: str, subject: ComparedScene) -> Study:
     names = (*PADDINGS, FREE) if subject.is_free else tuple(PADDINGS)
     finest = (across[-3 if hertz is None else -1],)
     axes = [
-        Axis("padding", names, "representation of the periodic direction"),
+        Axis("padding", names, "treatment of the periodic direction (padding)"),
         Axis("images", IMAGES.get(name, (6,)), "periods superposed on each side"),
         Axis("period", periods, f"period length {reference_text}"),
         Axis("grid", chosen.get(name, finest), "cells across the width"),

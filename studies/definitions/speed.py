@@ -40,7 +40,7 @@ axes = (
     Axis("hurst", (0.2, 0.8), "Hurst exponent of the self-affine surface"),
     Axis("cut_off", (2.0,), "shortest wavelength of the self-affine surface, in cells"),
     Axis("fraction", (0.2,), "fraction in contact of the self-affine surface, by Persson (2001)"),
-    Axis("precision", ("double",), "floating-point numbers"),
+    Axis("precision", ("double",), "floating-point precision"),
     Axis("device", ("cpu",), "what solves: the processor, or the graphics processor"),
     Axis("threads", (1, 2), "threads of the processor"),
     Axis("grid", (32, 64, 128, 256, 512), "cells across the width and along one period"),

@@ -16,11 +16,11 @@ from studies.reference.hard_case import PADDINGS, SOLVERS
 from studies.reference.hard_cases import CASES
 
 axes = (
-    Axis("case", tuple(CASES), "what is hard"),
+    Axis("case", tuple(CASES), "hard case"),
     Axis(
         "padding",
         ("zero", "superposed", "exact", "exact on both"),
-        "representation of both directions",
+        "treatment of both directions (padding)",
     ),
     Axis("solver", tuple(SOLVERS), "solver"),
 )

@@ -102,7 +102,7 @@ class Results:
         return self.options.repeats if self.study.times == "taken" else 0
 
     def record(self, name: str) -> Record | None:
-        """Return the stored record of a case in the present context and with the present defaults; None without one."""
+        """Return the stored record of a case by this program with the defaults that it has now; None without one."""
         record, identity = self.journal.records.get(name), self.request.identities.get(name)
         is_right = record is not None and (identity is None or record.is_of(identity))
         return record if is_right else None

@@ -86,7 +86,7 @@ def run(
 def estimate_cost(
     study: Study, out: Path, *, options: RunOptions, log: Log = print
 ) -> float | None:
-    """Report what :func:`run` would compute, and return its predicted seconds; None where the plan of a case fails.
+    """Report what :func:`run` would do, and return the seconds to compute; None where the plan of a case fails.
 
     No case is computed and nothing is stored: the plans of some cases solve coarse grids. Of a large study some points
     are looked at, evenly spaced. A damaged file of fields is set aside, as in a run.

@@ -202,8 +202,8 @@ def contact_fraction(pressure: np.ndarray) -> xr.Variable:
 def error_estimates(estimate: cs.ErrorEstimate) -> dict[str, xr.Variable]:
     """Return the estimated relative errors of an answer, in all and by cause.
 
-    They have the names ``<quantity>_estimate`` and ``<quantity>_estimate_<cause>``, the pressure in L1 that of
-    ``pressure_l1``.
+    They have the names ``<quantity>_estimate`` and ``<quantity>_estimate_<cause>``, and that of the L1
+    error ``pressure_l1_estimate``.
     """
     measured: dict[str, xr.Variable] = {}
     for quantity, parts in estimate:

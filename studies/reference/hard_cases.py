@@ -71,7 +71,7 @@ def _load() -> dict[str, HardCase]:
         ),
         "full contact": case("no cell is free of pressure", wavy, grid(), AT_EDGE),
         "faint load": case("1e-30 N/m, a contact of 1e-17 cells", faint, grid()),
-        "far from its datum": case("heights counted from 1e6 times what is flattened", far, grid()),
+        "far from its datum": case("heights counted from 1e6 times a²/(2R)", far, grid()),
         "coarse cells": case(
             "rough cells 40 times as wide as the contact", coarse, grid(CELLS, 1e3, 1e3)
         ),
@@ -139,15 +139,11 @@ def _surface() -> dict[str, HardCase]:
     plateau = np.where(np.abs(grid().x)[:, None] < 0.5 * A, 0.0, -1e4) * np.ones(CELLS)
     return {
         "0.1 % contact": case("one cell in 1024", needle),
-        "spikes of one cell": case(
-            "one cell in twenty stands out by 20 times what is flattened", spikes
-        ),
-        "a step": case("a step half as high as what is flattened", step),
+        "spikes of one cell": case("one cell in twenty stands out by 20 times a²/(2R)", spikes),
+        "a step": case("a step half as high as a²/(2R)", step),
         "noise of the grid's wavelength": case("every other cell is higher", checks),
-        "white noise": case("white noise as high as what is flattened", noise()),
-        "rms 100 times the approach": case(
-            "white noise, 100 times what is flattened", 100 * noise()
-        ),
+        "white noise": case("white noise as high as a²/(2R)", noise()),
+        "rms 100 times the approach": case("white noise, 100 times a²/(2R)", 100 * noise()),
         "a flat punch": HardCase(
             "surface", "a plateau with sharp edges", with_heights(plateau, FLAT), grid(), AT_EDGE
         ),

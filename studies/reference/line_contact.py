@@ -53,7 +53,7 @@ def case_at(point: Point) -> Case:
 
 
 def measures(case: PosedCase, solution: cs.Contact) -> Mapping[str, xr.Variable]:
-    """Return errors of pressure and half-width against Hertz's line contact; all over p_H or a."""
+    """Return errors of pressure and half-width against Hertz's line contact, over p_H, a or the load."""
     hertz, grid = case.scene.hertz, case.grid
     assert hertz is not None
     pressure = solution.pressure / hertz.peak_pressure
@@ -92,7 +92,7 @@ def hertz_means(hertz: "cs.analytic.HertzLine", grid: cs.Grid) -> Array:
 def relative_l1(pressure: Array, reference: Array) -> float:
     """Return the L1 error of a pressure (x, y) against a finer one's cell means, over the L1 norm of these.
 
-    The norm is the load, where nothing pulls.
+    The norm is the load, without adhesion.
     """
     means = on_cells(reference, (pressure.shape[0], pressure.shape[1]))
     return float(np.abs(pressure - means).sum() / np.abs(means).sum())

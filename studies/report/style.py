@@ -104,7 +104,7 @@ def select_evenly(values: Iterable[Any], count: int = 3) -> list[Any]:
 
 
 def percent(value: SupportsFloat) -> str:
-    """Return a fraction in per cent, with two significant digits; the space before the sign does not break."""
+    """Return the size of a fraction in per cent, with two digits or more; the space before the sign does not break."""
     fraction = 100 * abs(float(value))
     if not np.isfinite(fraction):
         return "not known"

@@ -1,1 +1,1 @@
-"""Studies made from a scene and the fields of it that are varied. May import `model` and the core."""
+"""Studies made from a scene and fields of it that are varied. Imports `model`, `advice.reference_error`, the core."""

@@ -30,9 +30,9 @@ def normal_stiffness(solution: cs.Solution) -> float:
     """Return the normal stiffness d load / d approach [N/m per m of length], with the cells in contact fixed.
 
     It is the inverse of the energy of the pressure increment that carries a unit of load and displaces all cells in
-    contact equally. The increment follows from conjugate gradients among pressures without a load, in which a rigid
-    shift of the operator has no effect. Cells at the hardness carry no increment. The result is nan if no cell carries
-    one.
+    contact equally. The increment follows from conjugate gradients among pressures without a load, to which a
+    constant added to the displacement does not matter. Cells at the hardness carry no increment. The result is nan if
+    no cell carries one.
     """
     problem = solution.problem
     active = (problem.constraint.active(solution.pressure) > 0).astype(np.float64)
@@ -102,8 +102,8 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     area = float(np.count_nonzero(touching) * grid.cell_area)
     perimeter = contact_perimeter(touching, grid, contact.problem.paddings)
     load = float(contact.pressure.sum()) * grid.cell_area / grid.length
-    # A scene counts from Hertz's half-width, which changes with the load. Contacts of a sweep are compared from half
-    # the grid's width, or from the datum of an approach that is given; the padding may fix it.
+    # The approach of a scene has its datum at Hertz's half-width, which changes with the load. Contacts of a sweep have
+    # it at half the grid's width, or where a given approach or the padding has it.
     datum, described, farther = approach_datum(contact), {}, 0.0
     if datum is not None:
         is_given = contact.problem.control.approach is not None

@@ -31,7 +31,7 @@ from studies.scene_study.measures import measures
 from studies.scene_study.values import MAX_VALUES
 from studies.scene_study.variation import Variation, joint_variation, variation
 
-# Largest number of points that are planned; the others take the finest cells of these.
+# Number of points that are all planned. Of more, every n-th by width is, up to 14; the others take their finest cells.
 MAX_PLANNED = 8
 # Order in which the keys of a measured surface are applied: it is read before it is cut and turned.
 ORDER = {"file": 0, "tile": 1, "turn": 2}
@@ -41,7 +41,7 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str,
     """Return every point on its grid, and notes on the grids.
 
     Points with the same grid and plan settings in their file share a grid, with the width of the widest and the
-    cells of the finest. Random surfaces without an extent get that of the widest grid, so that each is
+    cells of the finest. Random surfaces without an extent get the largest width and the shortest period, so that each is
     the same surface at all points.
 
     Raises
@@ -174,12 +174,12 @@ def _fitting(grid: cs.Grid, point: SceneFile) -> cs.Grid:
 
 
 def _extent(grids: Sequence[cs.Grid]) -> tuple[tuple[float, float] | None, list[str]]:
-    """Return the extent of random surfaces without one, and a note on it; None if the periods have no common divisor."""
+    """Return the extent of random surfaces without one, and a note; None unless the shortest period divides all."""
     width, period = max(grid.extent[0] for grid in grids), min(grid.length for grid in grids)
     if any(abs(grid.length / period - round(grid.length / period)) > 1e-9 for grid in grids):
         return None, [
-            "random surfaces differ between grids, because their periods have no common divisor: give Roughness an "
-            "extent whose length divides all periods for one surface"
+            "random surfaces differ between grids, because the shortest of their periods does not divide all: give "
+            "Roughness an extent whose length divides all periods for one surface"
         ]
     extent = f"{readable(width)} x {readable(period)}"
     return (width, period), [f"random surfaces have the extent {extent} at all points"]

@@ -286,7 +286,7 @@ def _expanded_items(items: Iterable[Any], folder: Path) -> list[Any]:
 
 
 def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
-    """Return a surface prepared like the one that the scene has."""
+    """Return a surface as it is, or heights or a file prepared like the surface that the scene has."""
     if isinstance(item, MeasuredSurface):
         return item
     make = MeasuredSurface.read if isinstance(item, str | Path) else MeasuredSurface

@@ -64,7 +64,7 @@ class Journal:
     samples, untimed
         Timed runs on this machine, or why there are none, by the key of the case and the stamp of its program.
     times
-        Hash of all lines on times.
+        Hash of all lines with timed runs.
     axes
         Values that each axis ever had with this part of the study.
     history

@@ -43,7 +43,7 @@ def textured_waves() -> Iterator[AccuracyCase]:
 
 
 def grooves() -> Iterator[AccuracyCase]:
-    """Yield grooves along the length of every profile, from narrow grooves to narrow lands, on coarse and fine grids."""
+    """Yield grooves of every cross-section, along the length, from narrow grooves to narrow lands, on two grids."""
     number = 0
     for profile in PROFILES:
         for fraction in (0.2, 0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995):

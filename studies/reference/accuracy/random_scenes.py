@@ -48,7 +48,7 @@ def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
-    """Return waves across or along, of as many cells."""
+    """Return waves across or along, of a wavelength between these numbers of cells."""
     height, phase = _ratio(rng, 1e-3, 1.0) * GAP_SCALE, rng.uniform(0, tau)
     width = (2.6 + 2 * (height / GAP_SCALE) ** 0.5) * A
     if rng.random() < 0.6:
@@ -67,7 +67,7 @@ def waves(rng: np.random.Generator) -> Made:
 
 
 def waves_of_few_cells(rng: np.random.Generator) -> Made:
-    """Return waves of one to three cells, every third of them of exactly two."""
+    """Return waves of one to three cells, a third of them at random of about two."""
     return _waves(rng, (2.0, 2.0) if rng.random() < 1 / 3 else (1.0, 3.0))
 
 
@@ -94,7 +94,7 @@ def needles(rng: np.random.Generator) -> Made:
 
 
 def textures(rng: np.random.Generator) -> Made:
-    """Return grooves and dimples with each flank."""
+    """Return grooves or dimples with one of three flanks."""
     profile = PROFILES[int(rng.integers(3))]
     depth = _ratio(rng, 0.02, 5) * GAP_SCALE
     if rng.random() < 0.5:

@@ -1,1 +1,1 @@
-"""How each study is drawn: figures, findings and tables from stored data; the folders mirror `studies/definitions`."""
+"""How each study is drawn: figures, findings and tables from stored data; see `studies.registry`."""

@@ -94,7 +94,7 @@ def parts(comparison: Comparison) -> Sequence[Topic]:
 
 
 def _style(label: str) -> dict[str, Any]:
-    """Return colour and marker of a padding; n changes the shade of a line by its width alone."""
+    """Return colour and marker of a padding, the same for every n."""
     return padding_style("line" if label == LINE else label.partition(",")[0])
 
 
@@ -155,7 +155,7 @@ def _front(comparison: Comparison, verdict: Verdict) -> CaptionedFigure:
         "settings of the same padding. A line ends horizontally at the error of its padding, which finer grids do not "
         "reduce. The ring is the verdict. "
         + (
-            "Hollow marks: the solution itself gives no bound on its error, and is never recommended. "
+            "Hollow marks: neither the solution nor a coarser one has a bound on its error; they are never recommended. "
             if not all(setting.is_bounded for setting in comparison.settings)
             else ""
         )
@@ -280,7 +280,8 @@ def _which_n(comparison: Comparison, verdict: Verdict) -> Finding:
     )  # fmt: skip
     on = cells_text(comparison.paddings_on)
     text = (
-        f"A padding counts as good enough if it adds at most a third of the grid's error, {percent(allowed)}. The "
+        f"A padding counts as good enough if it adds at most a third of the grid's error, or of a "
+        f"tenth of the request, {percent(allowed)}. The "
         f"table has what each does alone on {on}.{beyond}"
     )
     if is_free:

@@ -80,23 +80,23 @@ def _friction_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     fraction = np.linspace(0, 1, 200)
     axes[2].plot(fraction, np.sqrt(1 - fraction), label="Cattaneo, Mindlin", **LAW_STYLE)
     axes[3].plot(fraction, np.cbrt(1 - fraction), **LAW_STYLE)
-    for ax, variable in ((axes[4], "superposition_error"), (axes[5], "shear_aside")):
+    for ax, variable in ((axes[4], "superposition_error"), (axes[5], "transverse_traction")):
         ax.plot(finest["poisson_ratio"], finest[variable], color=COLORS[0], marker="o")
     label_panels(
         axes,
         ("coefficient of friction", "highest von Mises / $p_H$", ""),
-        ("coefficient of friction", "its depth / a", ""),
+        ("coefficient of friction", "depth of that stress / a", ""),
         ("Q / (mu P)", "stick / contact, cylinder", ""),
         ("Q / (mu P)", "stick / contact, sphere", ""),
         ("Poisson's ratio", "L1 error of superposition", ""),
-        ("Poisson's ratio", "transverse shear / largest", ""),
+        ("Poisson's ratio", "transverse traction / largest", ""),
     )
     caption = (
         "Top: a sliding cylinder, where the highest von Mises stress rises to the surface. Middle: partial slip "
         "under a tangential force Q, half-width or radius of the stick zone over that of the contact, beside "
         "Cattaneo's sqrt(1 - Q / mu P) for a cylinder and Mindlin's cube root for a sphere. "
-        "Bottom: what the superposition of two normal contacts (Ciavarella, Jaeger) misses on a rough "
-        "line contact at Q = mu P / 2, and the transverse shear, which it does not contain."
+        "Bottom: what the superposition of two normal contacts (Ciavarella, Jäger) misses on a rough "
+        "line contact at Q = mu P / 2, and the transverse traction, which it does not contain."
     )
     return (captioned("friction", fig, caption),)
 
@@ -118,10 +118,10 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"At nu = 0.3 the highest von Mises stress is {float(low):.3f} p_{{H}} without friction and "
             f"{float(high):.3f} p_{{H}} at a coefficient of {float(high['coefficient']):g}; it lies at the surface from "
             f"{float(surface.min()):g} on. A cylinder sticks over a zone within {deviation:.3f} half-widths of "
-            "Cattaneo's. On a rough contact two normal solves make up the shear to "
+            "Cattaneo's. On a rough contact two normal solves make up the tangential traction to "
             f"{percent(cork['superposition_error'])} in L1 at nu = 0, and miss "
-            f"{percent(steel['superposition_error'])} of it at nu = 0.3, with a transverse shear of "
-            f"{percent(steel['shear_aside'])} of the largest; scenes like that are solved for both components.",
+            f"{percent(steel['superposition_error'])} of it at nu = 0.3, with a transverse traction of "
+            f"{percent(steel['transverse_traction'])} of the largest; scenes like that are solved for both components.",
             "What does friction do?",
         ),
     )
@@ -161,7 +161,8 @@ def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         ("transform pairs times cells", "largest relative L1 error", ""),
     )
     caption = (
-        "A rigid cylinder pressed suddenly into a viscoelastic half-space, creep 1 + 1.5 (1 - exp(-t)), and held. "
+        "A rigid cylinder pressed suddenly into a viscoelastic half-space and held; the creep compliance is "
+        "1 + 1.5 (1 - exp(-t)) times the instantaneous one. "
         "Half-width and peak pressure are compared with Lee & Radok's closed form, the half-width to a cell. The "
         "error is the largest over time, after the first tenth. It falls with the steps until the error of the "
         "cells is larger; the dashed estimate, from a second evolution with steps twice as long, contains the error of "
@@ -284,7 +285,7 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
         if cap is not None:
             capped, text = finest.isel(hardening=0), f"hardness {HARDNESS_OVER_YIELD:g} Y"
             ax.plot(capped["pressure"], capped[cap], "s--", color="#CC79A7", label=text)
-        ax.plot([PRESSURE], [REFERENCE[name]], "*", color="black", markersize=10, label="known")
+        ax.plot([PRESSURE], [REFERENCE[name]], "*", color="black", markersize=10, label="reference")
         ax.set(xlabel="$p_H$ / Y", ylabel=label)
     if (compared := _known(dataset)) is not None:
         for part, style in by_color(compared, "grid", "{} cells, "):
@@ -303,8 +304,8 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     caption = (
         "A rigid cylinder pressed into a half-space that yields after von Mises, then unloaded, in plane strain, "
         f"over Hertz's peak pressure p_{{H}}; a is Hertz's half-width. The dent is measured against the surface at "
-        f"{DATUM:g} a. Squares: an elastic contact limited by a hardness of {HARDNESS_OVER_YIELD:g} Y. Stars are known "
-        f"contacts (finite elements agree to 0.3 %), at p_{{H}} = {PRESSURE:g} Y and a hardening modulus "
+        f"{DATUM:g} a. Squares: an elastic contact limited by a hardness of {HARDNESS_OVER_YIELD:g} Y. Stars are "
+        f"converged references (finite elements agree to 0.3 %), at p_{{H}} = {PRESSURE:g} Y and a hardening modulus "
         f"of {HARDENING:g} E; the last panels are the error there. Layers follow from the cells."
     )
     return (captioned("plastic", fig, caption),)

@@ -38,13 +38,13 @@ def _films(dataset: xr.Dataset) -> CaptionedFigure:
     fig, (films, ratio) = panels(2, width=3.8, height=3.0)
     shown = dataset.sel(viscosity=select_evenly(dataset["viscosity"].values, 5))
     for part, style in by_color(shown, "viscosity", "L = {:g}"):
-        films.plot(part["load"], part["flat_film"], linestyle="none", **style)
+        films.plot(part["load"], part["film_at_zero_gradient"], linestyle="none", **style)
         formula = [moes_film(load, float(part["viscosity"])) for load in part["load"].values]
         films.plot(part["load"], formula, **LAW_STYLE | {"color": style["color"]})
         ratio.plot(part["load"], part["film_over_moes"], color=style["color"], marker="o")
-    films.set(xscale="log", yscale="log", xlabel="load M", ylabel="film, Moes' unit")
+    films.set(xscale="log", yscale="log", xlabel="load parameter M", ylabel="film, Moes' unit")
     ratio.axhline(1, **LAW_STYLE)
-    ratio.set(xscale="log", xlabel="load M", ylabel="film / Moes")
+    ratio.set(xscale="log", xlabel="load parameter M", ylabel="film / Moes")
     return captioned(
         "films",
         fig,

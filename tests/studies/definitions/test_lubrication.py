@@ -23,7 +23,7 @@ def test_films_are_in_the_unit_of_moes() -> None:
     found = measures(case, case.run())
     # reference solutions on graded cells, with a longer inlet: 3.504
     assert float(found["central_film"]) == pytest.approx(3.504, rel=5e-3)
-    over = float(found["flat_film"]) / moes_film(20, 5)
+    over = float(found["film_at_zero_gradient"]) / moes_film(20, 5)
     assert float(found["film_over_moes"]) == pytest.approx(over)
     assert float(found["converged"]) == 1
     assert float(found["resolved"]) == 1

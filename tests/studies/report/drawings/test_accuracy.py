@@ -38,7 +38,7 @@ def test_the_finding_says_the_share_that_holds(made_up: xr.Dataset) -> None:
     (finding,) = DRAWING.findings(made_up)
     assert "of 4 contacts of every kind" in finding.claim
     assert "66.7 % hold where there is one" in finding.claim
-    assert "66.7 % / 66.7 % / 66.7 % of 3 contacts (judged)" in finding.measured
+    assert "66.7 % / 66.7 % / 66.7 % of 3 contacts (validation)" in finding.measured
     # a bound that is missing is none that holds
     assert "none / none / none of 1 contacts (random)" in finding.measured
     assert "in the median 2 times too large, 1 without a bound" in finding.measured
@@ -61,4 +61,4 @@ def test_contacts_on_which_margins_are_set_do_not_count_in_the_finding(made_up: 
     made_up["use"][2] = 0
     (finding,) = DRAWING.findings(made_up)
     assert "100.0 % hold" in finding.claim
-    assert "0.0 % / 0.0 % / 0.0 % of 1 contacts (set)" in finding.measured
+    assert "0.0 % / 0.0 % / 0.0 % of 1 contacts (calibration)" in finding.measured

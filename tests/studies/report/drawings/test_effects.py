@@ -43,7 +43,7 @@ def creep() -> xr.Dataset:
 
 def friction() -> xr.Dataset:
     axes = "grid rough_grid poisson_ratio"
-    data = over(axes, superposition_error=[[[0.001, 0.02]]], shear_aside=[[[0.0, 0.07]]])
+    data = over(axes, superposition_error=[[[0.001, 0.02]]], transverse_traction=[[[0.0, 0.07]]])
     data |= over(
         f"{axes} coefficient",
         von_mises=[[[[0.5, 0.6, 0.9], [0.558, 0.57, 0.8]]]],

@@ -198,9 +198,10 @@ def _integrate(
             if times is None and stepper.time < target - 1e-9 * cell_passage:
                 recorded.append(stepper.time)
                 contacts.append(stepper.contact)
-        recorded.append(target)
+        failed = stepper.contact.status is Status.FILM_NOT_CONVERGED
+        recorded.append(stepper.time if failed else target)
         contacts.append(stepper.contact)
-        if stepper.contact.status is Status.FILM_NOT_CONVERGED:
+        if failed:
             break
     films = FilmTrajectory(
         tuple(recorded),

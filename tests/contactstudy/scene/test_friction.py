@@ -307,6 +307,19 @@ def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None
     np.testing.assert_array_equal(sliding.pressure, without.pressure)
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        cs.ViscoelasticHalfSpace(STEEL.youngs_modulus, STEEL.poisson_ratio),
+        cs.ElasticPlasticHalfSpace(STEEL.youngs_modulus, STEEL.poisson_ratio, infinite),
+    ],
+)
+def test_a_body_that_neither_creeps_nor_yields_sticks_as_an_elastic_one(body: object) -> None:
+    one = scene(cs.TractiveRolling(0.3, longitudinal=1e-3))
+    found, elastic = solved(replace(one, solids=(body, STEEL))), solved(one)
+    np.testing.assert_array_equal(found.shear, elastic.shear)
+
+
 def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:
     """Johnson (1985), eq. 5.3: by (1 - 2 nu) / G and (1 - nu) / G of either."""
     first, second = cs.HalfSpace(200e9, 0.2), cs.HalfSpace(50e9, 0.4)

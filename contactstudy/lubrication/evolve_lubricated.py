@@ -8,6 +8,7 @@ between predictor and solution estimates the error of the step (Gear 1971).
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -209,7 +210,8 @@ def _integrate(
         steps,
         iterations,
         linear_iterations,
-        largest_error,
+        # the first two steps have no estimate
+        largest_error if steps > 2 else inf,
     )
     return replace(
         films, time_discretisation_errors=time_discretisation_errors(films, double.compared)

@@ -33,8 +33,8 @@ class FilmTrajectory:
     steps, iterations, linear_iterations
         Number of steps in time, of iterations of the film in them, and of iterations of its linear systems.
     step_error
-        Largest error of one step, of the film in the Hertzian zone, in L1 over its mean; infinite where it was not
-        estimated.
+        Largest error of one step from the third on, of the film in the Hertzian zone, in L1 over its mean; infinite
+        where none was estimated.
     time_discretisation_errors
         Estimates (time,) of the relative time-discretisation errors of :data:`NUMBERS`, of the peak pressure and of the
         pressure in L1, of all steps together, from a second evolution with steps twice as long; infinite if one of the

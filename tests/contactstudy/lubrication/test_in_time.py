@@ -167,6 +167,9 @@ def test_no_error_of_a_step_is_above_what_is_asked() -> None:
     )
     assert evolution.status is not cs.Status.FILM_NOT_CONVERGED
     assert 0 < evolution.step_error <= 2e-3
+    two_steps = evolve_lubricated(scene, grid(64, 4.0), times=[0, passage], step=passage)
+    assert two_steps.steps == 2
+    assert two_steps.step_error == np.inf
 
 
 def test_an_instant_without_load_or_speed_is_refused() -> None:

@@ -135,7 +135,9 @@ def check_tangential_response(
 ) -> None:
     """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
-        if (creeps(solid) and creep == "follows") or isinstance(solid, HalfSpace | CoatedHalfSpace):
+        follows = creeps(solid) and creep == "follows"
+        elastic = isinstance(solid, Inelastic) and not creeps(solid) and not yields(solid)
+        if follows or elastic or isinstance(solid, HalfSpace | CoatedHalfSpace):
             continue
         reason = "its response to shear is not known"
         if yields(solid):

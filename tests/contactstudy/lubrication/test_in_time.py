@@ -1,10 +1,14 @@
+import sys
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
+from contactstudy.lubrication.film_equation import FilmEquation
+from contactstudy.lubrication.pseudo_time import FilmIteration, iterate
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
@@ -170,6 +174,25 @@ def test_no_error_of_a_step_is_above_what_is_asked() -> None:
     two_steps = evolve_lubricated(scene, grid(64, 4.0), times=[0, passage], step=passage)
     assert two_steps.steps == 2
     assert two_steps.step_error == np.inf
+
+
+def test_a_step_that_fails_ends_the_evolution_at_its_own_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A load that grows by half until one passage: no film converges from a quarter on."""
+
+    def diverging(equation: FilmEquation, *args: Any, **named: Any) -> FilmIteration:
+        last = iterate(equation, *args, **named)
+        return replace(last, residual=np.inf) if equation.load > np.pi / 2 / 1.2 else last
+
+    monkeypatch.setattr(sys.modules[evolve_lubricated.__module__], "iterate", diverging)
+    scene = by_moes(20, 5)
+    passage = A / speed_of(scene)
+    growing = replace(scene, load=cs.LoadHistory((0, passage), (1e5, 1.5e5)))
+    evolution = evolve_lubricated(growing, grid(64, 4.0), times=[0, passage])
+    last = evolution.contacts[-1]
+    assert last.status is cs.Status.FILM_NOT_CONVERGED
+    assert last.load_per_length == pytest.approx(growing.load.at(evolution.times[-1]), rel=1e-4)
 
 
 def test_an_instant_without_load_or_speed_is_refused() -> None:

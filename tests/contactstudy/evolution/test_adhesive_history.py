@@ -97,7 +97,7 @@ def test_without_a_range_the_bound_holds_the_limit_of_short_ranges() -> None:
 def test_numbers_at_a_given_approach_are_within_their_bounds_of_those_of_a_fine_grid() -> None:
     near = replace(SCENE, load=cs.Approach(1.0))
     coarse, fine = (
-        cs.solve(near, cs.Grid((cells, 1), GRID.extent), LINE).quantities for cells in (128, 1024)
+        cs.solve(near, cs.Grid((cells, 1), GRID.extent), LINE).quantities for cells in (192, 1024)
     )
     for name in ("load_per_length", "contact_area", "mean_pressure", "mean_gap", "peak_pressure"):
         error = abs(coarse[name].value - fine[name].value)

@@ -10,16 +10,6 @@ from studies.reference.line_contact import SCENE
 from tests.hard_cases.judged import ends_well
 
 
-@pytest.mark.parametrize("padding", PADDINGS)
-def test_a_cell_alone_bears_all(padding: str) -> None:
-    solution = ends_well("one cell touches", padding, "preconditioned CG")
-    assert np.count_nonzero(solution.pressure) == 1
-    on = solution.problem.grid
-    assert solution.pressure.max() * on.cell_area == pytest.approx(
-        SCENE.load.per_length * on.length, rel=1e-14
-    )
-
-
 @pytest.mark.parametrize("padding", ["zero", "exact", "exact on both"])
 def test_a_flattened_cylinder_is_a_flat(padding: str) -> None:
     """What 1e30 N/m leaves of the curvature is less than rounding."""

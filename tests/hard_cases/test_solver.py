@@ -4,7 +4,6 @@ import pytest
 import contactstudy as cs
 from studies.reference.hard_case import EXACT, SOLVERS
 from studies.reference.hard_cases import CASES
-from tests.hard_cases.judged import ends_well
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
@@ -20,8 +19,3 @@ def test_an_interrupted_solve_goes_on_where_it_stopped(solver: str) -> None:
     # two residuals times the condition of 24 cells
     difference = np.abs(second.pressure - whole.pressure).max() / problem.scales.pressure
     assert difference < 2 * 24 * 1e-10
-
-
-def test_a_loose_tolerance_says_how_loose() -> None:
-    solution = ends_well("tolerance 1e-2", "exact", "preconditioned CG")
-    assert 1e-5 < solution.residual <= 1e-2

@@ -38,13 +38,6 @@ def test_spectrum_falls_with_the_hurst_exponent() -> None:
     assert rate == pytest.approx(-2 * 1.8, abs=0.2)
 
 
-@pytest.mark.parametrize("none", [0.0, RmsSlope(0.0)])
-def test_no_height_and_no_slope_are_no_surface(none: float | RmsSlope) -> None:
-    heights = replace(ROUGH, rms=none).gap(grid(16, 8))
-    assert heights.shape == (16, 1)
-    assert not heights.any()
-
-
 @pytest.mark.cases(100)
 @pytest.mark.parametrize(
     ("field", "value"),

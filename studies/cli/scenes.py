@@ -16,7 +16,7 @@ import click
 import contactstudy as cs
 from contactstudy.domain.units import readable
 from studies.cli.options import FORMAT, JSON, SCENE, out_option, with_png
-from studies.model.plain_text import thread_count
+from studies.model.plain_text import thread_count, two_digits
 
 if TYPE_CHECKING:
     from contactstudy.answers.answer import Answer
@@ -66,7 +66,7 @@ def plan(scene: Path, threads: int | None, device: str, as_json: bool) -> None: 
     processor = thread_count(chosen.threads) if isinstance(chosen, cs.Cpu) else repr(chosen)
     is_unknown = isinf(planned.error)
     error = "the error is known after the solve" if is_unknown else f"error {planned.error:.1g}"
-    seconds = "a time not known" if isinf(planned.seconds) else f"{planned.seconds:.2g} s"
+    seconds = "a time not known" if isinf(planned.seconds) else f"{two_digits(planned.seconds)} s"
     click.echo(
         f"  estimated: {error}, {seconds} on {processor} without files and pictures, {planned.bytes / 1e6:.3g} MB"
     )
@@ -127,7 +127,7 @@ def solve(
         click.echo(f"{scene}: {answer.summary()}")
         cells = " x ".join(map(str, answer.grid.cells))
         wrote = f"wrote {', '.join(map(str, files))}"
-        for line in (f"{cells} cells, {seconds:.2g} s", *notes, wrote):
+        for line in (f"{cells} cells, {two_digits(seconds)} s", *notes, wrote):
             click.echo(f"  {line}")
     if answer.status.name != "CONVERGED":
         sys.exit(1)
@@ -141,7 +141,7 @@ def _announce(scene: Path, described: cs.SceneFile, device: cs.Cpu | cs.Gpu) -> 
     for warning in planned.warnings:
         click.echo(f"{scene}: warning: {warning}", err=True)
     if LONG < planned.seconds < inf or planned.bytes > LARGE:
-        cost = f"{planned.seconds:.2g} s and {planned.bytes / 1e9:.2g} GB"
+        cost = f"{two_digits(planned.seconds)} s and {planned.bytes / 1e9:.2g} GB"
         click.echo(f"{scene}: estimated cost: {cost}", err=True)
 
 

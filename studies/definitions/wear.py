@@ -32,7 +32,7 @@ SCHEMES = {
     "explicit": cs.Scheme.EXPLICIT,
 }
 INSTANTS = 8  # stored, for any number of steps
-FINE = 512
+FINE = 512  # two-stage steps of the reference
 # Longest stable explicit step, k E* ds / dx: twice the compliance of a pressure that alternates from cell to cell,
 # 16 G / pi^2 with Catalan's constant G.
 LONGEST_EXPLICIT = 1.484
@@ -51,6 +51,10 @@ def case_at(point: Point) -> SceneCase:
     """Return an evolution in equal steps from the unworn cylinder."""
     scheme = one_of("scheme", point["scheme"], SCHEMES)
     steps = whole_number("steps", point["steps"], 2, "give at least 2 steps")
+    if steps > FINE // 2:
+        raise cs.InvalidInput(
+            f"steps is {steps}: give at most {FINE // 2}, half of the {FINE} steps of the reference."
+        )
     cells = whole_number("grid", point["grid"], 4, "give at least 4 cells across the width")
     return _case(cells, steps, SCHEMES[scheme])
 

@@ -17,7 +17,7 @@ from studies.engine.results import Results, save_fields
 from studies.engine.timing import take_times
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, OnFinished, Outcome, RunSettings, summary_messages
-from studies.model.plain_text import Log
+from studies.model.plain_text import Log, two_digits
 from studies.model.study import Study
 from studies.store.fingerprint.modules import listed
 from studies.store.netcdf import check_kind, open_folder, read
@@ -116,8 +116,8 @@ def estimate_cost(
         log(f"the time is not known: the plan of a case failed ({type(error).__name__}: {error})")
         return None
     if missing:
-        timing = f", {scale * seconds * runs / len(missing):.2g} s to time" if runs else ""
-        log(f"about {scale * seconds:.2g} s to compute (shared by the workers){timing}")
+        timing = f", {two_digits(scale * seconds * runs / len(missing))} s to time" if runs else ""
+        log(f"about {two_digits(scale * seconds)} s to compute (shared by the workers){timing}")
     return scale * seconds
 
 

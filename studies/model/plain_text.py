@@ -15,6 +15,11 @@ LONGEST = 2000  # characters of an error or a title
 _CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff]")
 
 
+def two_digits(number: float) -> str:
+    """Return a number with two significant digits and without an exponent up to a million, such as "120"."""
+    return f"{float(f'{number:.2g}'):g}"
+
+
 def one_line(text: object, longest: int = LONGEST) -> str:
     """Return `text` in one line of at most `longest` characters, with control characters escaped."""
     try:

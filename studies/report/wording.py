@@ -5,6 +5,7 @@ from math import inf, isfinite
 
 from studies.advice.compared_scene import REPORTED, Setting
 from studies.advice.comparison import LINE, Alternative, Comparison, MeasuredSetting, Verdict
+from studies.model.plain_text import two_digits
 from studies.report.style import percent
 
 NAMES = {"exact": "exact periodicity", LINE: "exact periodicity", "free": "free ends"}
@@ -43,8 +44,8 @@ def setting_text(measured: MeasuredSetting) -> str:
 def seconds_text(seconds: float) -> str:
     """Return a time with two digits, in ms below a second."""
     if seconds >= 0.9995:
-        return f"{seconds:.2g} s"
-    return f"{float(f'{1000 * seconds:.2g}'):g} ms"
+        return f"{two_digits(seconds)} s"
+    return f"{two_digits(1000 * seconds)} ms"
 
 
 def error_text(error: float, floor: float) -> str:

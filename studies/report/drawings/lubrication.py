@@ -110,13 +110,15 @@ def _cavitation(dataset: xr.Dataset) -> CaptionedFigure:
 
 def findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     """Return how many operating points converged, and how far films are from the formula of Moes."""
-    smooth = dataset.isel(rms=0, cavitation=0)
+    if 0.0 not in dataset["rms"].values:
+        return ()
+    smooth = dataset.sel(rms=0.0).isel(cavitation=0)
     total, converged = smooth["converged"].size, int(smooth["converged"].sum())
     fine = smooth.isel(grid=-1)
     ratio = abs(fine["film_over_moes"] - 1).where(fine["resolved"] == 1)
     if not bool(np.isfinite(ratio).any()):
         return ()
-    claim = "Films converge from a cold start at every load and viscosity, and conserve mass."
+    claim = "Smooth films converge from a cold start at every load and viscosity."
     if converged < total:
         claim = f"{total - converged} of {total} films do not converge from a cold start."
     return (

@@ -78,6 +78,11 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate() -> None:
     assert float(halfway) == pytest.approx(np.sqrt(1 + 1.5 * (1 - np.exp(-1))), abs=0.36 / 64 / 0.1)
 
 
+def test_wear_is_not_compared_with_a_reference_of_as_many_steps() -> None:
+    with pytest.raises(cs.InvalidInput, match=r"^steps is 512: give at most 256, half of the 512"):
+        measured("wear", steps=512)
+
+
 def test_explicit_wear_breaks_before_its_limit_and_implicit_never() -> None:
     error = {}
     for scheme, steps in itertools.product(("explicit", "implicit", "two-stage"), (8, 32)):

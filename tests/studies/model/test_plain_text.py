@@ -1,6 +1,10 @@
 import pytest
 
-from studies.model.plain_text import is_storable, name_problem, one_line
+from studies.model.plain_text import is_storable, name_problem, one_line, two_digits
+
+
+def test_seconds_have_no_exponent() -> None:
+    assert [two_digits(one) for one in (0.0123, 1.26, 123.4)] == ["0.012", "1.3", "120"]
 
 
 def test_a_text_is_one_line_of_at_most_so_many_characters() -> None:

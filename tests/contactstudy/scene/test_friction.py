@@ -315,9 +315,12 @@ def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None
     ],
 )
 def test_a_body_that_neither_creeps_nor_yields_sticks_as_an_elastic_one(body: object) -> None:
+    """Both stop at a residual of 1e-9, whose error is no more than its root."""
     one = scene(cs.TractiveRolling(0.3, longitudinal=1e-3))
-    found, elastic = solved(replace(one, solids=(body, STEEL))), solved(one)
-    np.testing.assert_array_equal(found.shear, elastic.shear)
+    found, elastic = (
+        solved(replace(one, solids=(first, STEEL)), tolerance=1e-9).shear for first in (body, STEEL)
+    )
+    np.testing.assert_allclose(found, elastic, rtol=0, atol=3e-5 * elastic.max())
 
 
 def test_dundurs_constant_of_bodies_that_differ_in_both_moduli() -> None:

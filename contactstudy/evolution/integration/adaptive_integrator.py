@@ -219,7 +219,11 @@ class AdaptiveIntegrator:
         return max(self._relative(after - before, fine, self.fine), grown)
 
     def _restart(self, control: StepControl) -> None:
-        """Start the integration again with shorter steps; the work done so far stays counted."""
+        """Start the integration again with shorter steps; the work done so far counts in the first frame."""
+        for frame in (*self.frames, *self.waiting):
+            self.solves += frame.solves
+            self.iterations += frame.iterations
+            self.convolutions += frame.convolutions
         self.control, self.frames, self.waiting = control, [], []
         self.restarts += 1
         self._begin()

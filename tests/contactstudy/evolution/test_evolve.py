@@ -2,6 +2,7 @@ import random
 from dataclasses import replace
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.integration import checkpoint
 from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.trajectory import Trajectory
+from contactstudy.solvers.solution import Solution
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -48,6 +51,21 @@ def test_steps_keep_to_the_error_asked_for(error: float) -> None:
         assert (frame.time, frame.load) == (true.time, true.load)
         wrong = np.abs(frame.pressure - true.pressure).sum() / true.pressure.sum()
         assert wrong <= frame.step_error + 1e-5
+
+
+def test_work_of_restarts_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    advance, made = TimeStepper.advance, list[Solution]()
+
+    def counted(*arguments: Any) -> tuple[Instant, list[Solution]]:
+        after, solutions = advance(*arguments)
+        made.extend(solutions)
+        return after, solutions
+
+    monkeypatch.setattr(TimeStepper, "advance", counted)
+    scene, grid = rolling_cylinder(SOLID, wear=cs.Wear(1.0, 1.0)), cs.Grid((24, 1), GRID.extent)
+    found = evolve(scene, grid, EXACT, times=[0.0, 1.0], error=2e-2)
+    assert found.restarts > 0
+    assert found.solves == len(made)
 
 
 def test_without_times_every_pair_of_steps_is_recorded() -> None:

@@ -182,14 +182,18 @@ def solve_lubricated(
             break
         longer *= min(max(1.0, sqrt(2 * inlet / error)), 2.0)
         finer *= min(max(1.0, sqrt(2.5 * cells / remaining)), 2.0)
+    if not isfinite(inlet + cells):
+        return contact  # with the reason in the estimate
+    shape = "{} x {}".format(*contact.grid.cells)
     if grid is None:
-        return contact
-    cause = (
-        f"the width of {readable(grid.extent[0])} leaves an error of {inlet:.2g} to the inlet, give a larger one"
-        if inlet > error / 2
-        else f"{contact.grid.cells[0]} x {contact.grid.cells[1]} cells leave an error of {cells:.2g}, give more"
-    )
-    reason = f"The error of {error:g} is not reached on the grid that is given: {cause}."
+        reason = f"The error of {error:g} is not reached on {shape} cells, the most that are taken: give a larger one."
+    else:
+        cause = (
+            f"the width of {readable(grid.extent[0])} leaves an error of {inlet:.2g} to the inlet, give a larger one"
+            if inlet > error / 2
+            else f"{shape} cells leave an error of {cells:.2g}, give more"
+        )
+        reason = f"The error of {error:g} is not reached on the grid that is given: {cause}."
     return replace(contact, estimate=replace(estimate, warnings=(*estimate.warnings, reason)))
 
 
@@ -329,7 +333,9 @@ def _compared(
     """Return the errors of a contact from those on the grids of the estimate."""
     unresolved = Status.FILM_NOT_CONVERGED, Status.FILM_BELOW_CELL, Status.SEVERAL_FILMS
     failed = [film for film in (contact, coarse, longer) if film.status in unresolved]
-    residual = inf if failed else contact.residual
+    is_too_coarse = any(film.status is Status.FILM_BELOW_CELL for film in failed)
+    is_other = any(film.status is not Status.FILM_BELOW_CELL for film in failed)
+    residual = inf if is_other else contact.residual
     reason = ""
     if failed:
         cells = failed[0].grid.cells[0]
@@ -346,7 +352,7 @@ def _compared(
         if coarsest.status not in unresolved:
             change = max(change, NEXT_CHANGE * abs(half - quarter))
         return ErrorParts(
-            discretisation=change / scale,
+            discretisation=inf if is_too_coarse else change / scale,
             inlet=INLET_ERROR_OVER_CHANGE * abs(half - long_inlet) / scale,
             residual=residual,
             reason=reason,
@@ -354,7 +360,7 @@ def _compared(
 
     on_coarse, on_longer = (_pressure_at(contact.grid, film) for film in (coarse, longer))
     pressure = ErrorParts(
-        discretisation=_l1(contact.pressure, on_coarse),
+        discretisation=inf if is_too_coarse else _l1(contact.pressure, on_coarse),
         inlet=INLET_ERROR_OVER_CHANGE * _l1(on_coarse, on_longer),
         residual=residual,
         reason=reason,

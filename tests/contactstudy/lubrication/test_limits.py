@@ -1,3 +1,4 @@
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -60,6 +61,17 @@ def test_an_error_refines_the_cells_of_a_given_extent() -> None:
     assert contact.grid.cells[0] > 48
     assert total(contact.estimate.central_film) <= 4e-2
     assert total(contact.estimate.minimum_film) <= 4e-2
+
+
+def test_an_error_refines_the_cells_until_they_resolve_a_thin_film() -> None:
+    contact = solve_lubricated(at(1e5, 1e-2), error=0.1)
+    assert total(contact.estimate.central_film) <= 0.1
+
+
+def test_an_error_that_the_most_cells_miss_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[solve_lubricated.__module__], "MAX_CELLS", 128)
+    contact = solve_lubricated(by_moes(5, 0), error=1e-4)
+    assert "0.0001 is not reached on 128 x 1 cells" in " ".join(contact.estimate.warnings)
 
 
 def test_a_width_that_is_too_short_for_an_error_is_named() -> None:

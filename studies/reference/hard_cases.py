@@ -28,12 +28,12 @@ from studies.reference.hard_case import (
 from studies.reference.line_contact import SCENE, STEEL
 
 
-def _distance() -> dict[str, HardCase]:
+def _discretisation() -> dict[str, HardCase]:
     """Return contacts with extreme periods, aspects and numbers of cells."""
 
     def case(hard: str, cells: tuple[int, int], width: float, period: float) -> HardCase:
         ends = AT_EDGE if cells[0] < 4 else ENDED
-        return HardCase("distance", hard, SCENE, grid(cells, width, period), ends)
+        return HardCase("discretisation", hard, SCENE, grid(cells, width, period), ends)
 
     periods = {
         f"period {period:g} a": case(f"a period of {period:g} half-widths", (24, 6), 2.4, period)
@@ -196,6 +196,6 @@ def _solver() -> dict[str, HardCase]:
 
 
 CASES: dict[str, HardCase] = (
-    _distance() | _load() | units() | _material() | _surface() | perturbation() | _solver()
+    _discretisation() | _load() | units() | _material() | _surface() | perturbation() | _solver()
 )
 GROUPS = tuple(dict.fromkeys(case.group for case in CASES.values()))

@@ -68,7 +68,7 @@ def measures(case: PosedCase, solution: cs.Contact) -> Mapping[str, xr.Variable]
     measured = {
         "axis_pressure_error": (
             on_axis,
-            "relative error of the pressure beside the axis, its mean along the length",
+            "pressure beside the axis over Hertz peak pressure less 1, its mean along the length",
         ),
         "peak_pressure_error": (pressure.max() - 1, "relative error of the peak pressure anywhere"),
         "pressure_error_max": (error, largest),

@@ -26,6 +26,8 @@ from studies.reference.accuracy.case import (
 from studies.reference.line_contact import HERTZ, SCENE
 
 PROFILES = (cs.FlatBottomed(), cs.Parabolic(), cs.Cosine())
+SAMPLING = 0.05 * A  # interval of the measured surface
+FINER = Finer((4, 4), EXACT)
 
 
 def textured_waves() -> Iterator[AccuracyCase]:
@@ -39,7 +41,7 @@ def textured_waves() -> Iterator[AccuracyCase]:
         for across, along, cells in ((inf, 0.6, 48), (0.5, 1.2, 64), (0.7, 0.6, 90)):
             wavy = scene(cs.Waviness(height * GAP_SCALE, across=across * A, along=along * A))
             grid = cs.Grid((cells, cells // 2), (3.4 * A, 1.2 * A))
-            yield AccuracyCase("waves", wavy, grid, EXACT, Finer((4, 4), EXACT))
+            yield AccuracyCase("waves", wavy, grid, EXACT, FINER)
 
 
 def grooves() -> Iterator[AccuracyCase]:
@@ -99,11 +101,7 @@ def windows() -> Iterator[AccuracyCase]:
         for height in (0.3, 2.0):
             wavy = scene(cs.Waviness(height * GAP_SCALE, along=2.4 * A, phase=pi))
             grid = cs.Grid((90, 48), (4.6 * A, 2.4 * A))
-            yield AccuracyCase("every padding", wavy, grid, padding, Finer((4, 4), EXACT))
-
-
-POINT = 0.05 * A  # of the measured surface
-FINER = Finer((4, 4), EXACT)
+            yield AccuracyCase("every padding", wavy, grid, padding, FINER)
 
 
 def rollers() -> Iterator[AccuracyCase]:
@@ -182,14 +180,14 @@ def measured() -> Iterator[AccuracyCase]:
         heights = ground((80, 40), seed)
         for rms in (0.02, 0.1, 0.5):
             surface = cs.MeasuredSurface(
-                heights * rms * GAP_SCALE, (80 * POINT, 40 * POINT), seam=cs.Tapered()
+                heights * rms * GAP_SCALE, (80 * SAMPLING, 40 * SAMPLING), seam=cs.Tapered()
             )
             for per_point in (1.0, 1.35, 2.0, 3.0):
                 cells = round(72 * per_point), round(40 * per_point)
-                grid = cs.Grid(cells, (72 * POINT, 40 * POINT))
+                grid = cs.Grid(cells, (72 * SAMPLING, 40 * SAMPLING))
                 yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
     for seed in (3, 4):
-        grid = cs.Grid((80, 40), (80 * POINT, 40 * POINT))
+        grid = cs.Grid((80, 40), (80 * SAMPLING, 40 * SAMPLING))
         surface = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * GAP_SCALE)
         yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
 

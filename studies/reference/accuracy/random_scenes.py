@@ -19,7 +19,7 @@ from studies.reference.accuracy.case import (
     Finer,
     scene,
 )
-from studies.reference.accuracy.matrix import POINT, PROFILES, Bumps, ground, rough
+from studies.reference.accuracy.matrix import FINER, PROFILES, SAMPLING, Bumps, ground, rough
 from studies.reference.line_contact import SCENE
 
 # Cases of each kind.
@@ -117,16 +117,16 @@ def roughness(rng: np.random.Generator) -> Made:
     rms, hurst = _ratio(rng, 0.02, 1) * GAP_SCALE, rng.uniform(0.3, 0.9)
     roll_off = max(rng.uniform(0.3, 0.9) * A, cut_off)
     shape = rough(rms, hurst, roll_off, cut_off, int(rng.integers(1_000_000)))
-    return scene(shape), grid, EXACT, Finer((4, 4), EXACT)
+    return scene(shape), grid, EXACT, FINER
 
 
 def measured(rng: np.random.Generator) -> Made:
-    """Return a ground surface at one to three cells a point."""
+    """Return a ground surface at one to three cells per sampling interval."""
     heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * GAP_SCALE
-    surface = cs.MeasuredSurface(heights, (80 * POINT, 40 * POINT), seam=cs.Tapered())
+    surface = cs.MeasuredSurface(heights, (80 * SAMPLING, 40 * SAMPLING), seam=cs.Tapered())
     per_point = rng.uniform(1, 3)
     cells = round(72 * per_point), round(40 * per_point)
-    grid = cs.Grid(cells, (72 * POINT, 40 * POINT))
+    grid = cs.Grid(cells, (72 * SAMPLING, 40 * SAMPLING))
     return scene(surface), grid, EXACT, Finer((3, 3), EXACT)
 
 
@@ -174,7 +174,7 @@ def hard(rng: np.random.Generator) -> Made:
     rms, cut_off = _ratio(rng, 0.05, 0.8) * GAP_SCALE, rng.uniform(0.1, 0.4) * A
     shape = rough(rms, 0.8, 0.9 * A, cut_off, int(rng.integers(1_000_000)))
     soft = scene(shape, hardness=rng.uniform(0.7, 4) * P_H)
-    return soft, grid, EXACT, Finer((4, 4), EXACT)
+    return soft, grid, EXACT, FINER
 
 
 MAKERS: tuple[Callable[[np.random.Generator], Made], ...] = (

@@ -1,4 +1,4 @@
-"""Contacts with a closed form: cylinders, spheres, a wave, a flat punch, a wedge."""
+"""Contacts with a closed form, and shapes of other powers: cylinders, spheres, a wave, a flat punch, a wedge."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

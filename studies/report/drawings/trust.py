@@ -17,7 +17,7 @@ from studies.report.style import COLORS, LAW_STYLE, WIDTH, captioned, panels, pe
 RIGHT, EXPLAINED, WRONG = range(3)  # of VERDICTS, whose last is "not applicable"
 # What the cases of a group have in common.
 FAMILIES = {
-    "distance": "periods of 0.001 to 1000 half-widths, cells a thousand times as long as wide, a few cells",
+    "discretisation": "periods of 0.001 to 1000 half-widths, cells a thousand times as long as wide, a few cells",
     "load": "loads of 1e-30 and 1e30 N/m, one cell in contact, full contact, contact at the edge of the grid",
     "units": "one contact in other units of length and pressure",
     "material": "rigid and incompressible bodies, moduli 1e6 apart, hardnesses down to the mean pressure",

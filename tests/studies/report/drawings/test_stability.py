@@ -45,7 +45,7 @@ THREE = list(CASES)[:3]
 def test_the_table_counts_the_solves_of_each_group_and_has_its_largest_errors() -> None:
     table = [(row[0], *row[2:]) for row in rows("stability", hard([*THREE, "faint load"]))]
     assert table == [
-        ("distance", "3", "6", "3", "1", "7e-09", "1e-08"),
+        ("discretisation", "3", "6", "3", "1", "7e-09", "1e-08"),
         ("load", "1", "3", "0", "0", "2e-09", "8e-09"),
     ]
     explained = hard([THREE[0], "faint load", THREE[1]])

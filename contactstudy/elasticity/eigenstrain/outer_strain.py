@@ -35,11 +35,11 @@ class OuterStrain:
 
     def stress(self, left: Array, right: Array) -> Array:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] of the profiles in the volume, without pressure."""
-        return -self.operator.deviator(self._relaxed(left, right))
+        return -self.operator.deviator(self._negative_residual(left, right))
 
     def tensor(self, left: Array, right: Array) -> Array:
         """Return the stress tensor (6, layers, x, 1) [Pa] that the profiles make in the volume, without pressure."""
-        return self.operator.tensor(-self._relaxed(left, right), None)
+        return self.operator.tensor(-self._negative_residual(left, right), None)
 
     def residual_displacement(self, left: Array, right: Array) -> Array:
         """Return the surface displacement (x, 1) [m] into the body, on a grid that the volume covers."""
@@ -51,8 +51,8 @@ class OuterStrain:
         )
         return np.asarray((by_left + by_right[::-1])[:, None])
 
-    def _relaxed(self, left: Array, right: Array) -> Array:
-        """Return the in-plane stress (3, layers, x, 1) [Pa] that the profiles relax: minus their stress."""
+    def _negative_residual(self, left: Array, right: Array) -> Array:
+        """Return minus the in-plane residual stress (3, layers, x, 1) [Pa] of the profiles."""
         sums = self._stresses
         mirrored = np.multiply.outer(MIRRORED, MIRRORED)[:, None, :, None, None]
         by_left = np.einsum("iljmx,jm->ilx", sums, self.operator.in_plane(left))
@@ -61,12 +61,12 @@ class OuterStrain:
 
     @cached_property
     def _stresses(self) -> Array:
-        """Relaxed in-plane stress (3, layer, 3, layer of strain, x) by all cells more than x cells to the left."""
+        """Minus the in-plane stress (3, layer, 3, layer of strain, x) by all cells more than x cells to the left."""
         operator = self.operator
         layers, across, _ = operator.volume.shape
         stresses = np.empty((3, layers, 3, layers, across))
         for layer in range(layers):
-            for i, j, means in operator.relaxed_means(self._count, layer):
+            for i, j, means in operator.negative_residual_means(self._count, layer):
                 if (i == ODD) != (j == ODD):
                     sums = _odd_sums(means)
                 else:

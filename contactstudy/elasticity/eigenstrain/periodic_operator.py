@@ -34,18 +34,18 @@ ODD_SHEAR = 1
 
 @dataclass(frozen=True, eq=False)
 class AntiplaneOperator:
-    """Map from plastic strain in antiplane shear, ``sqrt(2) xy`` and ``sqrt(2) yz``, to the stress that it relaxes."""
+    """Map from plastic strain in antiplane shear, ``sqrt(2) xy`` and ``sqrt(2) yz``, to minus its residual stress."""
 
     volume: Volume
     moduli: Moduli
 
     def __call__(self, strain: Array) -> Array:
-        """Return the stress (2, layers, x) [Pa] that plastic `strain` (2, layers, x) relaxes."""
+        """Return minus the residual stress (2, layers, x) [Pa] of plastic `strain` (2, layers, x)."""
         return convolved(self._spectrum_and_blocks[0], strain, ODD_SHEAR)
 
     @property
     def self_blocks(self) -> Array:
-        """Stress that strain in a cell takes from that cell itself, by layer (layers, 2, 2) [Pa]."""
+        """Minus the residual stress of a cell by its own unit strain, by layer (layers, 2, 2) [Pa]."""
         return self._spectrum_and_blocks[1]
 
     @cached_property
@@ -69,7 +69,7 @@ class AntiplaneOperator:
 
 
 def antiplane_means(count: int, edges: Array) -> Array:
-    """Return the stress xy or yz over 2G that unit plastic strain xy or yz relaxes, (2, 2, layers, layers, x).
+    """Return minus the residual stress xy or yz over 2G of unit plastic strain xy or yz, (2, 2, layers, layers, x).
 
     It is the mean over cells of each layer by strain in each layer, at `count` offsets 0, 1, 2 ... across; offsets and
     the `edges` of the layers are in cells.
@@ -138,8 +138,8 @@ class PeriodicOperator:
         """Basis of the five components (5, 6) in terms of xx, yy, zz, yz, xz, xy."""
         return BASIS
 
-    def relaxed_stress(self, strain: Array) -> Array:
-        """Return the deviatoric stress (5, layers, x, y) [Pa] that plastic `strain` relaxes."""
+    def negative_residual_stress(self, strain: Array) -> Array:
+        """Return minus the deviatoric residual stress (5, layers, x, y) [Pa] of plastic `strain`."""
         return self._from_strain(strain, Components.DEVIATOR, -1.0)
 
     def residual_stress_tensor(self, strain: Array) -> Array:
@@ -169,7 +169,7 @@ class PeriodicOperator:
 
     @cached_property
     def self_blocks(self) -> Array:
-        """Stress that strain in a cell takes from that cell itself, by layer (layers, 5, 5) [Pa]."""
+        """Minus the residual stress of a cell by its own unit strain, by layer (layers, 5, 5) [Pa]."""
         layers, _, ny = self.volume.shape
         blocks = np.zeros((layers, 5, 5))
         blocks[:, :3, :3] = self._plane.self_blocks / ny
@@ -179,7 +179,7 @@ class PeriodicOperator:
         return blocks
 
     def _from_strain(self, strain: Array, components: Components, sign: float) -> Array:
-        """Return the `components` of the stress that `strain` relaxes, times -`sign`."""
+        """Return the `components` of the residual stress of `strain`, times `sign`."""
         layers, across, ny = self.volume.shape
         plane = strain[:3].mean(axis=-1, keepdims=True)
         along = np.zeros((len(components.value), layers, across, ny // 2 + 1), dtype=np.complex128)
@@ -188,7 +188,7 @@ class PeriodicOperator:
             along[..., :1] = (sign * ny) * self._plane.residual_stress_tensor(plane)
             along[5, ..., 0], along[3, ..., 0] = shear / 2**0.5
         else:
-            along[:3, ..., :1] = (-sign * ny) * self._plane.relaxed_stress(plane)
+            along[:3, ..., :1] = (-sign * ny) * self._plane.negative_residual_stress(plane)
             along[3:, ..., 0] = shear
         for group, waves in self._grouped(strain):
             stress = group.waves.stress(waves, components)

@@ -81,8 +81,8 @@ class PlaneStrainOperator:
     """Linear maps on plastic strain in plane strain, for one cell along the length.
 
     An :class:`~contactstudy.elasticity.eigenstrain.volume.EigenstrainOperator`. Strain and stress are means over cells,
-    so that the stress relaxed by a piecewise constant strain is the derivative of its elastic energy: a symmetric map in
-    the inner product of cell volumes.
+    so that the residual stress of a piecewise constant strain is minus the derivative of its elastic energy: a
+    symmetric map in the inner product of cell volumes.
     """
 
     volume: Volume
@@ -101,9 +101,9 @@ class PlaneStrainOperator:
         """Return the deviatoric stress (3, layers, x, 1) [Pa] under `shear` along x (x, 1) [Pa]."""
         return self.deviator(self._stress_of_traction(shear, stress_means_under_shear))
 
-    def relaxed_stress(self, strain: Array) -> Array:
-        """Return the deviatoric stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes."""
-        stress = self.deviator(self._relaxed(strain))
+    def negative_residual_stress(self, strain: Array) -> Array:
+        """Return minus the deviatoric residual stress (3, layers, x, 1) [Pa] of plastic `strain`."""
+        stress = self.deviator(self._negative_residual(strain))
         stress[1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2 * strain[1]
         return stress
 
@@ -119,11 +119,11 @@ class PlaneStrainOperator:
 
     def residual_stress_tensor(self, strain: Array) -> Array:
         """Return the residual stress (6, layers, x, 1) [Pa] of plastic `strain` without pressure."""
-        return self.tensor(-self._relaxed(strain), strain[1])
+        return self.tensor(-self._negative_residual(strain), strain[1])
 
     @cached_property
     def self_blocks(self) -> Array:
-        """Stress that strain in a cell takes from that cell itself, by layer (layers, 3, 3) [Pa]."""
+        """Minus the residual stress of a cell by its own unit strain, by layer (layers, 3, 3) [Pa]."""
         mixing = self._mixing
         blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._spectrum_and_blocks[1], mixing)
         blocks[:, 1, 1] += self.moduli.youngs_modulus * PLANE_STRAIN_BASIS[1, 1] ** 2
@@ -168,8 +168,8 @@ class PlaneStrainOperator:
         waves = self._spectrum_of(kind) * fft.rfft(traction[:, 0], padded)
         return np.asarray(fft.irfft(waves, padded, axis=-1)[..., self.volume.rows, None])
 
-    def _relaxed(self, strain: Array) -> Array:
-        """Return the in-plane stress (3, layers, x, 1) [Pa] that plastic `strain` relaxes: minus its stress."""
+    def _negative_residual(self, strain: Array) -> Array:
+        """Return minus the in-plane residual stress (3, layers, x, 1) [Pa] of plastic `strain`."""
         return convolved(self._spectrum_and_blocks[0], self.in_plane(strain)[..., 0], ODD)[
             ..., None
         ]
@@ -199,8 +199,8 @@ class PlaneStrainOperator:
         around[..., offsets % padded] = np.stack((xx, zz, 2**0.5 * xz))
         return np.asarray(fft.rfft(around, axis=-1))
 
-    def relaxed_means(self, count: int, layer: int) -> Iterator[tuple[int, int, Array]]:
-        """Yield the in-plane stress [Pa] of one `layer` that in-plane strain relaxes, for each pair of components.
+    def negative_residual_means(self, count: int, layer: int) -> Iterator[tuple[int, int, Array]]:
+        """Yield minus the in-plane residual stress [Pa] of one `layer`, for each pair of components.
 
         Each item is the component i of the stress, the component j of the unit strain, and the means over a cell
         (layers of the strain, x) at `count` offsets 0, 1, 2 ... across.
@@ -211,15 +211,15 @@ class PlaneStrainOperator:
 
     @cached_property
     def _spectrum_and_blocks(self) -> tuple[Array, Array]:
-        """Matrices (waves, 3 layers, 3 layers) from in-plane strain to relaxed stress [Pa], and that of a cell itself.
+        """Matrices (waves, 3 layers, 3 layers) from in-plane strain to minus its stress [Pa], and that of a cell itself.
 
-        The latter is the stress (layers, 3, 3) [Pa] of a cell that its own in-plane strain relaxes.
+        The latter is minus the residual stress (layers, 3, 3) [Pa] of a cell by its own in-plane strain.
         """
         layers, across, _ = self.volume.shape
         spectrum = np.empty((padded_across(across) // 2 + 1, 3, layers, 3, layers))
         self_blocks = np.empty((layers, 3, 3))
         for layer in range(layers):
-            for i, j, means in self.relaxed_means(across, layer):
+            for i, j, means in self.negative_residual_means(across, layer):
                 self_blocks[layer, i, j] = means[layer, 0]
                 spectrum[:, i, layer, j] = real_spectrum(means, is_odd=(i == ODD, j == ODD)).T
         return spectrum.reshape(-1, 3 * layers, 3 * layers), self_blocks

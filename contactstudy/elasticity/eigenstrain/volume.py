@@ -92,7 +92,7 @@ class EigenstrainOperator(Protocol):
 
     @property
     def self_blocks(self) -> Array:
-        """Stress of a cell that its own unit strain relaxes, the diagonal blocks of B, by layer (layers, C, C) [Pa]."""
+        """Minus the residual stress of a cell by its own unit strain, the diagonal blocks of B, (layers, C, C) [Pa]."""
 
     def stress_of_pressure(self, pressure: Array) -> Array:
         """Return the deviatoric stress S p (C, layers, x, y) [Pa] under `pressure` p (x, y) [Pa] on the whole grid."""
@@ -100,8 +100,8 @@ class EigenstrainOperator(Protocol):
     def stress_of_shear(self, shear: Array) -> Array:
         """Return the deviatoric stress (C, layers, x, y) [Pa] under `shear` along x (x, y) [Pa] on the whole grid."""
 
-    def relaxed_stress(self, strain: Array) -> Array:
-        """Return the deviatoric stress B e (C, layers, x, y) [Pa] that plastic `strain` relaxes; 0 < B < 2G."""
+    def negative_residual_stress(self, strain: Array) -> Array:
+        """Return B e, minus the deviatoric residual stress (C, layers, x, y) [Pa] of plastic `strain` e; 0 < B < 2G."""
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain` e, into the body, on the whole grid.

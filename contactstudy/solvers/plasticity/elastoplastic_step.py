@@ -1,6 +1,6 @@
 """Pressure and plastic strain at the end of a step in load, together: a semismooth Newton method.
 
-S maps pressure to deviatoric stress, B plastic strain to the stress that it relaxes, and C is the number of independent
+S maps pressure to deviatoric stress, B plastic strain to minus its residual stress, and C is the number of independent
 components of a deviator.
 """
 
@@ -183,13 +183,13 @@ def _mapped_state(
     outer_stress: Array,
 ) -> _State:
     """Return the state of a plastic `strain` (C, cells) with the contact `solution` over its residual displacement."""
-    relaxed = bodies.relaxed_stress(strain)
-    stress = bodies.stress_of_pressure(solution.pressure) + outer_stress - relaxed
+    reduction = bodies.negative_residual_stress(strain)
+    stress = bodies.stress_of_pressure(solution.pressure) + outer_stress - reduction
     mapped = bodies.law.return_mapping(stress, strain, strain_n, equivalent_n)
     residual = strain - mapped.strain
     error = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
     dissipation = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
-    stored = bodies.inner(strain, relaxed) / 2 + float((dissipation * bodies.volumes).sum())
+    stored = bodies.inner(strain, reduction) / 2 + float((dissipation * bodies.volumes).sum())
     energy = (
         stored - bodies.inner(strain, outer_stress) - _contact_energy(solution, bodies.cell_area)
     )
@@ -227,7 +227,7 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
     stiffness = mapped.stiffness
     rhs = -mapped.inverse_tangent(residual)
     if step.any():
-        rhs -= _relaxed(bodies, tangent, step)
+        rhs -= _negative_residual(bodies, tangent, step)
     rhs *= flows
     inverse = np.linalg.inv(stiffness + bodies.self_blocks(flows))
 
@@ -237,7 +237,7 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
         return strain
 
     def product(strain: Array) -> Array:
-        stress = _relaxed(bodies, tangent, strain) * flows
+        stress = _negative_residual(bodies, tangent, strain) * flows
         stress[:, flows] += np.einsum("kij,jk->ik", stiffness, strain[:, flows])
         return stress
 
@@ -247,9 +247,9 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
     )
 
 
-def _relaxed(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
-    """Return the stress (C, cells) [Pa] that `strain` relaxes, with the change of the pressure: ``(B + S Pi S^T) e``."""
+def _negative_residual(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
+    """Return minus the change of stress (C, cells) [Pa] by `strain`, with that of the pressure: ``(B + S Pi S^T) e``."""
     if tangent is None:
-        return bodies.relaxed_stress(strain)
+        return bodies.negative_residual_stress(strain)
     change = tangent(bodies.residual_displacement(strain))
-    return bodies.relaxed_stress(strain) + bodies.stress_of_pressure(change)
+    return bodies.negative_residual_stress(strain) + bodies.stress_of_pressure(change)

@@ -149,7 +149,7 @@ class YieldingBodies:
         )
 
     def self_blocks(self, cells: NDArray[np.bool_]) -> Array:
-        """Return the stress of each chosen cell that its own unit strain relaxes (chosen cells, C, C) [Pa]."""
+        """Return minus the residual stress of each chosen cell by its own unit strain (chosen cells, C, C) [Pa]."""
         shapes = [operator.volume.shape for operator in self.operators]
         layers = np.repeat(
             range(sum(n for n, _, _ in shapes)), [nx * ny for n, nx, ny in shapes for _ in range(n)]
@@ -180,10 +180,12 @@ class YieldingBodies:
         """Return the deviatoric stress S p (C, cells) [Pa] under `pressure` (x, y) [Pa]."""
         return self.concatenated([o.stress_of_pressure(pressure) for o in self.operators])
 
-    def relaxed_stress(self, strain: Array) -> Array:
-        """Return the deviatoric stress B e (C, cells) [Pa] that plastic `strain` relaxes."""
+    def negative_residual_stress(self, strain: Array) -> Array:
+        """Return B e, minus the deviatoric residual stress (C, cells) [Pa] of plastic `strain` e."""
         parts = zip(self.operators, self.split(strain), strict=True)
-        return self.concatenated([operator.relaxed_stress(part) for operator, part in parts])
+        return self.concatenated(
+            [operator.negative_residual_stress(part) for operator, part in parts]
+        )
 
     def residual_displacement(self, strain: Array) -> Array:
         """Return the surface displacement ``S^T e`` (x, y) [m] by plastic `strain`, of all bodies together."""

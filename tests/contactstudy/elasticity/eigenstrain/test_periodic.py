@@ -36,7 +36,7 @@ def dense(operator: PeriodicOperator) -> np.ndarray:
     shape = 5, *operator.volume.shape
     root = np.sqrt(np.broadcast_to(operator.volume.cell_volumes, shape)).ravel()
     units = np.eye(len(root))
-    columns = [operator.relaxed_stress(unit.reshape(shape)).ravel() for unit in units]
+    columns = [operator.negative_residual_stress(unit.reshape(shape)).ravel() for unit in units]
     return np.array(columns).T * root[:, None] / root
 
 
@@ -67,8 +67,8 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
     strain = noise(plane)
     along = np.zeros((5, *operator.volume.shape))
     along[:3] = strain
-    found = operator.relaxed_stress(along)
-    assert np.abs(found[:3] - plane.relaxed_stress(strain)).max() < 1e-13
+    found = operator.negative_residual_stress(along)
+    assert np.abs(found[:3] - plane.negative_residual_stress(strain)).max() < 1e-13
     assert np.abs(found[3:]).max() < 1e-13
     assert operator.residual_displacement(along) == pytest.approx(
         np.repeat(plane.residual_displacement(strain), 6, 1), abs=1e-13
@@ -78,7 +78,7 @@ def test_what_does_not_vary_along_the_length_is_plane_strain() -> None:
     assert np.abs(stress - plane.stress_of_pressure(pressure)).max() < 1e-13
     shear = np.zeros((5, *operator.volume.shape))
     shear[3:] = strain[:2]
-    found = operator.relaxed_stress(shear)
+    found = operator.negative_residual_stress(shear)
     assert np.abs(found[3:, ..., 0] - antiplane(strain[:2, ..., 0])).max() < 1e-13
 
 
@@ -117,7 +117,7 @@ def test_waves_add_up_to_the_closed_forms_of_an_infinite_axis() -> None:
         waves.stress(np.fft.fft(strain, period, axis=2), Components.DEVIATOR), axis=2
     )
     found = found[:, :, :cells].real
-    plane = PlaneStrainOperator(volume, STEEL).relaxed_stress(strain[:3])
+    plane = PlaneStrainOperator(volume, STEEL).negative_residual_stress(strain[:3])
     shear = AntiplaneOperator(volume, STEEL)(strain[3:, ..., 0])
     # short waves between layers further apart than the next: a per mille; the period: 1 / X
     assert np.abs(found[:3] - plane).max() < 2e-3
@@ -139,7 +139,7 @@ def test_a_deep_sphere_keeps_the_stress_of_eshelby() -> None:
     for component in range(5):
         strain = np.zeros((5, *volume.shape))
         strain[component] = inside
-        stress = operator.relaxed_stress(strain)
+        stress = operator.negative_residual_stress(strain)
         core = x**2 + y**2 + (volume.depths[:, None, None] - middle) ** 2 < (radius / 2) ** 2
         # Eshelby (1957), eq. 3.14: 1 - beta; the sphere is made of cells, images have (R / L)^3
         fraction = 1 - 2 * (4 - 5 * 0.3) / (15 * (1 - 0.3))

@@ -182,6 +182,7 @@ class AdaptiveIntegrator:
             end = point.time if reaches_point else self.fine.time + double_step
             load = point.before if reaches_point else self.stepper.load.at(end)
             half = self.fine.time + double_step / 2
+            accepted = len(self.statuses)
             first, _ = self._advance(self.fine, half, self.stepper.load.at(half), MAX_HALVINGS)
             second, solution = self._advance(first, end, load, MAX_HALVINGS)
             coarse, _ = self._advance(self.coarse, end, load)
@@ -190,7 +191,7 @@ class AdaptiveIntegrator:
                 return _Outcome.NO_SOLUTION
             error_increment = self._error_increment(second, coarse)
             if not control.accepts(error_increment) and double_step > self.shortest:
-                self.rejected += 1
+                self._reject(accepted)
                 self.double_step = double_step * min(control.factor(error_increment), 0.5)
                 continue
             self.fine, self.coarse, self.solution = second, coarse, solution
@@ -212,6 +213,11 @@ class AdaptiveIntegrator:
                 self._save()
         return _Outcome.REACHED
 
+    def _reject(self, accepted: int) -> None:
+        """Count steps as rejected; of their statuses, none beyond the first `accepted` ones enters a frame."""
+        self.rejected += 1
+        del self.statuses[accepted:]
+
     def _error_increment(self, fine: Instant, coarse: Instant) -> float:
         """Return by how much a pair of steps raises the estimated relative L1 error."""
         before, after = self.fine.pressure - self.coarse.pressure, fine.pressure - coarse.pressure
@@ -224,7 +230,7 @@ class AdaptiveIntegrator:
             self.solves += frame.solves
             self.iterations += frame.iterations
             self.convolutions += frame.convolutions
-        self.control, self.frames, self.waiting = control, [], []
+        self.control, self.frames, self.waiting, self.statuses = control, [], [], []
         self.restarts += 1
         self._begin()
 
@@ -236,6 +242,7 @@ class AdaptiveIntegrator:
         """
         increments = 1 if self.stepper.coupled is None else 2 * INCREMENTS
         max_halvings = MAX_HALVINGS if self.step_doubling else 0
+        accepted = len(self.statuses)
         while True:
             fine, solution = self._add_work(
                 *self.stepper.jump(self.fine, load, increments, max_halvings)
@@ -255,7 +262,7 @@ class AdaptiveIntegrator:
                 self.fine, self.coarse = fine, coarse
                 self.step_error = self._difference(fine, coarse)
                 break
-            self.rejected += 1
+            self._reject(accepted)
             increments *= 2
         self.solution = solution
         return True

@@ -11,6 +11,7 @@ import contactstudy as cs
 from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.integration import checkpoint
 from contactstudy.evolution.integration.evolve import evolve
+from contactstudy.evolution.integration.step_control import StepControl
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers.solution import Solution
@@ -53,19 +54,34 @@ def test_steps_keep_to_the_error_asked_for(error: float) -> None:
         assert wrong <= frame.step_error + 1e-5
 
 
-def test_work_of_restarts_is_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    advance, made = TimeStepper.advance, list[Solution]()
+@pytest.mark.parametrize("wear", [cs.Wear(1.0, 1.0), None], ids=["restarts", "one rejected pair"])
+def test_steps_that_are_given_up_count_as_work_alone(
+    wear: cs.Wear | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The steps of the first pair do not converge, and it is rejected."""
+    advance, accepts = TimeStepper.advance, StepControl.accepts
+    made: list[Solution] = []
+    steps: list[float] = []
 
     def counted(*arguments: Any) -> tuple[Instant, list[Solution]]:
         after, solutions = advance(*arguments)
         made.extend(solutions)
+        if after.time > 0:
+            steps.append(after.time)
+            status = cs.Status.NOT_CONVERGED if len(steps) <= 3 else cs.Status.CONVERGED
+            solutions = [replace(solution, status=status) for solution in solutions]
         return after, solutions
 
+    def rejects_first(control: StepControl, increment: float) -> bool:
+        return len(steps) != 3 and accepts(control, increment)
+
     monkeypatch.setattr(TimeStepper, "advance", counted)
-    scene, grid = rolling_cylinder(SOLID, wear=cs.Wear(1.0, 1.0)), cs.Grid((24, 1), GRID.extent)
+    monkeypatch.setattr(StepControl, "accepts", rejects_first)
+    scene, grid = rolling_cylinder(SOLID, wear=wear), cs.Grid((24, 1), GRID.extent)
     found = evolve(scene, grid, EXACT, times=[0.0, 1.0], error=2e-2)
-    assert found.restarts > 0
-    assert found.solves == len(made)
+    assert (found.restarts > 0) == (wear is not None)
+    assert found.rejected > 0
+    assert (found.solves, found.status) == (len(made), cs.Status.CONVERGED)
 
 
 def test_without_times_every_pair_of_steps_is_recorded() -> None:

@@ -88,18 +88,6 @@ def test_a_solid_of_ones_own_gives_the_closed_form_of_its_kernel() -> None:
     )
 
 
-def test_a_solid_may_stand_against_another_kind_of_solid(line_contact: LineContact) -> None:
-    """Responses add up: springs below a half-space soften the contact."""
-    grid = line_contact.grid((64, 2), 1.2, width=6.0)
-    beside = replace(line_contact.scene, solids=(STEEL, Foundation(1e14)))
-    stiff, soft = (
-        cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-        for scene in (line_contact.scene, beside)
-    )
-    assert soft.status is cs.Status.CONVERGED
-    assert (soft.pressure > 0).sum() > (stiff.pressure > 0).sum()
-
-
 @dataclass(frozen=True)
 class CappedBy:
     """A limit of one's own, by composition: what a hardness is."""

@@ -60,6 +60,7 @@ def test_truncated_images_cost_what_was_published(
     [
         (cs.DuplicatedPadding(), 3.0), (cs.DuplicatedPadding(), 6.0), (cs.DuplicatedPadding(), 12.0),
         (cs.Superposition(images=1), 2.4), (cs.Superposition(images=6), 0.6), (cs.Superposition(images=20), 0.3),
+        (cs.CircularSuperposition(1), 10.0), (cs.Superposition(100), 0.05), (cs.CircularSuperposition(10_000), 1e-3),
     ],
     ids=str,
 )  # fmt: skip

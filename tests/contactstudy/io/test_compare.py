@@ -21,12 +21,6 @@ def contact(
     )
 
 
-def test_a_contact_does_not_differ_from_itself() -> None:
-    one = contact([[0, 1], [2, 3]])
-    found = cs.compare(one, one)
-    assert (found.l1, found.peak_pressure, found.contact_area, found.load) == (0, 0, 0, 0)
-
-
 def test_differences_are_those_computed_by_hand() -> None:
     # thirds and halves of the width: sixths. a: 3 3 0 0 0 0 | b: 4 4 4 0 0 0, over cells of 1/6
     a, b = contact([[3], [0], [0]], approach=1.0), contact([[4], [0]], approach=1.5)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, in_moes_units
 
@@ -45,13 +44,6 @@ def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(
     assert conserving.flux_spread < 1e-6
     assert full.flux_spread > 1
     assert full.film_fraction.min() == 1
-
-
-def test_a_film_may_cavitate_plainly_in_time() -> None:
-    scene = plain(by_moes(20, 5))
-    times = np.linspace(0, 2 * A / scene.lubrication.largest_speed, 3)
-    evolution = evolve_lubricated(scene, grid(100, 4.5), times=times)
-    assert evolution.central_film == pytest.approx(evolution.central_film[0], rel=1e-6)
 
 
 def test_another_law_is_refused() -> None:

@@ -54,8 +54,10 @@ def test_a_wave_that_passes_is_reduced_as_known(
     assert np.ptp(last_wave) / 2 / height == pytest.approx(expected, rel=0.02)
 
 
-def test_a_steady_film_stays_as_it_is() -> None:
+@pytest.mark.parametrize("cavitation", [cs.ElrodAdams(), cs.ReynoldsCavitation()])
+def test_a_steady_film_stays_as_it_is(cavitation: object) -> None:
     scene = by_moes(20, 5)
+    scene = replace(scene, lubrication=replace(scene.lubrication, cavitation=cavitation))
     times = np.linspace(0, 4 * A / speed_of(scene), 5)
     evolution = evolve_lubricated(scene, grid(100, 4.5), times=times)
     assert evolution.central_film == pytest.approx(evolution.central_film[0], rel=1e-6)

@@ -123,19 +123,20 @@ def test_a_total_load_is_spread_over_the_length_of_the_roller_at_any_period() ->
     assert contact.load_per_length == pytest.approx(1e5, rel=1e-7)
 
 
-def test_a_film_starts_from_one_on_another_grid() -> None:
-    scene = by_moes(20, 5)
-    coarse = solve_lubricated(scene, grid(100, 4.5))
-    cold, warm = (solve_lubricated(scene, grid(300, 6.0), start=start) for start in (None, coarse))
-    assert warm.film == pytest.approx(cold.film, rel=1e-6)
-
-
-def test_a_film_starts_from_one_with_other_cells_along_the_length() -> None:
-    scene = by_moes(20, 5, cs.Waviness(2e-8, across=A, along=A))
-    coarse = solve_lubricated(scene, grid(64, 3.0, 8), tolerance=1e-10)
+@pytest.mark.parametrize(
+    ("scene", "first", "second"),
+    [
+        (by_moes(20, 5), grid(100, 4.5), grid(300, 6.0)),
+        (by_moes(20, 5, cs.Waviness(2e-8, across=A, along=A)), grid(64, 3.0, 8), grid(64, 3.0, 16)),
+    ],
+    ids=["another width", "other cells along"],
+)
+def test_a_film_starts_from_one_on_another_grid(
+    scene: cs.Scene, first: cs.Grid, second: cs.Grid
+) -> None:
+    coarse = solve_lubricated(scene, first, tolerance=1e-10)
     cold, warm = (
-        solve_lubricated(scene, grid(64, 3.0, 16), start=start, tolerance=1e-10)
-        for start in (None, coarse)
+        solve_lubricated(scene, second, start=start, tolerance=1e-10) for start in (None, coarse)
     )
     assert warm.film == pytest.approx(cold.film, rel=1e-6)
 

@@ -161,17 +161,6 @@ def test_coats_are_positive_definite_but_for_a_shift(
         assert operator.spectrum.ravel()[1:].min() > 0
 
 
-def test_a_rough_roller_with_a_coat_and_a_hardness_is_solved() -> None:
-    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
-    rough = cs.Roughness(2e-7, hurst=0.8, roll_off=6e-5, cut_off=1.2e-5)
-    scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01), rough), hardness=3e9)
-    grid = cs.Grid((96, 64), (3e-4, 1.2e-4))
-    solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
-    assert solution.status is cs.Status.CONVERGED
-    assert solution.pressure.max() == 3e9
-    assert solution.pressure.sum() * grid.cell_area / grid.length == pytest.approx(1e5, rel=1e-9)
-
-
 def test_the_modulus_of_its_hertz_contact_lies_between_coat_and_substrate() -> None:
     soft = replace(STEEL, youngs_modulus=20e9)
     bounds = sorted(1 / one.compliance for one in (STEEL, soft))

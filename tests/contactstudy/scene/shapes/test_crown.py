@@ -51,12 +51,6 @@ def test_a_roller_is_planned_over_the_length_of_its_load() -> None:
     assert cs.plan(scene, error=0.05).grid.length == 0.01
 
 
-def test_crowned_cylinder_of_equal_radii_is_a_sphere() -> None:
-    grid = cs.Grid(cells=(8, 6), extent=(1e-3, 2e-3))
-    both = cs.Cylinder(0.02).gap(grid) + cs.Crown(0.02).gap(grid)
-    np.testing.assert_allclose(both, cs.Sphere(0.02).gap(grid), rtol=1e-15)
-
-
 def test_profile_follows_its_formula_and_ends_at_its_drop() -> None:
     profile = cs.LundbergProfile(amplitude=2e-7, end_drop=1e-6, length=0.01)
     grid = cs.Grid(cells=(4, 64), extent=(1e-3, 0.01))

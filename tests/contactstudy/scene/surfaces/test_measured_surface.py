@@ -32,29 +32,8 @@ def smooth(nx: int, ny: int) -> np.ndarray:
     return across[:, None] * along
 
 
-def solved(contact: LineContact, *more: cs.Shape) -> cs.Solution:
-    scene = replace(contact.scene, shapes=contact.scene.shapes + more)
-    return cs.solve(scene.problem(contact.grid(GRID.cells, 1.0), cs.ExactPeriodicity()))
-
-
 def test_heights_without_sizes_stand_cell_for_cell_and_close_the_gap() -> None:
     np.testing.assert_array_equal(cs.MeasuredSurface(HEIGHTS).gap(GRID), -HEIGHTS)
-
-
-def test_a_peak_bears_the_load_and_a_pit_none(line_contact: LineContact) -> None:
-    heights = np.zeros(GRID.cells)
-    heights[12, 4], heights[12, 12] = 1e-6, -1e-6
-    pressure = solved(line_contact, cs.MeasuredSurface(heights)).pressure
-    assert pressure[12, 4] == pressure.max()
-    assert pressure[12, 12] == 0
-
-
-def test_surface_bears_as_the_shape_it_was_sampled_from(line_contact: LineContact) -> None:
-    rough = cs.Roughness(rms=2e-7, hurst=0.8, roll_off=5e-5, cut_off=2e-5, seed=1)
-    sampled = cs.MeasuredSurface(-rough.gap(line_contact.grid(GRID.cells, 1.0)))
-    np.testing.assert_array_equal(
-        solved(line_contact, sampled).pressure, solved(line_contact, rough).pressure
-    )
 
 
 def test_a_finer_grid_shows_the_same_surface() -> None:

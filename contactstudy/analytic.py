@@ -283,18 +283,21 @@ class Westergaard:
 
     @property
     def closing_pressure(self) -> float:
-        """Mean pressure [Pa] from which on no gap is left, ``p* = pi E* amplitude / wavelength``."""
+        """Mean pressure [Pa] for complete contact, ``p* = pi E* amplitude / wavelength``."""
         return np.pi * self.contact_modulus * self.amplitude / self.wavelength
 
     @property
     def half_width(self) -> float:
-        """Half-width of a strip of contact [m], ``(wavelength / pi) asin(sqrt(mean / p*))``; half a wave when closed."""
+        """Half-width of a strip of contact [m], ``(wavelength / pi) asin(sqrt(mean / p*))``.
+
+        Half a wavelength in complete contact.
+        """
         fraction = min(self.mean_pressure / self.closing_pressure, 1.0)
         return float(self.wavelength / np.pi * np.arcsin(np.sqrt(fraction)))
 
     @property
     def peak_pressure(self) -> float:
-        """Peak pressure [Pa], ``2 sqrt(mean p*)``, or ``mean + p*`` when closed."""
+        """Peak pressure [Pa], ``2 sqrt(mean p*)``, or ``mean + p*`` in complete contact."""
         mean, closing = self.mean_pressure, self.closing_pressure
         return mean + closing if mean >= closing else 2 * float(np.sqrt(mean * closing))
 
@@ -356,9 +359,9 @@ def moes_film(load_parameter: float, viscosity_parameter: float) -> float:
 
 
 def film_asymptotes(load_parameter: float, viscosity_parameter: float) -> dict[str, float]:
-    """Return the four films between which :func:`moes_film` is fitted, in its unit, by the names of their regimes.
+    """Return the four asymptotes of film thickness between which :func:`moes_film` is fitted, by their regimes.
 
-    The smaller of the piezoviscous films counts: see :func:`film_regime`. Source and parameters are those of
+    The smaller of the piezoviscous ones counts: see :func:`film_regime`. Unit, source and parameters are those of
     :func:`moes_film`.
     """
     return {
@@ -370,7 +373,7 @@ def film_asymptotes(load_parameter: float, viscosity_parameter: float) -> dict[s
 
 
 def film_regime(load_parameter: float, viscosity_parameter: float) -> str:
-    """Return the regime of a lubricated line contact: the name of its film among :func:`film_asymptotes`.
+    """Return the regime of a lubricated line contact: the name of its asymptote among :func:`film_asymptotes`.
 
     Parameters are those of :func:`moes_film`.
     """
@@ -394,7 +397,7 @@ def dowson_higginson_film(load_parameter: float, viscosity_parameter: float) -> 
 def image_error(half_width: ArrayLike, reach: ArrayLike) -> Array:
     """Return the relative error ``a^2 / (8 D^2)`` of the peak pressure of a line contact whose images reach only to D.
 
-    Images beyond D would have lowered the cylinder's curvature by the factor ``1 + a^2 / (4 D^2)``: leading term of the
+    Images beyond D would have divided the cylinder's curvature by ``1 + a^2 / (4 D^2)``: leading term of the
     logarithmic potential's remainder, within 10 % from D = 3 a on.
 
     Parameters

@@ -104,7 +104,7 @@ class SceneFile:
 def read_scene(path: str | PathLike[str]) -> SceneFile:
     """Read a scene from a TOML file.
 
-    Tables ``load``, ``solids`` (two), ``shapes`` and ``outputs`` (each with its ``kind``), ``friction``, ``wear``,
+    Tables ``load``, ``solids`` (two), ``shapes`` (each with its ``kind``), ``outputs``, ``friction``, ``wear``,
     ``rolling``, ``lubrication``, ``adhesion``, ``grid``, ``padding``, ``padding_across``, ``plan``, ``solve``,
     ``time_steps`` and ``vary``, and the key ``hardness``, have the fields of the corresponding classes as keys. A solid
     may name its ``material``.

@@ -165,7 +165,7 @@ class Contact(Answer, Solution):
         """Iterations, transforms and residual of the solver, and outer iterations where it took some."""
         counts = {
             "iterations": (self.iterations, "solver iterations"),
-            "convolutions": (self.convolutions, "transform pairs of the full grid"),
+            "convolutions": (self.convolutions, "FFT convolutions of the full grid"),
             "residual": (self.residual, "residual of the solver"),
         }
         if self.adhesion is not None:

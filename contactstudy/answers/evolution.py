@@ -202,7 +202,7 @@ class Evolution(Answer):
             "instants": instants,
             "solves": (trajectory.solves, "contact solves"),
             "iterations": (trajectory.iterations, "solver iterations of all steps"),
-            "convolutions": (trajectory.convolutions, "transform pairs of the full grid"),
+            "convolutions": (trajectory.convolutions, "FFT convolutions of the full grid"),
             "rejected": (trajectory.rejected, "rejected pairs of steps and load jumps"),
             "restarts": (trajectory.restarts, "restarts with shorter steps"),
             "residual": residual,

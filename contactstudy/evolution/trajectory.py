@@ -62,7 +62,7 @@ class Frame:
     iterations
         Number of iterations.
     convolutions
-        Transform pairs of the full grid.
+        FFT convolutions of the full grid.
     coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
     adhesion
@@ -204,7 +204,7 @@ class Trajectory:
 
     @property
     def convolutions(self) -> float:
-        """Transform pairs of the full grid, of all steps."""
+        """FFT convolutions of the full grid, of all steps."""
         return sum(frame.convolutions for frame in self.frames)
 
     @property

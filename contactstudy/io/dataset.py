@@ -74,7 +74,7 @@ def title_attributes(title: str) -> dict[str, str]:
 
 
 def contact_fields(solution: Solution) -> xr.Dataset:
-    """Return pressure, displacement, gap and shear of a solution over (x, y), with the numbers of its solver."""
+    """Return pressure, displacement, gap and tractions of a solution over (x, y), with the numbers of its solver."""
     grid = solution.problem.grid
     dataset = xr.Dataset(
         {
@@ -83,7 +83,9 @@ def contact_fields(solution: Solution) -> xr.Dataset:
             "gap": _plane(solution.gap, "m", "gap after deformation"),
             "residual": _number(solution.residual, "1", "residual of the solver"),
             "iterations": _number(solution.iterations, "1", "solver iterations"),
-            "convolutions": _number(solution.convolutions, "1", "transform pairs of the full grid"),
+            "convolutions": _number(
+                solution.convolutions, "1", "FFT convolutions of the full grid"
+            ),
             "status": _status(solution.status),
         },
         coords={"x": ("x", grid.x, X), "y": ("y", grid.y, Y)},
@@ -99,7 +101,8 @@ def contact_dataset(
 
     Coordinates are cell centres [m]. Values that may differ between contacts are variables without dimensions: the
     quantities with their bounds, load, Hertz's values, ``status`` (a CF flag). The attribute ``scene`` is the scene as
-    TOML with its grid and padding, which :func:`~contactstudy.read_scene` reads back.
+    TOML with its grid and padding, which :func:`~contactstudy.read_scene` reads back, unless heights were given as an
+    array or a shape is the user's own.
 
     Parameters
     ----------
@@ -187,7 +190,7 @@ def scene_attribute(posed: PosedScene) -> str:
 
 
 def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Variable]:
-    """Return the two components of shear and the area of stick; empty without friction."""
+    """Return the two components of the tangential traction and the area of stick; empty without friction."""
     if traction is None:
         return {}
     (across, along), stick = traction.shear, traction.stick.astype(np.int8)
@@ -218,13 +221,13 @@ def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Vari
 
 
 def _adhesion_variables(adhesion: AdhesiveTraction | None) -> dict[str, xr.Variable]:
-    """Return the attraction, and the history that the state belongs to as a CF flag; empty without adhesion."""
+    """Return the adhesive traction, and the history that the state belongs to as a CF flag; empty without adhesion."""
     if adhesion is None:
         return {}
     meanings = [branch.value for branch in Branch]
     branches = [branch.replace(" ", "_") for branch in meanings]
     return {
-        "attraction": _plane(adhesion.attraction, "Pa", "attraction between the bodies"),
+        "attraction": _plane(adhesion.attraction, "Pa", "adhesive traction"),
         "branch": flags((), meanings.index(adhesion.branch), branches, "history of the state"),
     }
 
@@ -283,7 +286,7 @@ def film_fields(contact: "FilmSolution") -> xr.Dataset:
             "pressure": _plane(contact.pressure, "Pa", f"pressure of {carrier}"),
             "film": _plane(contact.film, "m", "film thickness"),
             "film_fraction": _plane(
-                contact.film_fraction, "1", "fraction of the film that is full"
+                contact.film_fraction, "1", "fractional film content, below 1 where cavitated"
             ),
             "shear": _plane(contact.shear, "Pa", "shear stress in the middle of the film"),
             "mean_speed": _number(contact.mean_speed, "m s-1", "mean speed of the surfaces"),

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 Z = {"units": "m", "long_name": "depth", "axis": "Z", "positive": "down"}
 # a time of the scene's histories, not a date
-TIME = {"long_name": "time", "units": "s", "axis": "T"}
+TIME = {"long_name": "time", "units": "s"}
 
 
 def _statuses(dimension: str, statuses: Sequence[Status], long_name: str) -> xr.Variable:
@@ -74,7 +74,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
             ("residual", "1", "residual of the solver"),
             ("solves", "1", "contact solves since the previous instant"),
             ("iterations", "1", "iterations since the previous instant"),
-            ("convolutions", "1", "transform pairs since the previous instant"),
+            ("convolutions", "1", "FFT convolutions since the previous instant"),
         )
         | {
             "status": _statuses(
@@ -107,7 +107,7 @@ def plastic_variables(
 
 
 def _tractions(evolution: "Trajectory") -> dict[str, xr.Variable]:
-    """Return shear and stick at every instant, zeros without load; empty without friction."""
+    """Return tangential traction and stick at every instant, zeros without load; empty without friction."""
     tractions = [traction_variables(evolution.traction(frame)) for frame in evolution.frames]
     loaded: dict[str, xr.Variable] = next(filter(None, tractions), {})
     unloaded = {name: xr.zeros_like(variable) for name, variable in loaded.items()}
@@ -162,7 +162,7 @@ def _over_time(instants: Sequence[Mapping[str, Field]]) -> dict[str, xr.Variable
 
 
 def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dataset:
-    """Return the state after each pass over (pass, component, z), and the last window over (component, z, x)."""
+    """Return the state after each pass over (pass_number, component, z), and the last window over (component, z, x)."""
     passes, track, volume = rolling.passes, rolling.track, rolling.track.operator.volume
     window = "component", "z", "x"
     pressure = passes[-1].solution.pressure[:, 0]
@@ -178,7 +178,11 @@ def passes_dataset(rolling: "RepeatedRolling", quantities: Quantities) -> xr.Dat
             "window_residual_stress": labelled(window, stress, "Pa", unloaded),
         },
         coords={
-            "pass": ("pass", np.arange(1, len(passes) + 1), {"long_name": "number of the pass"}),
+            "pass_number": (
+                "pass_number",
+                np.arange(1, len(passes) + 1),
+                {"long_name": "number of the pass"},
+            ),
             "component": ("component", list(COMPONENTS)),
             "z": ("z", volume.depths, Z),
             "x": ("x", volume.grid.x, X),
@@ -194,7 +198,7 @@ def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
 
     def after(*labels: tuple[str, ...]) -> dict[str, xr.Variable]:
         return {
-            name: labelled(("pass", *dimensions), getattr(rolling, name), units, long_name)
+            name: labelled(("pass_number", *dimensions), getattr(rolling, name), units, long_name)
             for name, units, long_name, *dimensions in labels
         }
 
@@ -209,13 +213,13 @@ def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
         (
             "forward_displacement",
             "m",
-            "displacement of the surface against the rolling direction, by the pass",
+            "forward displacement of the surface, opposite to the travel of the contact, by the pass",
         ),
         ("plastic_strain_increment", "1", "largest equivalent plastic strain added by the pass"),
         ("peak_pressure", "Pa", "peak pressure at the end of the pass"),
     ) | {
-        "distance": labelled("pass", np.array(distances), "m", "distance rolled"),
-        "status": _statuses("pass", states, "worst status of the steps"),
+        "distance": labelled("pass_number", np.array(distances), "m", "distance rolled"),
+        "status": _statuses("pass_number", states, "worst status of the steps"),
     }
 
 

@@ -19,9 +19,10 @@ from contactstudy.scene.scene import Scene
 # Tabor parameter taken as the JKR limit: of a contact that does not vary along its length, where
 # the pull-off load is then within 1 %, and of one that does, within 4 %. Cost grows with its square.
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
-# Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice its radius and range.
+# Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice the product of its
+# radius and the range.
 FADING_DISTANCE = 3.7
-# Transform pairs of a solve over the square of the Tabor parameter, and at least; solves of a search for the pull-off.
+# FFT convolutions of a solve over the square of the Tabor parameter, and at least; solves of a search for the pull-off.
 PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10
 
 
@@ -70,7 +71,7 @@ def plan_of_adhesion(
     seconds = FORECAST.cost_ratio * solves * CostModel().seconds(grid, padding, pairs)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
-        f"attraction beside the contact; of the order of {pairs:.2g} transform pairs a solve, {solves} solves."
+        f"attraction beside the contact; of the order of {pairs:.2g} FFT convolutions a solve, {solves} solves."
     )
     warnings = requirements.warnings(grid)
     if cells < ZONE_CELLS * (1 - 1e-9):

@@ -36,7 +36,7 @@ class TimingConstants:
     Attributes
     ----------
     smooth_convolutions, rough_convolutions, tolerance
-        Transform pairs of the full grid in a solve of a smooth and of a rough contact to this tolerance, coarser grids
+        FFT convolutions of the full grid in a solve of a smooth and of a rough contact to this tolerance, coarser grids
         included.
     sample_cells, sample_images
         Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
@@ -77,7 +77,7 @@ class Timing:
     grid, padding
         Cells and boundary conditions.
     convolutions
-        Transform pairs of the full grid.
+        FFT convolutions of the full grid.
     setup
         Seconds to set the problem up.
     solve
@@ -118,7 +118,7 @@ class CostModel:
         grid, padding
             Cells and boundary conditions.
         convolutions
-            Transform pairs of the full grid.
+            FFT convolutions of the full grid.
         """
         key = _law_key(grid, padding)
         if key not in self._laws:
@@ -173,7 +173,7 @@ def timed(
 def stress_seconds(scene: Scene, grid: Grid, padding: Padding | Paddings) -> float:
     """Return the seconds of the stress that a scene names on a grid, from that at one depth on few of its cells.
 
-    Shear takes as long again as the pressure.
+    A tangential traction takes as long again as the pressure.
     """
     from contactstudy.scene.stress import SubsurfaceStressOperator
 
@@ -286,7 +286,7 @@ class PriorConstants:
         Iterations of deviation and fit, after which the deviation changes by less than 1 %.
     outlier
         Median residuals from the fit at which a timing counts half: an interrupted run takes far longer than all others.
-        From 2 to 5 errors change by 15 %.
+        Values from 2 to 5 change errors by 15 %.
     """
 
     scale: float = 10.0

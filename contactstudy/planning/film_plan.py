@@ -37,7 +37,7 @@ def plan_of_film(
     scene
         The lubricated scene.
     error
-        Relative error of the central and the minimum film thickness.
+        Relative error of the central and the minimum film thickness, friction, temperatures and load fraction.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -51,6 +51,7 @@ def plan_of_film(
         if grid is None
         else ["The grid is given, so its error is not predicted: solve, and read answer.error."]
     )
+    is_chosen = grid is None
     if grid is None:
         width = film_grid(scene, error).extent[0]
         length = requirements.length(period, width)
@@ -66,8 +67,11 @@ def plan_of_film(
         f"M = {scales.load_parameter:.3g}, L = {scales.viscosity_parameter:.3g}",
         f"the inlet begins {inlet:.2g} half-widths from the axis: the error of cutting it off there "
         "falls with the square of the distance",
-        f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet",
     ]
+    if is_chosen:
+        reasons.append(
+            f"cells of {readable(grid.cell_size[0])} across resolve the pressure's rise in the inlet"
+        )
     seconds = (
         MIN_SECONDS + SECONDS_PER_CELLS_SQUARED * nx**2
         if ny == 1
@@ -81,7 +85,8 @@ def plan_of_film(
         )
     floats = 6 * nx**2
     if ny > 1:
-        reasons.append(f"{CELLS_PER_WAVE} cells or more for the shortest wave")
+        if is_chosen:
+            reasons.append(f"{CELLS_PER_WAVE} cells or more for the shortest wavelength")
         warnings.append(
             "The error of a film between rough surfaces is not predicted: solve, and read answer.error."
         )

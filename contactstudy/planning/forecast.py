@@ -31,7 +31,8 @@ class ForecastConstants:
     given_error
         Relative L1 error up to which the first grids of a given grid are refined.
     unresolved_factor
-        Factor on the law of rough contacts, a mean over surfaces, where coarse grids do not resolve the surface.
+        Factor on the law of rough contacts, which is a mean over surfaces, where coarse grids do not resolve this
+        one.
     cost_ratio
         Seconds of a solve with its error estimate, which takes another on cells of twice the size, over those of one
         solve.
@@ -53,8 +54,8 @@ class ForecastConstants:
 CONSTANTS = ForecastConstants()
 
 
-# Largest factor on the cells along an axis of a grid for an error: no machine holds its square, and a Grid has a largest
-# aspect ratio of its cells.
+# Largest factor on the cells along an axis of a grid for an error: no machine holds so many along both axes, and a Grid
+# has a largest aspect ratio of its cells.
 MAX_EXTRAPOLATION = 1024.0
 
 

@@ -30,7 +30,7 @@ from contactstudy.scene.solids.bodies import Layered
 class GridConstants:
     """Constants of planned grids.
 
-    Where an effect on plans is stated, these are plans of a smooth, a rough, a rolling and a changing contact at 1 %.
+    Effects on plans that are stated are those on a smooth, a rough, a rolling and a changing contact planned to 1 %.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class GridRequirements:
         Largest pressure of the softer body [Pa].
     coatings
         Coated bodies.
-    shear
+    friction
         A sentence on friction; empty where it changes nothing.
     sticks
         Whether a part of the contact sticks, and the rest slips.
@@ -93,7 +93,7 @@ class GridRequirements:
     length_scales: tuple[LengthScales, ...]
     hardness: float
     coatings: tuple[Layered, ...] = ()
-    shear: str = ""
+    friction: str = ""
     sticks: bool = False
 
     @property
@@ -131,7 +131,7 @@ class GridRequirements:
     def is_smooth(self) -> bool:
         """True for Hertz's contact, with no heights on the cylinder, no end, no coating, no friction."""
         return not (
-            self.is_rough or self.roller_length or self.height or self.coatings or self.shear
+            self.is_rough or self.roller_length or self.height or self.coatings or self.friction
         )
 
     @property
@@ -163,7 +163,8 @@ class GridRequirements:
     def half_width(self) -> float:
         """Expected half-width of the contact [m].
 
-        It is where Hertz's gap equals the largest height, or the width that carries the load at the hardness.
+        It is where Hertz's gap equals the largest height (of rollers 1.5 times that), or the width that carries the load
+        at the hardness.
         """
         hertz = self.hertz
         scale = hertz.half_width**2 / (2 * hertz.radius)
@@ -313,18 +314,20 @@ class GridRequirements:
         """
         a = self.hertz.half_width
         width = (
-            f"width {readable(grid.extent[0])}: the contact is expected to end within "
-            f"{self.half_width / a:.3g} half-widths of Hertz (a = {readable(a)}) from the axis."
+            f"width {readable(grid.extent[0])}: {grid.extent[0] / 2 / a:.3g} half-widths of Hertz (a = {readable(a)}) "
+            f"on either side; the contact is expected within {self.half_width / a:.3g}."
         )
         nx, ny = grid.cells
         cell = f"{nx} x {ny} cells: {a / grid.cell_size[0]:.3g} in a half-width"
         if self.is_rough:
             steps = zip(self.finest, grid.cell_size, strict=True)
             cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
-        cell += f", for an error of {error:.1g}"
-        is_for_slip = self.sticks and not self.varies
-        cell += f"{', so small that they resolve where slip begins' * is_for_slip}."
+        cell += f", for an error of {error:.1g}."
         dimension = "three-dimensional: the gap varies along the length."
+        if ny == 1:
+            dimension = (
+                "plane strain as requested: one cell along, though the gap varies along the length."
+            )
         if not self.varies:
             dimension = "plane strain: nothing varies along the length, so one cell along suffices."
         if not self.varies and ny > 1:
@@ -339,7 +342,7 @@ class GridRequirements:
                 "transform is half as long as with zero padding."
             )
         coatings = (self._coating(coating, grid) for coating in self.coatings)
-        return width, cell, dimension, padding, *coatings, *filter(None, (self.shear,))
+        return width, cell, dimension, padding, *coatings, *filter(None, (self.friction,))
 
     def _coating(self, coating: Layered, grid: Grid) -> str:
         """Return a sentence on the effect of a coating on the plan."""
@@ -416,10 +419,10 @@ def grid_requirements(scene: Scene) -> GridRequirements:
     requirements = GridRequirements(scene.hertz, length_scales, scene.hardness, coatings)
     if scene.friction is None:
         return requirements
-    shear = scene.friction.explanation(
+    friction = scene.friction.explanation(
         scene, varies=requirements.varies, paddings=across_and_along(requirements.padding())
     )
-    return replace(requirements, shear=shear, sticks=getattr(scene.friction, "sticks", False))
+    return replace(requirements, friction=friction, sticks=getattr(scene.friction, "sticks", False))
 
 
 def measured_length_scales(scene: Scene) -> LengthScales | None:

@@ -46,7 +46,8 @@ class PilotConstants:
     error_step
         Factor on that error, with which steps of first order become fewer by the same factor.
     solves_per_double_step, solves_per_wear_step
-        Solves of a pair of steps with the doubled one, of a scene with state variables and of wear by Heun's method.
+        Solves of a pair of steps and the one of twice the length: of a scene with state variables, and of wear by Heun's
+        method.
     outer_iterations
         Outer iterations of steady rolling expected before their changes show how many it takes.
     max_error
@@ -164,8 +165,8 @@ def pilot(
     return Pilot(
         total,
         solves,
-        f"time: {solves} solves, counted on {coarse.cells[0]} x {coarse.cells[1]} cells, with those that estimate an "
-        f"error; some {total:.2g} s.",
+        f"time: some {solves} solves, steps or outer iterations, by a pilot on {coarse.cells[0]} x {coarse.cells[1]} "
+        f"cells, with those that estimate an error; some {total:.2g} s.",
     )
 
 

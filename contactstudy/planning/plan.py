@@ -64,8 +64,9 @@ def plan(
     scene
         The scene, which may change in time or roll.
     error
-        Relative L1 error of the pressure, of a lubricated scene that of the film thickness, above 0. If it is None, a
-        measured surface is solved at its own points, and any other scene to 1 %.
+        Relative L1 error of the pressure, above 0; of a film, that of its thickness, friction, temperatures and load
+        fraction. If it is None, a measured surface of a static dry contact without adhesion is solved at its own points,
+        and any other scene to 1 %.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -321,8 +322,8 @@ def _warnings(
         bytes_of_finer = memory(finer, requirements.padding())
         more = "" if forecast.error_of(finer.cell_size) <= error * (1 + 1e-9) else "more than "
         yield (
-            f"plan.error is {error:.2g}: this grid reaches {expected_error:.2g}; that takes {more}{finer.cells[0]} x "
-            f"{finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and {may_take}."
+            f"plan.error is {error:.2g} for the cells: this grid reaches {expected_error:.2g}; that takes {more}"
+            f"{finer.cells[0]} x {finer.cells[1]} cells and {bytes_of_finer / 1e9:.3g} GB, and {may_take}."
         )
     if forecast.message:
         yield forecast.message

@@ -22,11 +22,13 @@ class Plan:
     dimension
         Dimension of the grid: 1 in plane strain, where nothing varies along the length; 2 in three dimensions.
     error
-        Relative L1 error of the pressure to expect: by a law for smooth contacts and those with adhesion, else from
-        solutions on coarse grids. Of a film, that of its thickness. Infinite where it is not predicted.
+        Relative L1 error of the pressure to expect of the cells: of dry contacts from solutions on coarse grids, where
+        these give no bound and with adhesion by a law, as of a smooth contact on a grid that was given. Of a scene in
+        time that of the steps adds to it. Of a film, the one requested. Infinite where it is not predicted.
     seconds
-        Seconds of processor time of a solve to the error: its plan, all grids and steps, their estimates, and the stress
-        that a steady scene names, from solves timed just now. Imports, compilation, files and pictures are not counted.
+        Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
+        their estimates, and the stress that a steady scene names, from solves timed just now. Imports, compilation,
+        files and pictures are not counted.
     bytes
         Bytes that a solve holds at most.
     period_check

@@ -264,7 +264,7 @@ class GridRefinement:
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
     def transformable(self, across: float, along: float, extent: tuple[float, float]) -> Grid:
-        """Return a grid of at least these cells, in numbers that transform quickly; a roller ends between two cells."""
+        """Return a grid of at least these cells, in numbers that transform quickly unless a roller ends on it."""
         nx = 2 * fft.next_fast_len(ceil(across / 2), real=True)
         if along <= 1:
             return Grid((nx, 1), extent)
@@ -400,7 +400,7 @@ def _contact_width(solution: Solution) -> float:
 
 
 def _end_misfit(count: int, fraction: float) -> float:
-    """Return the length over its own by which rows of cells miss an end of a roller, of this `fraction` of theirs."""
+    """Return the distance from a roller's end to the nearest border of cells, over its length."""
     rows = count * fraction
     nearest = round((rows - count % 2) / 2) * 2 + count % 2
     return abs(nearest - rows) / 2 / rows

@@ -30,7 +30,7 @@ class TransientConstants:
     zone_margin
         Planned width of the zone over that.
     error_power
-        The discretisation error is (r / 3) to this power times the elastic one.
+        The discretisation error is (r / 3) to this power times the elastic one, and at least that.
     strain_fields, strain_fields_along
         Fields of plastic strain that a step holds in plane strain, and where strain varies along the length: measured on
         rough cylinders of 48^2 to 128^2 cells.
@@ -44,7 +44,7 @@ class TransientConstants:
         Loads below this fraction of the largest are not planned for: the cell size goes with the square root of the
         load.
     load_samples
-        Number of instants at which a load is evaluated. A quarter of them changes the width by 1e-5.
+        Number of instants at which a load is evaluated. A quarter of them changes the smallest load by 1e-5.
     """
 
     plastic_width: float = 0.62
@@ -142,7 +142,8 @@ class TransientRequirements:
     Attributes
     ----------
     narrow
-        Scene of the smallest load that is planned for, before creep and wear, which needs the finest cells.
+        Scene of the smallest load that is planned for (of the largest where it rolls), before creep and wear, which
+        needs the finest cells.
     width
         Width [m] that holds the widest contact.
     fields
@@ -241,7 +242,7 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
 
 
 def _softest(body: Body, end: float) -> float:
-    """Return the equilibrium compliance [1/Pa] of `body`, or of a fluid that at the time `end` [s]."""
+    """Return the equilibrium compliance [1/Pa] of `body`, of a fluid that after `end` [s] of load."""
     if not isinstance(body, ViscoelasticHalfSpace):
         return body.compliance
     relaxed = body.creep.equilibrium_compliance

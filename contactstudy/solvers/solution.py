@@ -217,7 +217,7 @@ class Solution:
     iterations
         Number of iterations.
     convolutions
-        Number of transform pairs of the full grid; smaller ones count in proportion.
+        Number of FFT convolutions of the full grid; smaller ones count in proportion.
     residual
         Dimensionless residual, see :class:`~contactstudy.SolveOptions`.
     note

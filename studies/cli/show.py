@@ -98,7 +98,7 @@ def _picture(dataset: "xr.Dataset", file: Path) -> "Figure":
     if "film" in dataset:
         picture = evolution.film_evolution_picture if in_time else contact.film_picture
         return picture(dataset)
-    if "pass" in dataset.dims:
+    if "pass_number" in dataset.dims:
         return evolution.passes_picture(dataset)
     if "gap" in dataset:
         return evolution.evolution_picture(dataset) if in_time else contact.contact_picture(dataset)
@@ -112,7 +112,7 @@ def _csv(dataset: "xr.Dataset") -> str:
     if "case_status" in dataset:
         axes = [str(name) for name in dataset["case_status"].dims]
     else:
-        axes = [name for name in ("time", "pass") if name in dataset.dims]
+        axes = [name for name in ("time", "pass_number") if name in dataset.dims]
     # beside axes, leave out scalars: they would repeat in every row
     names = [
         str(name)

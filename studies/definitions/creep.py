@@ -27,7 +27,7 @@ axes = (
     Axis("grid", (64, 256), "cells across the width"),
 )
 
-# not timed: the cost is counted in transform pairs
+# not timed: the cost is counted in FFT convolutions
 times = "none"
 
 

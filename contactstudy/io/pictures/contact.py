@@ -102,8 +102,8 @@ def _shear(ax: Axes, dataset: xr.Dataset) -> None:
     scale, unit = display_unit_of(abs(middle["shear_x"]) + abs(middle["shear_y"]), "Pa")
     for name, direction, style in (("shear_x", "across", PRESSURE), ("shear_y", "along", GAP)):
         if middle[name].any():
-            ax.plot(x, middle[name] / scale, label=f"shear {direction}", **style)
-    name_axes(ax, across, f"shear [{unit}]", "shear in the middle")
+            ax.plot(x, middle[name] / scale, label=direction, **style)
+    name_axes(ax, across, f"traction [{unit}]", "tangential traction in the middle")
 
 
 def _stress(ax: Axes, dataset: xr.Dataset) -> None:
@@ -117,9 +117,9 @@ def _stress(ax: Axes, dataset: xr.Dataset) -> None:
         ax.set(ylabel=up)
     else:
         filled = ax.contourf(x, z, stress, 24, cmap="magma")
-        # the bond of a coating, where depths stand twice
-        for bond in z.values[1:][np.diff(z) < 1e-6 * float(z[-1])]:
-            ax.axhline(bond, color="white", linestyle="--", linewidth=0.8)
+        # the interface of a coating, where depths stand twice
+        for interface in z.values[1:][np.diff(z) < 1e-6 * float(z[-1])]:
+            ax.axhline(interface, color="white", linestyle="--", linewidth=0.8)
         ax.invert_yaxis()
         ax.figure.colorbar(filled, ax=ax)
         ax.set(ylabel=down)

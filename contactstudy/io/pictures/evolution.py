@@ -86,15 +86,17 @@ def film_evolution_picture(evolved: xr.Dataset) -> Figure:
 
 def passes_picture(rolled: xr.Dataset) -> Figure:
     """Draw residual stress and plastic strain against depth after some passes, the first dark, the last bright."""
-    chosen = np.unique(np.linspace(0, rolled.sizes["pass"] - 1, PROFILES).round().astype(int))
+    chosen = np.unique(
+        np.linspace(0, rolled.sizes["pass_number"] - 1, PROFILES).round().astype(int)
+    )
     colors: Any = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(chosen)))
     depth, down = in_display_unit(rolled["z"], "m", "depth")
     factor, pressure_unit = display_unit_of(abs(rolled["residual_stress"]), "Pa")
     with mpl.rc_context(SETTINGS):
         figure, axes = panels(2, columns=2, width=4.6, height=3.4)
         for number, color in zip(chosen, colors, strict=True):
-            after = rolled.isel({"pass": number})
-            label = f"pass {int(after['pass'])}"
+            after = rolled.isel(pass_number=number)
+            label = f"pass {int(after['pass_number'])}"
             stress = after["residual_stress"].sel(component="xx") / factor
             axes[0].plot(stress, depth, color=color, label=label)
             strain = after["equivalent_plastic_strain"] * 100

@@ -73,7 +73,7 @@ def contact_quantities(
     coordinates = {"x": grid.x, "y": grid.y}
     peak, place = _largest(pressure, coordinates)
     half_width = Quantity(
-        _half_width(touching, grid.cell_size[0]), "m", "half-width of the contact (outermost cells)"
+        _half_width(touching, grid.cell_size[0]), "m", "half-width (outermost cells)"
     )
     area_error = estimate.contact_area
     if area_error is not None and isfinite(area_error.total):
@@ -162,7 +162,7 @@ def _of_adhesion(
     error = estimate.peak_pressure if adhesion.regularised else estimate.l1
     quantities = {
         "attraction": with_bound(
-            Quantity(attraction, "N m-1", "attraction per length"), error, estimate.warnings
+            Quantity(attraction, "N m-1", "adhesive force per length"), error, estimate.warnings
         ),
         "energy": Quantity(adhesion.energy / grid.length, "J m-1", "energy per length"),
         "attraction_range": Quantity(adhesion.range, "m", "range of the attraction", 0.0, ""),
@@ -338,26 +338,26 @@ def _of_stress(
 def _of_coating(
     scene: Scene, derived: Mapping[str, Field], axes: Mapping[str, Array], where: str
 ) -> dict[str, Quantity]:
-    """Return the largest von Mises stress in the coating of a body and the largest shear stress at its bond.
+    """Return the largest von Mises stress in the coating of a body and the largest shear stress at its interface.
 
     Each needs a depth there: down to the thickness, and equal to it.
     """
     bodies = (scene.solids[output.body] for output in scene.outputs if hasattr(output, "body"))
     thickness = next((body.thickness for body in bodies if hasattr(body, "thickness")), -1.0)
     depths = derived["z"].values
-    in_coating, at_bond = depths <= thickness, depths == thickness
+    in_coating, at_interface = depths <= thickness, depths == thickness
     quantities = {}
     if in_coating.any():
         stress, dimensions = derived["von_mises"].values[in_coating], ("z", "x", "y")
         largest, position = _largest(stress, {**axes, "z": depths[in_coating]}, dimensions)
         label = f"largest von Mises stress in the coating{where}"
         quantities["coating_von_mises"] = Quantity(largest, "Pa", label, position=position)
-    if at_bond.any():
+    if at_interface.any():
         components = dict(zip(derived["component"].values, derived["stress"].values, strict=True))
-        shear = np.hypot(*(components[name][at_bond][0] for name in ("xz", "yz")))
+        shear = np.hypot(*(components[name][at_interface][0] for name in ("xz", "yz")))
         largest, position = _largest(shear, axes)
         label = "largest shear stress between coating and substrate"
-        quantities["bond_shear"] = Quantity(largest, "Pa", label, position=position)
+        quantities["interface_shear"] = Quantity(largest, "Pa", label, position=position)
     return quantities
 
 
@@ -372,7 +372,7 @@ def _largest(
 ) -> tuple[float, dict[str, float]]:
     """Return the largest value and where it is: of equal ones the nearest to the middle, between two of them the mean.
 
-    One cell has no place.
+    Along an axis of one cell there is no position.
     """
     largest = values.max()
     equal = values >= largest * (1 - SYMMETRY) if largest > 0 else values == largest

@@ -233,13 +233,13 @@ def passes_quantities(rolled: "RepeatedRolling") -> dict[str, Quantity]:
     strain = float(rolled.equivalent_plastic_strain[-1].max())
     added = float(rolled.plastic_strain_increment[-1])
     displacement = float(rolled.forward_displacement[-1])
-    forward = "displacement of the surface against the rolling direction, by the last pass"
+    forward = "forward displacement of the surface, opposite to the travel of the contact, by the last pass"
     yielding = "largest equivalent plastic strain that the last pass adds"
     return {
         "lowest_residual_stress": Quantity(
             float(stress[lowest]), "Pa", compression, position=depth
         ),
         "equivalent_plastic_strain": Quantity(strain, "1", "largest equivalent plastic strain"),
-        "last_yielding": Quantity(added, "1", yielding),
+        "last_plastic_strain_increment": Quantity(added, "1", yielding),
         "forward_displacement": Quantity(displacement, "m", forward),
     }

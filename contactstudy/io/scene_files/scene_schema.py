@@ -95,7 +95,7 @@ class Turn(Enum):
 class MeasuredSurfaceTable:
     """Measured surface given by its file; a relative path starts at the folder of the scene file.
 
-    Beside no curved shape its width is made periodic as its length is, unless `seam_across` says otherwise.
+    In a scene without a curved shape its width is made periodic as its length is, unless `seam_across` says otherwise.
     """
 
     file: str
@@ -201,7 +201,7 @@ class MovingShapeTable:
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """Accuracy and period that a plan must meet, for a scene whose file names no grid."""
+    """Error to plan or solve for, and the period of a grid that is chosen."""
 
     error: Number | None = None
     period: Metres | None = None

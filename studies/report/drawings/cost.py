@@ -46,7 +46,7 @@ def _solvers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     labels = {
         "solve_time": "wall time to solve [s]",
         "iterations": "iterations",
-        "convolutions": "transform pairs of the full grid",
+        "convolutions": "FFT convolutions of the full grid",
     }
     for ax, (variable, label) in zip(axes, labels.items(), strict=True):
         for part, style in by_color(dataset, "solver"):

@@ -158,7 +158,7 @@ def _creep_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
             "dotted: closed form",
         ),
         ("steps", "largest relative L1 error", "dashed: estimated, by steps"),
-        ("transform pairs times cells", "largest relative L1 error", ""),
+        ("FFT convolutions times cells", "largest relative L1 error", ""),
     )
     caption = (
         "A rigid cylinder pressed suddenly into a viscoelastic half-space and held; the creep compliance is "
@@ -192,7 +192,7 @@ def _creep_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
             f"{10 ** (-1 / rate):.2g} times as many solves.",
             f"With {int(last['steps'])} steps and {int(last['grid'])} cells the pressure is known to "
             f"{percent(last['pressure_error_l1'])} at every instant, in {float(last['convolutions']):.0f} "
-            f"transform pairs; with {int(coarse['grid'])} cells the same steps leave "
+            f"FFT convolutions; with {int(coarse['grid'])} cells the same steps leave "
             f"{percent(coarse['pressure_error_l1'])}.{trust}",
             "How many steps in time?",
         ),
@@ -299,7 +299,7 @@ def _plastic_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     label_panels(
         axes[4:],
         ("steps in load", "error of the peak pressure", "dotted: first order"),
-        ("transform pairs times cells", "error of the peak pressure", ""),
+        ("FFT convolutions times cells", "error of the peak pressure", ""),
     )
     caption = (
         "A rigid cylinder pressed into a half-space that yields after von Mises, then unloaded, in plane strain, "

@@ -160,7 +160,12 @@ def test_a_settled_contact_lowers_its_pressure_and_is_elastic_for_an_infinite_yi
 def test_a_dataset_holds_passes_depths_and_the_window() -> None:
     found = rolled(4.4 * K, 3)
     dataset = passes_dataset(found, {})
-    assert dict(dataset.sizes) == {"pass": 3, "component": 6, "z": len(found.depths), "x": 24}
+    assert dict(dataset.sizes) == {
+        "pass_number": 3,
+        "component": 6,
+        "z": len(found.depths),
+        "x": 24,
+    }
     np.testing.assert_array_equal(dataset["residual_stress"], found.residual_stress)
     assert dataset["forward_displacement"].attrs["units"] == "m"
 

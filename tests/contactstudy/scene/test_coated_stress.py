@@ -156,7 +156,7 @@ def test_a_cell_alone_is_one_of_a_row_with_a_long_period() -> None:
 
 
 def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> None:
-    """Without strain in the plane at the bond ``s_xx = nu / (1 - nu) s_zz``."""
+    """Without strain in the plane at the interface ``s_xx = nu / (1 - nu) s_zz``."""
     medium = CoatedStress(LayerResponse(0.0, 0.3, 0.3), 0.5)
     grid = cs.Grid((32, 1), (2.4, 1.0))
     pressure = np.sqrt(np.maximum(1 - grid.x[:, None] ** 2, 0))
@@ -203,14 +203,16 @@ def test_numbers_of_a_coating_are_its_von_mises_stress_and_the_shear_at_its_bond
     )
     grid = cs.Grid((201, 1), (2.4 * thickness, 1e-3))
     quantities = cs.solve(scene, grid, cs.ExactPeriodicity()).quantities
-    in_coating, bond = quantities["coating_von_mises"], quantities["bond_shear"]
+    in_coating, interface = quantities["coating_von_mises"], quantities["interface_shear"]
     peak = plain.hertz.peak_pressure
     assert in_coating.value / peak == pytest.approx(
         0.5575162, rel=1e-2 if fractions is None else 1e-3
     )
     assert in_coating.position["z"] == pytest.approx(0.70429 * thickness, rel=0.15)
-    assert bond.value / peak == pytest.approx(0.21796353, rel=1e-3)
-    assert abs(bond.position["x"]) == pytest.approx(0.950175 * thickness, abs=2 * grid.cell_size[0])
+    assert interface.value / peak == pytest.approx(0.21796353, rel=1e-3)
+    assert abs(interface.position["x"]) == pytest.approx(
+        0.950175 * thickness, abs=2 * grid.cell_size[0]
+    )
 
 
 def test_a_body_without_a_coating_or_depths_at_its_bond_has_no_numbers_of_them() -> None:
@@ -227,5 +229,5 @@ def test_a_body_without_a_coating_or_depths_at_its_bond_has_no_numbers_of_them()
         assert {"largest_von_mises"} == found.keys() & {
             "largest_von_mises",
             "coating_von_mises",
-            "bond_shear",
+            "interface_shear",
         }

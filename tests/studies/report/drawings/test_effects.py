@@ -75,7 +75,7 @@ def coating() -> xr.Dataset:
         ("creep", creep(), [
             "like N^{−2.00}, so a digit in time costs 3.2 times",
             "With 40 steps and 128 cells the pressure is known to 0.40 %",
-            "in 100 transform pairs; with 64 cells the same steps leave 0.80 %",
+            "in 100 FFT convolutions; with 64 cells the same steps leave 0.80 %",
             # of the two whose steps leave more than twice what the cells do
             "estimate is 2 to 4 times the error",
         ]),

@@ -404,13 +404,21 @@ def _compared(
         estimate = replace(estimate, flash_temperature=flash, film_temperature=mean)
     if contact.contact_pressure is None:
         return estimate
-    area = parts("contact_area_fraction")
+    load, area = parts("contact_load_fraction"), parts("contact_area_fraction")
     counted = max(area.by_cause["discretisation"], edge_fraction(contact.contact_pressure > 0))
-    return replace(
-        estimate,
-        contact_load_fraction=parts("contact_load_fraction"),
-        contact_area_fraction=replace(area, discretisation=counted),
-    )
+    area = replace(area, discretisation=counted)
+    boundary = contact.scales.lubrication.boundary
+    assert boundary is not None
+    lowest = contact.minimum_film * (1 - minimum.total)
+    if not contact.contact_pressure.any() and lowest <= boundary.film:
+        untouched = (
+            "The fractions of asperities have no estimate: no cell touches, and the minimum film is within its error of "
+            "the boundary film. Give more cells."
+        )
+        load, area = (
+            replace(one, discretisation=inf, reason=reason or untouched) for one in (load, area)
+        )
+    return replace(estimate, contact_load_fraction=load, contact_area_fraction=area)
 
 
 def has_spike(pressure: Array) -> bool:

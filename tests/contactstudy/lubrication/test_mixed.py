@@ -96,6 +96,19 @@ def test_without_contact_the_film_is_that_without_a_boundary_film() -> None:
     assert both.friction == pytest.approx(film.friction, rel=1e-10)
 
 
+@pytest.mark.parametrize(("fraction", "has_bound"), [(0.5, True), (0.97, False)])
+def test_asperities_that_do_not_touch_have_a_bound_where_the_film_is_clear_of_them(
+    fraction: float, has_bound: bool
+) -> None:
+    """A boundary film of a fraction of the minimum film, which is known to a few percent."""
+    scene, cells = by_moes(20, 5), cs.Grid((200, 1), (9 * A, 1e-3))
+    layer = cs.Boundary(fraction * solve_lubricated(scene, cells).minimum_film)
+    scene = replace(scene, lubrication=replace(scene.lubrication, boundary=layer))
+    contact = solve_lubricated(scene, cells)
+    assert contact.contact_load_fraction == 0
+    assert np.isfinite(film_error(contact).contact_load_fraction.total) == has_bound
+
+
 def test_ridges_as_high_as_the_film_converge_on_fine_cells() -> None:
     """Three waves whose rms height is that of the film, at M = 28, L = 9."""
     waves = ((0.0601, 0.309, 4.53), (0.0468, 0.216, 0.58), (0.0371, 0.139, 3.53))

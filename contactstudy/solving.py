@@ -407,7 +407,7 @@ class _Request:
         return evolution_answer(self._followed(follow_load), self.requested)
 
     def steady_wear(self) -> "Evolution":
-        """Follow the wear of a contact that rolls or is driven."""
+        """Follow the wear of a contact in steady or tractive rolling."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.equilibrium.steady_wear import follow_wear
 

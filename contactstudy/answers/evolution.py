@@ -177,7 +177,7 @@ class Evolution(Answer):
 
     @property
     def counts(self) -> Counts:
-        """Instants or passes, steps and iterations, and the largest residual."""
+        """Instants or passes, steps and iterations, and the largest residual of instants."""
         if self.passes is not None:
             passes = self.passes.passes
             iterations = sum(each_pass.iterations for each_pass in passes)

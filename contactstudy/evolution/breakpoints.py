@@ -72,7 +72,7 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
 def with_breakpoints_at(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
 ) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and more at `times` [s] between them, where the `load` turns or another history may bend."""
+    """Return `breakpoints` and more at `times` [s] between, where the `load` turns or another history may kink."""
     at_breakpoints = {point.time for point in breakpoints}
     start, end = breakpoints[0].time, breakpoints[-1].time
     added = (
@@ -95,7 +95,7 @@ def with_turning_points(
 
 
 def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints`, all recorded: on both sides of a jump, but the first after it alone."""
+    """Return `breakpoints`, all recorded: before and after a jump, but the first only after it."""
     first, *others = breakpoints
     return (
         replace(first, times_recorded=1),
@@ -131,14 +131,18 @@ def with_steps_within_quarter_period(
 
 def _checked(times: ArrayLike, load: ChangingLoad) -> list[float]:
     """Return `times` [s] as a list that does not decrease; raise InvalidInput for others."""
-    remedy = "give instants [s] that do not decrease, the same one twice at the most"
+    remedy = "give finite instants [s] that do not decrease, the same one twice at the most"
     try:
         values = np.asarray(times, dtype=np.float64)
     except (TypeError, ValueError):
         raise InvalidInput(f"solve.times is {times!r}: {remedy}.") from None
-    if values.ndim != 1 or values.size == 0 or not np.isfinite(values).all():
-        raise InvalidInput(f"solve.times has the shape {values.shape}: {remedy}, all finite.")
-    if (np.diff(values) < 0).any() or (np.diff(values, n=2) == 0)[np.diff(values)[:-1] == 0].any():
+    if values.ndim != 1 or values.size == 0:
+        raise InvalidInput(f"solve.times has the shape {values.shape}: {remedy}.")
+    if (
+        not np.isfinite(values).all()
+        or (np.diff(values) < 0).any()
+        or (np.diff(values, n=2) == 0)[np.diff(values)[:-1] == 0].any()
+    ):
         raise InvalidInput(f"solve.times is {times!r}: {remedy}.")
     if values[0] < load.start:
         raise InvalidInput(

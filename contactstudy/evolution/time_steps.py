@@ -46,7 +46,7 @@ class StepError(Enum):
 
     #: By step doubling: a second integration with steps twice as long, at half the cost of the first.
     STEP_DOUBLING = "step doubling"
-    #: No estimate: one step from each instant to the next, with an infinite error.
+    #: No estimate: one step from each instant or kink of the load to the next, with an infinite error.
     NONE = "none"
 
 
@@ -59,19 +59,21 @@ class TimeSteps:
     ----------
     times
         The instants [s], which do not decrease; None for evenly spaced ones. A time given twice is recorded before and
-        after a jump of the load.
+        after a jump of the load; films and wear in rolling refuse it.
     end
-        Last instant [s]; None for the last one that a history of load, speed or friction names.
+        Last instant [s]; None for the last one that a history of load, speed or friction names; with an `error`, one of
+        the load is needed.
     instants
         Number of instants, evenly spaced but for those moved to where a history has a kink or turns. None stands for 41,
         but where `error` is given and `end` is not, every step is recorded. Elastic bodies take no steps: the start,
         the end and where the load turns or jumps are recorded then.
     error
         Largest relative time-discretisation error, in L1, of the pressure and in fretting of the tangential traction.
-        Where a contact wears that rolls, is driven or has a film, it is the largest change of the pressure by the
-        correction of a step; of other films, the largest error of their thickness in one step. None takes a fraction of
-        the error requested of the solve. Without that, there is one step from each instant to the next; steady wear and
-        films take 1e-3.
+        Where a contact wears in steady or tractive rolling or on a film, it is the largest change of the pressure by
+        the correction of a step; of other films, the largest error of their thickness in one step; films over bodies
+        that yield refuse it. None takes a fraction of the error requested of the solve. Without that, there is one step
+        from each instant to the next, and to each kink of the load or quarter of its period; steady wear and films take
+        1e-3.
     scheme
         How sliding wear is stepped; other wear has a method of its own.
     step_error

@@ -50,7 +50,8 @@ class Frame:
     fields
         Fields (x, y) of the state variables, such as the worn depth, by name.
     status
-        The worst status of the contacts solved since the previous frame.
+        The worst status of the contacts since the previous frame, without rejected steps; DETACHED is that of the last
+        alone.
     residual
         Residual of the last solve.
     step_error
@@ -66,9 +67,9 @@ class Frame:
     coupled_state
         State solved for together with the pressure, such as plastic strain, as arrays by name.
     adhesion
-        Adhesive traction; None without adhesion.
+        Adhesive traction of a frame without `solution`; None without adhesion.
     solution
-        Solution of a frame that is in equilibrium by itself; None for others.
+        Solution of a frame whose equilibrium keeps no state variable from earlier instants; None for others.
     rolling
         Rolling resistance and centroid of a steadily rolling contact; None for others.
     grid_error_parts

@@ -1,7 +1,7 @@
 """Contacts in equilibrium under a load that changes: adhesive bodies, and steady rolling.
 
 An adhesive contact begins with the state before it. Between two turning points of the load the state does not depend on
-the number of instants, because the fixed-point map is monotone: a larger initial traction gives a larger final one. It
+the number of instants, because the fixed-point map is monotone: a larger initial attraction gives a larger final one. It
 is therefore solved at all turning points, recorded or not. Rolling is steady at each instant and depends on its load
 alone. So there is no time-discretisation error.
 """
@@ -156,7 +156,7 @@ def _next_solution(problem: Problem, last: Solution | None, options: SolveOption
 def frame_in_equilibrium(
     time: float, load: float, solution: Solution, rolling: SteadyRolling | None
 ) -> Frame:
-    """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its rolling where it rolls."""
+    """Return a solution at a time [s] under a load [N/m] as a recorded instant, with its resistance where it rolls."""
     fields = {}
     solves = 1 if rolling is None else rolling.lagged.outer_iterations
     adhesion = solution.adhesion
@@ -249,7 +249,7 @@ def _loads_between(a: Frame, b: Frame, load: AnyLoad) -> list[float]:
 
 
 def separation(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
-    """Return the last recorded load [N/m] that was held, and another so that contact is lost at one between both.
+    """Return the last recorded load [N/m] in contact, and another: they bracket the pull-off load.
 
     The other is the first recorded load that was lost, or one beyond where the `load` turns between the two instants.
     None where contact is not lost.
@@ -262,7 +262,7 @@ def separation(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | 
 
 
 def jump_in(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
-    """Return the first recorded load [N/m] in contact, and another so that contact is made at one between both.
+    """Return the first recorded load [N/m] in contact, and another: they bracket the load at which contact is made.
 
     The other is the last recorded load before, or one beyond where the `load` turns between the two instants. None
     where contact is not made.

@@ -1,4 +1,4 @@
-"""Wear of contacts that are steady at each instant: rolling, driven, or on a boundary film.
+"""Wear of contacts that are steady at each instant: in steady or tractive rolling, or on a boundary film.
 
 The worn depth w adds to the gap, and its rate follows from the contact on that gap: ``dw/dt = f(w)``. Heun's method
 takes a step by the rates at its start and at the end of Euler's step; the change of the pressure from one to the other
@@ -33,7 +33,7 @@ from contactstudy.solvers.friction.rolling_traction import RollingTraction
 from contactstudy.solvers.solution import Solution, Status, worst
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Largest depth of the first step, over the unit of the gap or the boundary film: if it is too long, it is rejected.
+# Largest depth of the first step, over the scale of the gap or the boundary film: if it is too long, it is rejected.
 FIRST_DEPTH = 0.01
 # Smallest and largest factor on the length of a step, and the fraction of the allowed length that is aimed at.
 MIN_FACTOR, MAX_FACTOR, SAFETY = 0.1, 2.0, 0.8
@@ -41,7 +41,7 @@ MIN_FACTOR, MAX_FACTOR, SAFETY = 0.1, 2.0, 0.8
 SHORTEST = 1e-6
 # Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
 STEP_ERROR = 1e-3
-# Work: steps, contact solves, two counts of their iterations, and rejected pairs of steps.
+# Work: steps, contact solves, their iterations, their transforms or linear iterations, and rejected pairs of steps.
 NO_WORK, REJECTED = np.zeros(5), np.array((0.0, 0.0, 0.0, 0.0, 1.0))
 
 
@@ -111,7 +111,8 @@ class _Instant(Generic[Contact]):
     status
         The worst status of the accepted steps, each with its predictor, since the instant before.
     work
-        Steps, solves, two counts of their iterations, and rejected pairs of steps, since the instant before.
+        Steps, solves, their iterations, their transforms or linear iterations, and rejected pairs of steps, since the
+        instant before.
     change
         Change of the pressure by the correction of the last step, relative in L1; infinite where a solve failed.
     """
@@ -136,7 +137,7 @@ class _WearingContact(Generic[Contact]):
     rate
         Wear rate (x, y) [m/s] of a contact.
     solves_and_iterations
-        Number of solves of a contact, and two counts of their iterations.
+        Number of solves of a contact, of their iterations, and of their transforms (dry) or linear iterations (film).
     first_depth
         Largest depth [m] of the first step.
     """
@@ -230,7 +231,7 @@ def follow_wear(
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     progress: Callable[[float, float], None] | None = None,
 ) -> Trajectory:
-    """Follow the wear of a contact that rolls or is driven.
+    """Follow the wear of a contact in steady or tractive rolling.
 
     Parameters
     ----------

@@ -237,7 +237,7 @@ class AdaptiveIntegrator:
     def _jump(self, load: float) -> bool:
         """Change the load of both integrations at once; return False if there is no solution to go on from.
 
-        Where a state depends on the path of the load, it is applied in as many increments as the allowed error
+        Where a state depends on the path of the load, the jump is applied in as many increments as the allowed error
         requires, twice as many as in the doubled steps.
         """
         increments = 1 if self.stepper.coupled is None else 2 * INCREMENTS
@@ -306,7 +306,7 @@ class AdaptiveIntegrator:
         )
 
     def _common_error(self) -> float:
-        """Return the time-discretisation error that both integrations have in common; infinite if one is not made."""
+        """Return the time-discretisation error common to both integrations; infinite without a second integration."""
         variables = self.stepper.all_state_variables
         if variables and not self.step_doubling:
             return inf

@@ -33,7 +33,7 @@ class Checkpoint:
     """Folder of one integration: ``request.json``, ``frame_00000.npz`` and so on, and ``state.npz``.
 
     Each file has a checksum and is replaced in one step, so that a killed integration leaves the previous one and
-    damage is detected. Each names the hash of the request that it belongs to.
+    damage is detected. Frames and state name the hash of the request in ``request.json``.
 
     Attributes
     ----------

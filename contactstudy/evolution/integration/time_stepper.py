@@ -383,7 +383,7 @@ class TimeStepper:
         }
 
     def _scales(self, load: float, compliance_ratio: float) -> Scales:
-        """Return the scales of a contact under `load` [N/m] with that ratio to the compliance of the integration.
+        """Return the scales under `load` [N/m] and a ratio of the step's compliance to the instantaneous one.
 
         The width of a curved contact grows with the square root of load and compliance; a flat contact keeps its width.
         """

@@ -73,7 +73,7 @@ class RepeatedRolling:
     passes
         The passes, in order.
     track
-        The half-space in the window of the last pass.
+        The half-space in the moving grid of the last pass.
     unloaded
         The half-space after the last pass, with the load removed.
     description
@@ -87,7 +87,7 @@ class RepeatedRolling:
 
     @property
     def grid(self) -> Grid:
-        """Grid of the window that moves with the contact."""
+        """Grid that moves with the contact."""
         return self.track.operator.volume.grid
 
     @property
@@ -167,7 +167,7 @@ class RepeatedRolling:
 
 # Depth of the first layers, in length scales of the contact; more are added where the last one yields.
 INITIAL_DEPTH = 2.0
-# The longest pass, in widths of the window.
+# The longest pass, in widths of the moving grid.
 MAX_PASS_WIDTHS = 20
 
 
@@ -181,10 +181,10 @@ def roll_repeatedly(
 ) -> RepeatedRolling:
     """Roll the contact of `scene` to larger x over an elastic-plastic half-space, as its ``rolling`` says.
 
-    The half-space is infinite: in front of the window it is as the previous pass left it, behind the window as this
-    pass leaves it. The full load is applied at once, then the contact rolls by one cell in each step, from one pass to
-    the next. The heights of the other body move with the contact. The error is of first order in the cell width: the
-    change on cells of half the width estimates the error that remains.
+    The half-space is infinite: in front of the moving grid it is as the previous pass left it, behind the moving grid
+    as this pass leaves it. The full load is applied at once, then the contact rolls by one cell in each step, from one
+    pass to the next. The heights of the other body move with the contact. The error is of first order in the cell
+    width: the change on cells of half the width estimates the error that remains.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def roll_repeatedly(
         The contact, with the ``passes`` of a :class:`~contactstudy.Rolling`; one body yields, the other is elastic or
         rigid.
     grid
-        Window that moves with the contact, of one cell along the length. Everything that yields below the contact must
+        Grid that moves with the contact, of one cell along the length. Everything that yields below the contact must
         be in it.
     padding
         Boundary conditions: an infinite surface across, periodic along.
@@ -249,8 +249,8 @@ def roll_repeatedly(
     return RepeatedRolling(tuple(finished), track, unloaded, PosedScene(scene, grid, padding))
 
 
-# The strain behind the window is a mean over about half of its width: the distance from the contact to its edge.
-AVERAGES_PER_WINDOW = 2
+# The strain behind the moving grid is a mean over about half of its width: the distance from the contact to its edge.
+AVERAGES_PER_WIDTH = 2
 # The contact at the end of a step, and the iterations of Newton's method that the step took.
 SolvedStep = tuple[Solution, int]
 
@@ -301,7 +301,7 @@ class _Rolling:
         least_steps = self.max_steps or grid.cells[0] + self.lag
         max_profiles = MAX_PASS_WIDTHS * grid.cells[0] if self.max_steps is None else self.max_steps
         while len(profiles) <= max_profiles:
-            before = track.rolled(AVERAGES_PER_WINDOW / grid.cells[0])
+            before = track.rolled(AVERAGES_PER_WIDTH / grid.cells[0])
             track, step = self.step(before)
             steps.append(step)
             profiles.append(track.left_profile)
@@ -316,7 +316,7 @@ class _Rolling:
         if change >= self.steady:
             statuses.append(Status.PASS_NOT_STEADY)
         # checked at the end only: until the strain is steady, the mean strain behind differs from the strain that leaves
-        # the window
+        # the moving grid
         flow = track.equivalent - embedded(before.equivalent, 0, track.operator.volume)
         if flow[:, [0, -1]].max() > self.steady:
             statuses.append(Status.YIELD_AT_EDGE)

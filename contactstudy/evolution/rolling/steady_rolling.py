@@ -107,7 +107,8 @@ class SteadyRolling:
         """Upper estimate of the relative error of :attr:`resistance`.
 
         It is twice the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the
-        change may be small by chance. It is 0 for elastic bodies, and infinite without a coarser grid to compare with.
+        change may be small by chance. It is 0 for elastic bodies and a resistance of 0, and infinite without a coarser
+        grid to compare with.
         """
         if not self.antisymmetric_weights:
             return 0.0

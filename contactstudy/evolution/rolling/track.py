@@ -1,4 +1,4 @@
-"""The half-space below a window that rolls with the contact: its plastic strain, and a step of its change."""
+"""The half-space below a grid that moves with the contact: its plastic strain, and a step of its change."""
 
 from dataclasses import dataclass, replace
 from functools import partial
@@ -94,7 +94,7 @@ class DepthProfile:
     Attributes
     ----------
     strain
-        Plastic strain (component, layers), in the basis of the window's operator.
+        Plastic strain (component, layers), in the basis of the moving grid's operator.
     equivalent
         Equivalent plastic strain (layers,).
     """
@@ -117,23 +117,24 @@ def with_zero_layers(field: Array, layers: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """A half-space in plane strain over which a contact rolls, seen in a window that moves with the contact.
+    """A half-space in plane strain over which a contact rolls, seen on a grid that moves with the contact.
 
     Attributes
     ----------
     outer_strain
-        Influence of the half-space outside the window.
+        Influence of the half-space outside the moving grid.
     hardening
         Yield stress and hardening moduli [Pa].
     strain
-        Plastic strain (component, layers, x, 1) in the window.
+        Plastic strain (component, layers, x, 1) in the moving grid.
     equivalent
-        Equivalent plastic strain (layers, x, 1) in the window.
+        Equivalent plastic strain (layers, x, 1) in the moving grid.
     mean_strain_behind
-        Plastic strain (component, layers) from the left edge of the window to infinity. It is a running mean of the
-        strain that left the window: with the last strain alone it would oscillate with the period of the window.
+        Plastic strain (component, layers) from the left edge of the moving grid to infinity. It is a running mean of
+        the strain that left the moving grid: with the last strain alone it would oscillate with the period of the
+        moving grid.
     front
-        The half-space on the right of the window.
+        The half-space on the right of the moving grid.
     """
 
     outer_strain: OuterStrain
@@ -153,12 +154,12 @@ class Track:
 
     @property
     def operator(self) -> PlaneStrainOperator:
-        """Operator on plastic strain in the window."""
+        """Operator on plastic strain in the moving grid."""
         return self.outer_strain.operator
 
     @property
     def left_profile(self) -> DepthProfile:
-        """Profile at the left edge of the window, which leaves it in the next step."""
+        """Profile at the left edge of the moving grid, which leaves it in the next step."""
         return DepthProfile(self.strain[:, :, 0, 0], self.equivalent[:, 0, 0])
 
     def rolled(self, weight: float) -> "Track":
@@ -167,7 +168,7 @@ class Track:
         Parameters
         ----------
         weight
-            Weight of the strain that leaves the window in the mean strain behind it.
+            Weight of the strain that leaves the moving grid in the mean strain behind it.
         """
         strain, equivalent = np.roll(self.strain, -1, axis=2), np.roll(self.equivalent, -1, axis=1)
         strain[:, :, -1, 0], equivalent[:, -1, 0] = self.front.strain, self.front.equivalent
@@ -238,11 +239,11 @@ class Track:
         )
 
     def residual_stress(self) -> Array:
-        """Return the residual stress (6, layers, x, 1) [Pa] in the window, tension positive."""
+        """Return the residual stress (6, layers, x, 1) [Pa] in the moving grid, tension positive."""
         around = self.outer_strain.tensor(self.mean_strain_behind, self.front.strain)
         return self.operator.residual_stress_tensor(self.strain) + around
 
 
 def _with_outer_gap(contact: ContactWithAddedGap, outer: Array, added_gap: Array) -> Solution:
-    """Return a contact with `added_gap` and the gap by the strain outside the window (x, y) [m] added to its gap."""
+    """Return a contact with `added_gap` and that by the strain outside the moving grid (x, y) [m] added to its gap."""
     return contact(outer + added_gap)

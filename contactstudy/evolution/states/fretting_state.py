@@ -175,7 +175,7 @@ class FrettingState:
 
         The ratio is 0 where the load does not rise, or jumps. The total (2,) [Pa] is the sum of the traction of all
         cells at the end of the step, the displacement (2,) [m] that of the second body in the step; one of them is None.
-        The first load is applied before the traction.
+        A first load that jumps is applied before the traction; one that ramps up locks traction in.
         """
         loaded = bool(before.any())
         if self.forces is None:

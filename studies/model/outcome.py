@@ -56,8 +56,6 @@ class Outcome:
         Wall time of the whole computation [s].
     fields
         Fields of the contact, where they are stored.
-    cpu
-        CPU time of the whole computation [s].
     loaded
         Fingerprints of what its process had imported, see :class:`~studies.store.fingerprint.modules.ImportRecorder`.
     worker
@@ -71,7 +69,6 @@ class Outcome:
     failure: Failure | None = None
     seconds: float = 0.0
     fields: Mapping[str, xr.Variable] = field(default_factory=dict)
-    cpu: float = 0.0
     loaded: Mapping[str, str] = field(default_factory=dict)
     worker: str = ""
     sample: "TimedRun | None" = None

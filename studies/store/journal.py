@@ -155,7 +155,6 @@ class Journal:
             "tree": identity.tree,
             "exact": identity.exact,
             "seconds": outcome.seconds,
-            "cpu": outcome.cpu,
             "values": {name: encoded_variable(v) for name, v in outcome.variables.items()},
         }
         if outcome.failure is not None:

@@ -134,7 +134,7 @@ class Record:
         """Outcome of the case."""
         line = json.loads(self.raw)
         variables = {name: decoded_variable(entry) for name, entry in line["values"].items()}
-        return Outcome(self.case_status, variables, failure_of(line), self.seconds, {}, line["cpu"])
+        return Outcome(self.case_status, variables, failure_of(line), self.seconds)
 
     def is_of(self, identity: CaseIdentity) -> bool:
         """Return whether this record is of exactly this case, its defaults and the state of its classes included."""

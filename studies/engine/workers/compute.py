@@ -59,11 +59,11 @@ class Stage:
 
 def _outcome_of(task: Callable[[Stage], Outcome], stage: Stage, limit: float | None) -> Outcome:
     """Return the outcome of a task of a case, or its failure within the limit [s]."""
-    start, cpu = perf_counter(), process_time()
+    start = perf_counter()
     try:
         with alarm(limit):
             outcome = task(stage)
-        return replace(outcome, seconds=perf_counter() - start, cpu=process_time() - cpu)
+        return replace(outcome, seconds=perf_counter() - start)
     except TimeLimitError:
         return timed_out(limit, stage.name, perf_counter() - start)
     except StopRun:

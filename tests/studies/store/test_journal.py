@@ -35,9 +35,7 @@ def identity(name: str, **more: str) -> CaseIdentity:
 
 
 def outcome(seconds: float = 0.0, value: float = 1.0) -> Outcome:
-    return Outcome(
-        CaseStatus.OK, {"square": xr.Variable((), value)}, None, seconds, {}, seconds / 2
-    )
+    return Outcome(CaseStatus.OK, {"square": xr.Variable((), value)}, None, seconds)
 
 
 def opened(path: Path, context: dict[str, str] | None = None, machine: str = "here") -> Journal:
@@ -54,7 +52,7 @@ def test_a_case_comes_back_with_its_numbers(tmp_path: Path) -> None:
         journal.begin("b")
     found = opened(tmp_path)
     record = found.records["a"]
-    assert (record.seconds, record.outcome.cpu, record.case_status) == (3.0, 1.5, CaseStatus.OK)
+    assert (record.seconds, record.case_status) == (3.0, CaseStatus.OK)
     assert float(record.outcome.variables["square"]) == 7.5
     assert record.is_of(identity("a"))
     assert not record.is_of(identity("a", offset="1"))
@@ -150,7 +148,7 @@ def test_a_journal_removed_or_replaced_while_it_was_written_is_said(tmp_path: Pa
 
 CASE = {
     "case": "a", "status": "ok", "point": {"number": "a"}, "tree": {"": "Case"}, "exact": "e",
-    "seconds": 1.0, "cpu": 1.0,
+    "seconds": 1.0,
 }  # fmt: skip
 
 MALFORMED: dict[str, dict[str, object]] = {

@@ -23,7 +23,7 @@ class SurfaceDepth:
     length_scales: LengthScales = LengthScales()  # noqa: RUF009 (a frozen value)
 
     def gap(self, grid: Grid) -> Array:
-        """Return the depth on another grid: means over larger cells, a cubic spline between these cells."""
+        """Return the depth on another grid: means over larger cells; on smaller ones, a cubic spline."""
         if all(n <= m for n, m in zip(grid.cells, self.grid.cells, strict=True)):
             return on_cells(self.depth, grid.cells)
         around = np.pad(

@@ -41,9 +41,9 @@ class FrettingState:
     times the energy. With the depth per pressure w worn in a step and the weight e of the pressure at its start, a
     pressure pattern of the eigenvalue lambda of the influence matrix becomes ``(lambda - e w) / (lambda + (1 - e) w)``
     of it. The weight is a half, the second-order scheme, where w is at most twice the smallest eigenvalue; above, it is
-    that eigenvalue over w, so that no pattern changes its sign from step to step. The implicit part enters the contact
-    as a local compliance; slip and contact are iterated to a fixed point. A step within a segment of the tangential
-    history that lasts n half periods counts its slip n times (cycle jump).
+    that eigenvalue over w, so that in plane strain no pattern changes its sign from step to step. The implicit part
+    enters the contact as a local compliance; slip and contact are iterated to a fixed point. A step within a segment of
+    the tangential history that lasts n half periods counts its slip n times (cycle jump).
 
     Attributes
     ----------
@@ -59,12 +59,12 @@ class FrettingState:
     period
         Duration of a cycle [s]; infinite if each force is followed once.
     least_eigenvalue
-        Smallest eigenvalue of the influence matrix [m/Pa].
+        Smallest eigenvalue of the influence matrix in plane strain [m/Pa].
     gap_scale
         Scale of the gap [m], to which its errors are relative.
     creep
         Creep of the surfaces over their instantaneous compliance; None of elastic bodies. Its state also keeps the
-        retarded pressure, beside which a rising one locks traction in.
+        retarded pressure: traction is locked in where the pressure rises above it.
     compliances_proportional
         Whether the tangential compliance is proportional to the normal one.
     grid

@@ -243,7 +243,8 @@ class PlasticState:
     def has_onset_of_yield(self, before: State, after: State) -> bool:
         """Return whether a step added much more plastic strain than all since the last step without plastic flow.
 
-        It is so where the sum after the step is more than 1 + ABRUPT times that before, as where none was before.
+        It has where the plastic strain summed since then is more than 1 + ABRUPT times that before the step, also from
+        0.
         """
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 

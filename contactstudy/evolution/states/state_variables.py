@@ -174,7 +174,7 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
         """
 
     def has_onset_of_yield(self, before: State, after: State) -> bool:
-        """Return whether a step between two states added far more than all since the last step without plastic flow."""
+        """Return whether a step added far more plastic strain than all since the last step without plastic flow."""
 
     def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
         """Return fields over (time, ...), by name, from the states of several instants."""
@@ -340,6 +340,7 @@ class WearState:
 def least_eigenvalue(contact_modulus: float, cell: float) -> float:
     """Return the smallest eigenvalue [m/Pa] of the influence matrix of touching cells, ``0.742 cell / contact_modulus``.
 
-    It is that of plane strain, with the width of a cell [m] across and the contact modulus E* [Pa].
+    It is that of plane strain, with the width of a cell [m] across and the contact modulus E* [Pa]; cells that are
+    also short along the length have a smaller one.
     """
     return 0.742 * cell / contact_modulus

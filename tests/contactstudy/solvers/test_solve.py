@@ -2,6 +2,7 @@ import math
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,18 +62,18 @@ def test_heights_that_are_not_numbers_end_in_a_status(line_contact: LineContact)
     assert "NOT_FINITE" in repr(solution)
 
 
-def test_a_folder_without_frames_is_refused(line_contact: LineContact, tmp_path: Path) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.folder is given, and a static contact has"):
-        cs.solve(line_contact.scene, folder=tmp_path)
-
-
-@pytest.mark.parametrize("tolerance", [0.0, -1e-8, math.nan, "tight"])
-def test_an_invalid_tolerance_is_refused(tolerance: object, line_contact: LineContact) -> None:
-    problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.tolerance is "):
-        cs.solve(problem, tolerance=tolerance)  # type: ignore[arg-type]
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.max_iterations is -1"):
-        cs.solve(problem, max_iterations=-1)
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [({"tolerance": one}, "tolerance is ") for one in (0.0, -1e-8, math.nan, "tight")]
+    + [({"max_iterations": -1}, "max_iterations is -1")]
+    + [({"device": 2}, r"device is 2: give Cpu\(threads=2\) or Gpu\(\)")]
+    + [({"folder": Path("frames")}, "folder is given, and a static contact has")],
+)
+def test_an_option_that_a_solve_cannot_use_is_refused(
+    named: dict[str, Any], said: str, line_contact: LineContact
+) -> None:
+    with pytest.raises(cs.InvalidInput, match=rf"^solve\.{said}"):
+        cs.solve(line_contact.scene, line_contact.grid(16, 1.2), cs.ExactPeriodicity(), **named)
 
 
 def test_contact_cut_off_by_a_free_length_is_flagged_but_not_a_rollers_own_end(
@@ -187,11 +188,3 @@ def test_threads_give_the_same_answer(
     # another rounding of the transforms, times the operator's condition, up to 64 waves across
     difference = np.abs(one.pressure - two.pressure).max() / posed.scales.pressure
     assert difference < 64 * tolerance * 10
-
-
-def test_a_solve_on_an_invalid_device_is_refused(line_contact: LineContact) -> None:
-    posed = line_contact.scene.problem(line_contact.grid(8, 2.4), cs.ExactPeriodicity())
-    with pytest.raises(
-        cs.InvalidInput, match=r"^solve\.device is 2: give Cpu\(threads=2\) or Gpu\(\)"
-    ):
-        cs.solve(posed, device=2)  # type: ignore[arg-type]

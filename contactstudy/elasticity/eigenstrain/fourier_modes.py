@@ -30,10 +30,10 @@ from contactstudy.elasticity.eigenstrain.volume import Moduli, Volume
 
 # Number of orders of short waves that are summed one by one; shorter waves are summed together.
 SUMMED_ORDERS = 2
-# Depth in cells at which short waves of pressure have decayed. Those of strain reach the surface and come back from less
-# than half that depth.
+# Depth in cells at which short waves of pressure have decayed. The surface correction of those of
+# strain has decayed from half that depth on.
 DEEP = 3.0
-# Layers from which short waves do not reach the surface are treated as if they were at this multiple of that depth.
+# Layers so deep that short waves have decayed at the surface are treated as if they were at this multiple of that depth.
 REMOTE_DEPTHS = 1e3
 # Distance in cells between layers that act on one another by short waves.
 NEAR = 0.6

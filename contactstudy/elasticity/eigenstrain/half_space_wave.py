@@ -15,7 +15,7 @@ from scipy.special import gammainc
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.eigenstrain.volume import Moduli
 
-# q times a depth at which a wave has decayed, but does not underflow.
+# q times a depth at which a mode has decayed, but does not underflow.
 MAX_DECAY = 700.0
 # nn, tt, zz, nz / i, nt, tz / i
 Tensor = tuple[Array, Array, Array, Array, Array, Array]
@@ -29,12 +29,12 @@ def means(ratio: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Amplitudes of the waves that plastic strain in layers sends into the body, each field (layers, ..., waves).
+    """Amplitudes of the Fourier modes of plastic strain in layers, each field (layers, ..., waves).
 
-    Where strain jumps from a layer to the one below, waves ``(a + b q z) exp(-q z)`` of Airy's stress function and ``c
-    exp(-q z)`` of antiplane stress go down, and others up: these are linear in the jump. `down` and `up` are their
-    amplitudes (a, b, c) for each layer's own strain. `zz`, `tt` and `tz` are the stress of a layer whose displacement
-    does not change with depth; its other components are zero.
+    Where strain jumps from a layer to the one below, modes ``(a + b q z) exp(-q z)`` of Airy's stress function and ``c
+    exp(-q z)`` of antiplane stress decay downwards, and others upwards: these are linear in the jump. `down` and `up`
+    are their amplitudes (a, b, c) for each layer's own strain. `zz`, `tt` and `tz` are the stress of a layer whose
+    displacement does not change with depth; its other components are zero.
     """
 
     down: Array
@@ -47,7 +47,7 @@ class Sources:
     def from_strain(cls, strain: Tensor, moduli: Moduli) -> "Sources":
         """Return the sources of a plastic `strain`.
 
-        At the sides of a layer the waves make traction and displacement in n and z continuous. Of their amplitudes, `f`
+        At the sides of a layer the modes make traction and displacement in n and z continuous. Of their amplitudes, `f`
         balances half of the stress s_zz that the layer would have without displacement along z, and `g` and `h` make up
         for its strains nn - zz and nz.
         """
@@ -69,7 +69,7 @@ class Sources:
 
 @dataclass(frozen=True, eq=False)
 class CellLayer:
-    """Propagation of waves through a layer.
+    """Attenuation of Fourier modes over a layer.
 
     `ratio` (waves,) is the wave number q times the thickness; `decay` and `means` are ``exp(-ratio)`` and the
     :func:`means` over the layer.
@@ -84,15 +84,15 @@ class CellLayer:
         """Return the layer with this `ratio` of its thickness to 1 / q, (waves,)."""
         return cls(ratio, np.exp(-ratio), means(ratio))
 
-    def transmitted(self, amplitudes: Array) -> Array:
-        """Return the `amplitudes` (a, b, c) of waves after they have crossed the layer."""
+    def attenuated(self, amplitudes: Array) -> Array:
+        """Return the `amplitudes` (a, b, c) of modes at the far side of the layer."""
         after = amplitudes * self.decay
         after[0] += self.ratio * after[1]
         return after
 
 
-def reflected(up: Array) -> Array:
-    """Return the amplitudes that a surface free of traction sends down for waves of the amplitudes `up`."""
+def surface_correction(up: Array) -> Array:
+    """Return the amplitudes, decaying downwards, that free the surface of the traction of modes of amplitudes `up`."""
     return np.stack((-up[0], up[1] - 2 * up[0], up[2]))
 
 
@@ -107,15 +107,15 @@ def layer_stresses(sources: Sources, layers: Sequence[CellLayer], nu: float) -> 
     state = -sources.up[:, -1]
     for number in range(count - 1, -1, -1):
         up[:, number] = state
-        state = layers[number].transmitted(state)
+        state = layers[number].attenuated(state)
         state += sources.up[:, number]
         if number:
             state -= sources.up[:, number - 1]
-    state = reflected(state) + sources.down[:, 0]
+    state = surface_correction(state) + sources.down[:, 0]
     for number in range(count):
         down[:, number] = state
         if number < count - 1:
-            state = layers[number].transmitted(state)
+            state = layers[number].attenuated(state)
             state += sources.down[:, number + 1]
             state -= sources.down[:, number]
     return _layer_stress(sources, down, up, layers, nu)
@@ -126,7 +126,7 @@ def self_stress(sources: Sources, top: Array, layer: CellLayer, nu: float) -> Te
 
     `top` is q times the depth of its upper side.
     """
-    down = sources.down + _reflection(sources, layer, top, top)
+    down = sources.down + _surface_part(sources, layer, top, top)
     return _layer_stress(sources, down, -sources.up, [layer], nu)
 
 
@@ -135,29 +135,29 @@ def stress_of_other_layer(
 ) -> Tensor:
     """Return the means of the stress over the second of two `layers` by plastic strain in the first, above or below it.
 
-    `tops` are q times the depths of their upper sides, or so large for deep layers that there is no reflection.
+    `tops` are q times the depths of their upper sides, or so large for deep layers that the surface correction vanishes.
     """
     (source, layer), (begin, end) = layers, tops
-    down, up = _reflection(sources, source, begin, end), np.zeros_like(sources.up)
+    down, up = _surface_part(sources, source, begin, end), np.zeros_like(sources.up)
     if np.all(begin < end):
-        sent = source.transmitted(sources.down) - sources.down
-        down += _through(sent, end - begin - source.ratio)
+        from_both_sides = source.attenuated(sources.down) - sources.down
+        down += _attenuated(from_both_sides, end - begin - source.ratio)
     else:
-        up += _through(sources.up - source.transmitted(sources.up), begin - end - layer.ratio)
+        up += _attenuated(sources.up - source.attenuated(sources.up), begin - end - layer.ratio)
     return _wave_stress(down, up, layer.means, nu)
 
 
-def _reflection(sources: Sources, source: CellLayer, begin: Array, end: Array) -> Array:
-    """Return the amplitudes at a depth `end` of the waves that a layer sends up and the surface reflects.
+def _surface_part(sources: Sources, source: CellLayer, begin: Array, end: Array) -> Array:
+    """Return the amplitudes at a depth `end` of the surface correction of the modes of a layer.
 
     `begin` is the depth of the upper side of that layer, the `source`; depths are times q.
     """
-    up = _through(sources.up - source.transmitted(sources.up), begin)
-    return _through(reflected(up), end)
+    up = _attenuated(sources.up - source.attenuated(sources.up), begin)
+    return _attenuated(surface_correction(up), end)
 
 
-def _through(amplitudes: Array, ratio: Array) -> Array:
-    """Return the `amplitudes` of waves after a distance of `ratio` / q."""
+def _attenuated(amplitudes: Array, ratio: Array) -> Array:
+    """Return the `amplitudes` of modes after a distance of `ratio` / q."""
     after = amplitudes * np.exp(-np.minimum(ratio, MAX_DECAY))
     after[0] += ratio * after[1]
     return after

@@ -67,8 +67,8 @@ class Strip:
     ----------
     angle
         Angle that it subtends.
-    pole
-        ``z / (a + i z) - z / (b + i z)``, its edges at offsets a and b.
+    edge_terms
+        Terms ``z / (a + i z) - z / (b + i z)`` of its edges at offsets a and b.
     middle
         Offset of its middle.
     depth
@@ -80,7 +80,7 @@ class Strip:
     """
 
     angle: Array
-    pole: NDArray[np.complex128]
+    edge_terms: NDArray[np.complex128]
     middle: Array
     depth: float
     width: float
@@ -169,7 +169,7 @@ COMPONENTS = {
             (1, 1),
             _xx_point,
             _xx_corner,
-            lambda strip, nu: strip.pole.real - strip.angle,
+            lambda strip, nu: strip.edge_terms.real - strip.angle,
             "yy",
         ),
         CellKernel(
@@ -189,7 +189,7 @@ COMPONENTS = {
                 - _second_derivative_inverse(x, y, z, r)
                 - _second_derivative_inverse(y, x, z, r)
             ),
-            lambda strip, nu: -strip.pole.real - strip.angle,
+            lambda strip, nu: -strip.edge_terms.real - strip.angle,
             "zz",
         ),
         CellKernel(
@@ -205,7 +205,7 @@ COMPONENTS = {
             (-1, 1),
             lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
             _xz_corner,
-            lambda strip, nu: -strip.pole.imag,
+            lambda strip, nu: -strip.edge_terms.imag,
             "yz",
         ),
         CellKernel(
@@ -307,5 +307,5 @@ def strip(x: Array, z: float, dx: float) -> Strip:
     # by the product of both distances, where their difference would cancel
     product = (x - dx / 2) * (x + dx / 2) - z * z + 2j * z * x
     angle = np.arctan2(z * dx, np.real(product) + 2 * z * z)
-    pole = np.asarray(-z * dx / product, dtype=np.complex128)
-    return Strip(angle, pole, x, z, dx)
+    edge_terms = np.asarray(-z * dx / product, dtype=np.complex128)
+    return Strip(angle, edge_terms, x, z, dx)

@@ -237,5 +237,5 @@ def _strips(x: Array, z: float, dx: float, width: float) -> Strip:
     fading = 2 * np.sinh(depth / 2) ** 2 * np.cos(twice)
     # cosh(depth) (cos(cell) - cos(twice)) + ..., by products where the difference would cancel
     angle = np.arctan2(np.sin(cell) * np.sinh(depth), edges * np.cosh(depth) + fading)
-    pole = edges - fading + 1j * np.sin(twice) * np.sinh(depth)
-    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / pole, x, z, dx, width)
+    denominator = edges - fading + 1j * np.sin(twice) * np.sinh(depth)
+    return Strip(angle, -2 * np.pi * z / width * np.sin(cell) / denominator, x, z, dx, width)

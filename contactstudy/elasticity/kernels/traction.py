@@ -82,7 +82,14 @@ _NORMAL = COMPONENTS
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
 for _name, _parity, _point, _corner, _plane, _other in (
-    ("xx", (-1, 1), _xx_point, _xx_corner, lambda s, nu: s.pole.imag - 2 * s.logarithm, _zero),
+    (
+        "xx",
+        (-1, 1),
+        _xx_point,
+        _xx_corner,
+        lambda s, nu: s.edge_terms.imag - 2 * s.logarithm,
+        _zero,
+    ),
     ("yy", (-1, 1), _yy_point, _yy_corner, lambda s, nu: -2 * nu * s.logarithm, _zero),
     ("zz", (-1, 1), _NORMAL["xz"].point, _NORMAL["xz"].corner, _NORMAL["xz"].plane, _zero),
     (

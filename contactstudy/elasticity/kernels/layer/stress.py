@@ -101,13 +101,13 @@ class LayerStress:
         """
         ratio = self._ratios[0]
         mismatch = (ratio - 1) / (ratio + 1)
-        reflected = 1 / (1 - mismatch * np.exp(-2 * k))
+        image_sum = 1 / (1 - mismatch * np.exp(-2 * k))
         decay = np.exp(-k * self.depth)
         if not self.in_layer:
-            through = (1 - mismatch) * reflected
+            through = (1 - mismatch) * image_sum
             return (1 - through) * decay, (through - 1) * decay
         mirrored = np.exp(-k * self.decay_rate)
-        down, up = reflected * decay, mismatch * reflected * mirrored
+        down, up = image_sum * decay, mismatch * image_sum * mirrored
         return decay - down + up, down + up - decay - (ratio - 1) * mirrored
 
     def interpolated(self, k: Array) -> Array:

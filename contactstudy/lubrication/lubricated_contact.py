@@ -117,7 +117,11 @@ class FilmSolution:
 
     @property
     def minimum_film(self) -> float:
-        """Minimum film thickness [m], by a parabola of its logarithm across the lowest cell and its neighbours."""
+        """Minimum film thickness [m], by a parabola of its logarithm across the lowest cell and its neighbours.
+
+        It is at least the boundary film.
+        """
+        boundary = self.scales.lubrication.boundary
         row, column = np.unravel_index(np.argmin(self.film), self.film.shape)
         if not 0 < row < len(self.film) - 1:
             return float(self.film[row, column])
@@ -125,7 +129,7 @@ class FilmSolution:
         before, lowest, after = np.log(self.film[row - 1 : row + 2, column])
         curvature = before + after - 2 * lowest
         drop = (after - before) ** 2 / (8 * curvature) if curvature > 0 else 0.0
-        return float(np.exp(lowest - drop))
+        return max(float(np.exp(lowest - drop)), 0.0 if boundary is None else boundary.film)
 
     @property
     def peak_pressure(self) -> float:

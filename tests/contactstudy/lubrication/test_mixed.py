@@ -64,6 +64,7 @@ def test_asperities_bear_only_where_the_film_is_the_boundary_film() -> None:
     assert (contact.lubricant_pressure >= 0).all()
     assert contact.film[touching] == pytest.approx(0.004 * UNIT, rel=1e-7)
     assert contact.film.min() >= 0.004 * UNIT * (1 - 1e-7)
+    assert contact.minimum_film >= 0.004 * UNIT
     assert contact.flow >= 0.004 * UNIT * contact.mean_speed
     assert contact.load_per_length == pytest.approx(1e5, rel=1e-7)
 

@@ -184,7 +184,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
         raise InvalidInput(
             f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that carries load over "
             f"{readable(2 * pressure_half_width)}: "
-            f"give {readable(2 * MIN_WIDTH * pressure_half_width)} at the least, or take film_grid(scene)."
+            f"give {readable(2 * MIN_WIDTH * pressure_half_width)} at the least, or take contactstudy.plan(scene).grid."
         )
     assert isinstance(scene.load, ConstantLoad)
     sudden = instantaneous(scene.solids)

@@ -68,11 +68,17 @@ def film_grid(
     period
         Period along the length [m], which has no effect on the film in plane strain.
     finest
-        Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each. One cell along the
-        length where nothing varies along it.
+        Shortest wavelengths (across, along) of the surfaces [m]; ``CELLS_PER_WAVE`` cells each, but no more than
+        ``MAX_CELLS`` across. One cell along the length where nothing varies along it.
     longer, finer
         Factors by which the inlet is longer and the cells are finer.
+
+    Raises
+    ------
+    InvalidInput
+        For a scene without lubrication, or an ``error`` that is not above 0.
     """
+    error = positive("film_grid.error", error, "give one above 0, such as 0.01")
     scales = lubricated_scales(scene)
     film, a = scales.expected_film, scales.hertz.half_width
     inlet = longer * max(INLET, 1 + sqrt(2 * INLET_ERROR * film / error))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication.solve_lubricated import solve_lubricated
+from contactstudy.lubrication.solve_lubricated import film_grid, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
 OIL = cs.Lubricant(0.04, 2e-8)
@@ -80,6 +80,12 @@ def test_limiting_shear_bounds_the_stress_by_a_share_of_the_pressure() -> None:
     contact = solve_lubricated(scene, grid(200, 4.5))
     assert (contact.shear <= 0.05 * contact.pressure).all()
     assert 0.02 < contact.friction < 0.05
+
+
+@pytest.mark.parametrize("error", [0, -1, float("nan"), "a"])
+def test_a_grid_for_an_error_that_is_none_is_refused(error: float) -> None:
+    with pytest.raises(cs.InvalidInput, match=r"film_grid\.error is .*: give one above 0"):
+        film_grid(by_moes(20, 5), error)
 
 
 def test_cells_wider_than_the_contact_are_refused() -> None:

@@ -23,7 +23,7 @@ from contactstudy.domain.fields import Array
 @suggest_fields
 @dataclass(frozen=True)
 class Tile:
-    """One of the equal tiles into which a measured surface is cut.
+    """Tile of a measured surface that is cut into equal ones.
 
     If the tiles do not divide the number of points, the remaining points at the far ends belong to none.
 

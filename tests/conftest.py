@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -104,6 +104,10 @@ class LineContact:
         cells = cells if isinstance(cells, tuple) else (cells, cells)
         a = self.hertz.half_width
         return cs.Grid(cells=cells, extent=(width * a, period * a))
+
+    def with_shapes(self, *more: cs.Shape) -> cs.Scene:
+        """The scene with more shapes on its cylinder."""
+        return replace(self.scene, shapes=(*self.scene.shapes, *more))
 
 
 @pytest.fixture(scope="session")

@@ -86,7 +86,7 @@ def rough_surfaces(line_contact: LineContact) -> Iterator[tuple[float, float]]:
     gap = line_contact.hertz.peak_pressure * a / MODULUS
     for seed, (rms, cut_off) in enumerate(((0.1, 0.4), (0.3, 0.4), (0.6, 0.3), (0.6, 0.2))):
         rough = cs.Roughness(rms * gap, hurst=0.8, roll_off=1.2 * a, cut_off=cut_off * a, seed=seed)
-        scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, rough))
+        scene = line_contact.with_shapes(rough)
         for cells in (64, 96):
             fine = scene.problem(line_contact.grid(4 * cells, 2.4, 4.0), EXACT)
             finer = cs.solve(fine, tolerance=1e-6).pressure

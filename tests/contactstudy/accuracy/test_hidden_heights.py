@@ -46,9 +46,7 @@ def test_lands_narrower_than_a_cell_leave_no_bound(
 ) -> None:
     pitch = line_contact.hertz.half_width / 4
     groove = cs.Groove(2e-6, (1 - land) * pitch, cs.FlatBottomed())
-    scene = replace(
-        line_contact.scene, shapes=(*line_contact.scene.shapes, cs.Texture(groove, (pitch, inf)))
-    )
+    scene = line_contact.with_shapes(cs.Texture(groove, (pitch, inf)))
     estimate = estimate_of(scene, line_contact.grid((cells, 1), 1.0, width=3.0))
     assert estimate.l1.total == estimate.peak_pressure.total == inf
     assert "do not resolve lengths" in estimate.warnings[0]
@@ -61,7 +59,7 @@ def test_heights_of_an_unknown_shape_that_protrude_between_centres_have_no_bound
 ) -> None:
     pitch = line_contact.hertz.half_width / 4
     own = Lands(pitch, land * pitch, phase)
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, own))
+    scene = line_contact.with_shapes(own)
     estimate = estimate_of(scene, line_contact.grid((96, 1), 1.0, width=3.0))
     assert estimate.l1.total == estimate.contact_area.total == inf
     assert "between the cell centres" in estimate.warnings[0]
@@ -74,7 +72,7 @@ def test_one_hidden_peak_is_enough(
 ) -> None:
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
     spike = moving(Spike(place * grid.cell_size[0], 0.02 * grid.cell_size[0]))
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, spike))
+    scene = line_contact.with_shapes(spike)
     assert estimate_of(scene, grid).l1.total == inf
 
 
@@ -84,7 +82,7 @@ def test_measured_heights_that_move_have_the_bound_of_those_at_rest(
     grid = line_contact.grid((96, 1), 1.0, width=3.0)
     measured = cs.MeasuredSurface(1e-9 * np.cos(grid.x / 4 / grid.cell_size[0])[:, None])
     of_both = [
-        estimate_of(replace(line_contact.scene, shapes=(*line_contact.scene.shapes, shape)), grid)
+        estimate_of(line_contact.with_shapes(shape), grid)
         for shape in (measured, cs.MovingShape(measured))
     ]
     assert of_both[0].l1.total == of_both[1].l1.total < inf
@@ -92,7 +90,7 @@ def test_measured_heights_that_move_have_the_bound_of_those_at_rest(
 
 def test_a_smooth_unknown_shape_keeps_its_bound(line_contact: LineContact) -> None:
     wide = Spike(0.0, line_contact.hertz.half_width)
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, wide))
+    scene = line_contact.with_shapes(wide)
     estimate = estimate_of(scene, line_contact.grid((192, 1), 1.0, width=3.0))
     assert estimate.l1.total < 0.01
     assert not estimate.warnings
@@ -107,7 +105,7 @@ def test_the_peak_pressure_at_a_sharp_end_has_no_bound(
     profile = cs.LundbergProfile.for_load(
         1e5, contact_modulus=line_contact.scene.contact_modulus, radius=0.01, length=length
     )
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, profile))
+    scene = line_contact.with_shapes(profile)
     grid = line_contact.grid((36, along), 4.0, width=2.6)
     estimate = error_estimate(cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding()))))
     assert estimate.peak_pressure.total == inf
@@ -145,7 +143,7 @@ def test_bumps_between_the_lines_of_an_unknown_shape_leave_no_bound(
     grid = line_contact.grid(cells, 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
     bumps = Bumps(height, width, place, grid.cell_size)
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
+    scene = line_contact.with_shapes(bumps)
     estimate = estimate_of(scene, grid)
     assert estimate.l1.total == estimate.peak_pressure.total == inf
     assert "protrudes" in estimate.warnings[0]
@@ -158,7 +156,7 @@ def test_waves_within_two_or_three_cells_along_leave_no_bound(
 ) -> None:
     grid = line_contact.grid((64, rows), 10.0, width=3.2)
     ridges = Bumps(1e-5, 0.5, (0.0, 2.0), (inf, grid.extent[1] / 48))
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, ridges))
+    scene = line_contact.with_shapes(ridges)
     estimate = error_estimate(cs.solve(scene.problem(grid, padding)))
     assert estimate.peak_pressure.total == inf
 
@@ -185,7 +183,7 @@ def test_more_confidence_finds_smaller_features(line_contact: LineContact) -> No
     hertz, grid = line_contact.hertz, line_contact.grid((48, 40), 1.3, width=3.2)
     height = 0.4 * hertz.half_width**2 / hertz.radius
     bumps = Bumps(height, 0.02, (0.27, 0.13), grid.cell_size)
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, bumps))
+    scene = line_contact.with_shapes(bumps)
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     assert error_estimate(solution, confidence=0.5).l1.total < inf
     assert error_estimate(solution, confidence=1 - 1e-15).l1.total == inf
@@ -201,7 +199,7 @@ def test_a_roller_may_end_in_a_cell(beyond: float, rows: int, line_contact: Line
     length = 10 * line_contact.hertz.half_width
     grid = cs.Grid((30, rows), (0.34 * length, length * rows / (rows - 2 * beyond)))
     roller = cs.FiniteLength(length)
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, roller))
+    scene = line_contact.with_shapes(roller)
     estimate = error_estimate(cs.solve(scene.problem(grid, (cs.ZeroPadding(), cs.ZeroPadding()))))
     assert 0 < estimate.l1.total < inf
 
@@ -260,7 +258,7 @@ def test_an_edge_and_waves_within_cells_leave_no_bound_whatever_is_given(
 def test_a_roller_within_a_cell_leaves_no_bound(length: float, line_contact: LineContact) -> None:
     grid = line_contact.grid((48, 16), 1.0, width=3.0)
     roller = cs.FiniteLength(length * grid.cell_size[1])
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, roller))
+    scene = line_contact.with_shapes(roller)
     estimate = error_estimate(cs.solve(scene.problem(grid, cs.ZeroPadding())))
     assert estimate.l1.total == estimate.mean_gap.total == inf
     assert "do not resolve lengths" in estimate.warnings[0]
@@ -296,7 +294,7 @@ def test_the_peak_at_an_apex_is_bounded_by_all_rises_to_come(
 ) -> None:
     """Pressure there rises with the power 0.4 of the cell: by 49 ** -0.4 as much again below the finest."""
     apex = Apex(height, line_contact.hertz.half_width)
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, apex))
+    scene = line_contact.with_shapes(apex)
     coarse, fine, finest = (
         cs.solve(scene, line_contact.grid((n * cells, 1), 1.0, width=3.0), cs.ExactPeriodicity())
         for n in (1, 7, 49)
@@ -312,7 +310,7 @@ def test_slits_between_the_centres_count_in_the_mean_gap(
 ) -> None:
     grid = line_contact.grid((cells, 1), 1.0, width=3.2)
     slit = Slit(float(grid.x[cells // 2]) + grid.cell_size[0] / 2, width * grid.cell_size[0])
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, slit))
+    scene = line_contact.with_shapes(slit)
     coarse, fine = (
         cs.solve(scene.problem(cs.Grid((count, 1), grid.extent), cs.ExactPeriodicity()))
         for count in (cells, 64 * cells)

@@ -22,9 +22,7 @@ def test_a_contact_of_steel_is_plausible(line_contact: LineContact) -> None:
 def test_heights_in_micrometres_are_noticed(line_contact: LineContact) -> None:
     grid = line_contact.grid((48, 24), 1.0)
     heights = 0.1 * np.random.default_rng(0).standard_normal((48, 24))
-    rough = replace(
-        line_contact.scene, shapes=(*line_contact.scene.shapes, cs.MeasuredSurface(heights))
-    )
+    rough = line_contact.with_shapes(cs.MeasuredSurface(heights))
     (warning,) = warned(rough, grid)
     assert "the heights have slopes of" in warning
     assert "are heights given in µm as if they were m?" in warning

@@ -15,10 +15,6 @@ from tests.conftest import STEEL, LineContact
 from tests.contactstudy.lubrication.scenes import by_moes, grid
 
 
-def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
-    return replace(contact.scene, shapes=(*contact.scene.shapes, *shapes))
-
-
 def width(scene: cs.Scene, contact: LineContact) -> float:
     """Half-width that is expected of the contact, over that of Hertz."""
     return grid_requirements(scene).half_width / contact.hertz.half_width
@@ -32,7 +28,7 @@ def test_a_wave_may_touch_out_to_where_hertz_s_gap_is_as_high(line_contact: Line
     """Beside the contact the gap is ``a^2 / 2R (t sqrt(t^2 - 1) - acosh t)`` (Johnson 1985, sect. 4.2)."""
     a, radius = line_contact.hertz.half_width, 0.01
     height = a**2 / (2 * radius) * (2 * sqrt(3) - acosh(2))
-    scene = with_shapes(line_contact, cs.Waviness(height, along=a))
+    scene = line_contact.with_shapes(cs.Waviness(height, along=a))
     assert width(scene, line_contact) == pytest.approx(2, rel=1e-9)
 
 
@@ -45,7 +41,7 @@ def test_what_yields_needs_room_for_the_load(line_contact: LineContact) -> None:
 def test_what_varies_across_alone_needs_one_cell_along(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     across = cs.Waviness(1e-8, across=0.3 * a, along=inf)
-    assert cs.plan(with_shapes(line_contact, across), error=0.1).grid.cells[1] == 1
+    assert cs.plan(line_contact.with_shapes(across), error=0.1).grid.cells[1] == 1
 
 
 # Half-width 2 m, peak pressure 100 Pa; beside the contact the gap grows by 0.2 m times a function of x / a.

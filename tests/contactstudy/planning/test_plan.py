@@ -17,14 +17,10 @@ def l1(contact: LineContact, solution: cs.Solution) -> float:
     )
 
 
-def with_shapes(contact: LineContact, *shapes: cs.Shape) -> cs.Scene:
-    return replace(contact.scene, shapes=(*contact.scene.shapes, *shapes))
-
-
 def rough(contact: LineContact, fraction: float, cut_off: float = 0.3) -> cs.Scene:
     a, gap = contact.hertz.half_width, contact.hertz.half_width**2 / contact.hertz.radius / 2
     shape = cs.Roughness(fraction * gap, hurst=0.8, roll_off=1.2 * a, cut_off=cut_off * a, seed=1)
-    return with_shapes(contact, shape)
+    return contact.with_shapes(shape)
 
 
 @pytest.mark.parametrize("error", [1e-2, 1e-3, 1e-4, 1e-5])
@@ -60,7 +56,7 @@ def test_where_nothing_varies_along_the_length_the_plan_is_one_dimensional(
 ) -> None:
     a = line_contact.hertz.half_width
     groove = cs.Texture(cs.Groove(1e-8, 0.1 * a), pitch=(0.4 * a, inf))
-    for scene in (line_contact.scene, with_shapes(line_contact, groove)):
+    for scene in (line_contact.scene, line_contact.with_shapes(groove)):
         plan = cs.plan(scene, error=1e-2)
         assert plan.dimension == plan.grid.cells[1] == 1
         full = cs.Grid((plan.grid.cells[0], 16), plan.grid.extent)
@@ -87,7 +83,7 @@ def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineCont
         (cs.FiniteLength(8 * a), True),
         (cs.LundbergProfile(1e-7, 1e-6, 8 * a), True),
     ):
-        scene = with_shapes(line_contact, shape)
+        scene = line_contact.with_shapes(shape)
         plan = cs.plan(scene, error=0.1)
         solution = cs.solve(scene.problem(plan.grid, plan.padding))
         assert solution.status is cs.Status.CONVERGED, shape
@@ -101,12 +97,12 @@ def test_a_plan_runs_as_it_stands_for_every_kind_of_shape(line_contact: LineCont
 def test_shapes_that_repeat_share_a_period(line_contact: LineContact) -> None:
     a = line_contact.hertz.half_width
     waves = (cs.Waviness(1e-8, along=0.5 * a), cs.Waviness(1e-8, along=0.75 * a))
-    assert cs.plan(with_shapes(line_contact, *waves), error=0.1).grid.length == pytest.approx(
+    assert cs.plan(line_contact.with_shapes(*waves), error=0.1).grid.length == pytest.approx(
         1.5 * a
     )
     stranger = cs.Waviness(1e-8, along=0.5 * np.pi * a)
     with pytest.raises(cs.InvalidInput, match="share no period"):
-        cs.plan(with_shapes(line_contact, *waves, stranger))
+        cs.plan(line_contact.with_shapes(*waves, stranger))
 
 
 def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: LineContact) -> None:
@@ -127,7 +123,7 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
     coarse = replace(good.grid, cells=(16, 16))
     said = cs.plan(scene, grid=coarse).warnings
     assert [f"Grid.cells[{axis}] is 16" in text for axis, text in enumerate(said[:2])] == [True] * 2
-    wave = with_shapes(line_contact, cs.Waviness(1e-8, along=0.3 * a))
+    wave = line_contact.with_shapes(cs.Waviness(1e-8, along=0.3 * a))
     odd = cs.Grid((64, 64), (2.4 * a, a))
     assert "not a multiple" in cs.plan(wave, grid=odd).period_check
 
@@ -137,7 +133,7 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
     with pytest.raises(cs.InvalidInput, match="no curvature"):
         cs.plan(flat)
     with pytest.raises(cs.InvalidInput, match="without a length"):
-        cs.plan(with_shapes(line_contact, cs.Crown(1.0)))
+        cs.plan(line_contact.with_shapes(cs.Crown(1.0)))
     with pytest.raises(cs.InvalidInput, match=r"^plan\.error is 0"):
         cs.plan(line_contact.scene, error=0)
 
@@ -148,7 +144,7 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
             return np.zeros(grid.cells)
 
     with pytest.raises(cs.InvalidInput, match="has no length scales"):
-        cs.plan(with_shapes(line_contact, Bump()))
+        cs.plan(line_contact.with_shapes(Bump()))
 
 
 @pytest.mark.parametrize(
@@ -181,7 +177,7 @@ def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: Line
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
     for fraction, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):
         groove = cs.Groove(0.1 * gap, fraction * 0.4 * a, profile)
-        scene = with_shapes(line_contact, cs.Texture(groove, (0.4 * a, inf)))
+        scene = line_contact.with_shapes(cs.Texture(groove, (0.4 * a, inf)))
         plan = cs.plan(scene, error=0.03)
         solution = cs.solve(scene.problem(plan.grid, plan.padding))
         finer = cs.Grid((4 * plan.grid.cells[0], 1), plan.grid.extent)
@@ -198,7 +194,7 @@ def test_a_strong_crown_is_planned_as_wide_as_its_contact(line_contact: LineCont
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01
     length = 12 * a
     crown = cs.Crown.of_drop(200 * gap, length)
-    scene = with_shapes(line_contact, cs.FiniteLength(length), crown)
+    scene = line_contact.with_shapes(cs.FiniteLength(length), crown)
     plan = cs.plan(scene, error=0.1)
     solution = cs.solve(scene.problem(plan.grid, plan.padding), tolerance=1e-4)
     assert solution.status is cs.Status.CONVERGED
@@ -210,15 +206,15 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
 ) -> None:
     a = line_contact.hertz.half_width
     heights = 3e-7 * np.random.default_rng(0).standard_normal((40, 24))
-    scene = with_shapes(line_contact, cs.MeasuredSurface(heights, extent=(2.4 * a, 1.4 * a)))
+    scene = line_contact.with_shapes(cs.MeasuredSurface(heights, extent=(2.4 * a, 1.4 * a)))
     plan = cs.plan(scene, error=0.1)
     assert plan.grid.extent[0] <= 2.4 * a * (1 + 1e-12)
-    narrow = with_shapes(line_contact, cs.MeasuredSurface(heights, extent=(1.5 * a, 1.4 * a)))
+    narrow = line_contact.with_shapes(cs.MeasuredSurface(heights, extent=(1.5 * a, 1.4 * a)))
     said = cs.plan(narrow, error=0.1)
     assert said.error == inf
     assert "known over" in " ".join(said.warnings)
     monkeypatch.setattr("contactstudy.planning.plan.available_bytes", lambda: 4e6)
-    wide = with_shapes(line_contact, cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
+    wide = line_contact.with_shapes(cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
     small = cs.plan(wide, error=1e-4)
     # of the 80 % that a plan may take, a hundredth of the cells along each axis is left for rounding, and a step
     assert 0.9 * 0.8 * 4e6 < small.bytes <= 0.8 * 4e6
@@ -233,7 +229,7 @@ def test_a_measured_surface_is_solved_on_its_own_points_unless_an_error_is_asked
 ) -> None:
     a = line_contact.hertz.half_width
     heights = 1e-8 * np.random.default_rng(0).standard_normal((60, 40))
-    scene = with_shapes(line_contact, cs.MeasuredSurface(heights, extent=(6 * a, 4 * a)))
+    scene = line_contact.with_shapes(cs.MeasuredSurface(heights, extent=(6 * a, 4 * a)))
     found = cs.plan(scene)
     assert found.grid.cell_size == pytest.approx((0.1 * a, 0.1 * a))
     assert found.grid.cells[1] == 40

@@ -36,9 +36,7 @@ def shapes(contact: LineContact) -> dict[str, tuple[cs.Shape, ...]]:
 
 @pytest.mark.parametrize("kind", ["smooth", "waves", "rough", "dimples", "sharp end", "crown"])
 def test_the_error_that_is_asked_for_is_kept(kind: str, line_contact: LineContact) -> None:
-    scene = replace(
-        line_contact.scene, shapes=(*line_contact.scene.shapes, *shapes(line_contact)[kind])
-    )
+    scene = line_contact.with_shapes(*shapes(line_contact)[kind])
     refined = solve_to(scene, 2e-2)
     assert refined.solution.status is cs.Status.CONVERGED
     assert true_error(refined, scene) <= refined.estimate.l1.total <= 2e-2
@@ -48,9 +46,7 @@ def test_an_error_out_of_reach_ends_with_what_stands_in_the_way(line_contact: Li
     refined = solve_to(line_contact.scene, 1e-12)
     assert refined.estimate.l1.total > 1e-12
     assert "residual" in refined.estimate.l1.reason
-    rough = replace(
-        line_contact.scene, shapes=(*line_contact.scene.shapes, *shapes(line_contact)["rough"])
-    )
+    rough = line_contact.with_shapes(*shapes(line_contact)["rough"])
     refined = solve_to(rough, 1e-3, most_cells=5000)
     assert refined.estimate.l1.total > 1e-3
     assert prod(refined.grids[-1].cells) <= 5000

@@ -34,7 +34,7 @@ def problem(
     smooth = contact.scene.problem(grid, padding)
     rms = ROUGH[heights] * smooth.scales.gap
     shape = cs.Roughness(rms=rms, hurst=0.8, roll_off=1.2 * a, cut_off=0.15 * a, seed=1)
-    scene = replace(contact.scene, shapes=(*contact.scene.shapes, shape))
+    scene = contact.with_shapes(shape)
     return scene.problem(grid, padding)
 
 

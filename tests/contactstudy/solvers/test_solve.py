@@ -177,7 +177,7 @@ def test_threads_give_the_same_answer(
     monkeypatch.setattr(rows, "CELLS_PER_THREAD", 256)
     a = line_contact.hertz.half_width
     rough = cs.Roughness(rms=1e-2 * a, hurst=0.8, roll_off=a, cut_off=0.2 * a, seed=1)
-    scene = replace(line_contact.scene, shapes=(*line_contact.scene.shapes, rough))
+    scene = line_contact.with_shapes(rough)
     posed = scene.problem(line_contact.grid((64, 48), 2.4, 4.8), cs.ExactPeriodicity())
     tolerance = 1e-10 if precision is cs.Precision.DOUBLE else 1e-5
     one, two = (

@@ -27,9 +27,6 @@ offsets = st.floats(-100, 100)
 lengths = st.floats(0.03, 30)
 
 
-# --- the judge -------------------------------------------------------------------------------------
-
-
 def love(x: mp.mpf, y: mp.mpf) -> mp.mpf:
     """Love (1929): one corner of the integral of 1/r."""
     return x * mp.asinh(y / abs(x)) + y * mp.asinh(x / abs(y)) if x and y else mp.mpf(0)
@@ -53,8 +50,6 @@ def cell_error(x: ArrayLike, y: ArrayLike, dx: ArrayLike, dy: ArrayLike) -> floa
     relative = [float(f / judged_cell(*p) - 1) for f, p in zip(found, points, strict=True)]
     return float(np.abs(relative).max())
 
-
-# --- the cell --------------------------------------------------------------------------------------
 
 ASPECTS = [1e-3, 0.0307, 1 / 3, 1.0, np.pi, 1e3]
 # steps off the centre: on, beside and along the edges and corners, and across the joins of the zones

@@ -24,9 +24,6 @@ with mp.workdps(TOLERANCE_DIGITS):
     ]
 
 
-# --- the judge -------------------------------------------------------------------------------------
-
-
 def love_summed(x: mp.mpf, y: mp.mpf) -> mp.mpf:
     """Integral of ``love`` over y > 0."""
     sideways = x * y * mp.asinh(y / abs(x)) if x else mp.mpf(0)
@@ -79,8 +76,6 @@ def lattice_error(
     fraction = np.array([dx * dy / period for _, _, dx, dy, period in points])
     return float((np.abs(error) / np.maximum(np.abs(np.array(judged, float)), fraction)).max())
 
-
-# --- the repeated cell -----------------------------------------------------------------------------
 
 # (dx, dy) in periods
 CELLS = [

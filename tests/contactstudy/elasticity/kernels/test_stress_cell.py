@@ -22,9 +22,6 @@ NAMES = list(COMPONENTS)
 IMAGES = 200 * 2 ** np.arange(6)
 
 
-# --- the judges ------------------------------------------------------------------------------------
-
-
 def six(x: float, y: float, z: float, dx: float, dy: float) -> np.ndarray:
     return np.array([float(stress_cell(c, x, y, z, dx, dy, NU)) for c in COMPONENTS.values()])
 
@@ -52,9 +49,6 @@ def summed_images(
     running = np.cumsum(images, axis=-1)
     own = stress_cell(component, x[:, None], y, z, dx, dy, NU)
     return own + to_the_limit([running[..., n - 1] for n in IMAGES], 1 / (IMAGES + 0.5))
-
-
-# --- one cell --------------------------------------------------------------------------------------
 
 
 def corner(name: str, x: mp.mpf, y: mp.mpf, z: mp.mpf) -> mp.mpf:
@@ -136,8 +130,6 @@ def test_surface_is_the_limit_of_small_depths(at: tuple[float, float]) -> None:
     assert_allclose(np.array(errors[:-1]) / errors[1:], 10, rtol=0.01)
 
 
-# --- a row of cells --------------------------------------------------------------------------------
-
 Y = np.array([0.0, 0.13, 0.41, 0.65])
 ROWS = [
     (0.0, 0.01, 0.1, 0.1),
@@ -201,8 +193,6 @@ def test_strip_has_its_textbook_stress() -> None:
     for name, value in expected.items():
         assert_allclose(plane_strain(COMPONENTS[name], seen, NU), value, rtol=0, atol=1e-15)
 
-
-# --- a lattice of cells ----------------------------------------------------------------------------
 
 EXTENTS = [(2.0, 1.3), (0.2, 3.0)]
 

@@ -9,7 +9,7 @@
    With his law of pressure the logarithm of that factor grows by ``(1 + p / p0)^z``, threefold at 1 GPa. Newton's method
    makes stress and temperature consistent, line by line along the motion: conduction along the length is neglected.
 4. The inlet is heated by its own shear. The film that is sheared and conducts is thinner by the factor of Gupta et al.
-   (1992), of the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
+   (1992), but no thinner than a boundary film, of the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
    ``L = beta eta0 u_m^2 / k_f``. Beyond L = 10 friction and temperatures have no bound.
 """
 
@@ -57,8 +57,9 @@ def thermal_shear(
     ]
     shear, surface = np.zeros_like(pressure), np.zeros((2, *pressure.shape))
     mean, largest_residual = np.zeros_like(pressure), 0.0
+    boundary = 0.0 if motion.boundary is None else motion.boundary.film
     for column in range(pressure.shape[1]):
-        heated = reduction * film[:, column]
+        heated = np.maximum(reduction * film[:, column], boundary)
         line = _Line(
             scales,
             mean_speed,
@@ -104,9 +105,9 @@ def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
 
 
 def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
-    """Return the film thickness with a heated inlet over that without, by Gupta et al. (1992).
+    """Return the film thickness with a heated inlet over that of an isothermal inlet, by Gupta et al. (1992).
 
-    An approximation; Zhou & Hoeprich (1991), eq. 21, and Arana et al. (2019), eq. 24, give the same coefficients.
+    An approximation, whose factor of the load is at least 0.1 here; Zhou & Hoeprich (1991), eq. 21, and Arana et al. (2019), eq. 24, give the same coefficients.
     """
     loading = thermal_loading(scales, heat)
     load = scales.hertz.half_width / (4 * scales.hertz.radius)  # p_H / E'

@@ -110,13 +110,19 @@ def test_the_slower_surface_is_the_hotter_one() -> None:
     assert slow > fast
 
 
-def test_the_film_is_hotter_than_its_surfaces_by_conduction_over_its_heated_thickness() -> None:
+@pytest.mark.parametrize("boundary", [None, cs.Boundary(4.6e-7)])
+def test_the_film_is_hotter_than_its_surfaces_by_conduction_over_its_heated_thickness(
+    boundary: cs.Boundary | None,
+) -> None:
     """Heat tau du, uniform over the thickness h, has a mean rise of tau du h / (12 k) above that of the surfaces."""
-    contact = solve_lubricated(_at(heated(1.0), 20.0), grid(160, 6))
+    scene = _at(heated(1.0), 20.0)
+    scene = replace(scene, lubrication=replace(scene.lubrication, boundary=boundary))
+    contact = solve_lubricated(scene, grid(160, 6))
     temperatures = contact.temperatures
     assert temperatures.reduction < 0.95
     heat = np.abs(contact.shear) * contact.sliding_speed
-    above = heat * temperatures.reduction * contact.film / (12 * OF_STEEL.conductivity)
+    thickness = np.maximum(temperatures.reduction * contact.film, boundary.film if boundary else 0)
+    above = heat * thickness / (12 * OF_STEEL.conductivity)
     rise = temperatures.film - temperatures.surface.mean(axis=0)
     assert rise == pytest.approx(above, abs=1e-6 * float(rise.max()))
 

@@ -37,8 +37,8 @@ class KrylovTuning:
     Attributes
     ----------
     tolerance, tolerance_touching, max_residual
-        Linear residual where GMRES stops (0.1 costs steps, 0.01 half as many iterations again); the same where cells
-        touch (with 1e-2 the active sets did not converge on 128 x 32 cells); and above which a step is rejected.
+        Linear residual where GMRES stops (0.1 costs steps, 0.01 half as many iterations again). The same where cells
+        touch (with 1e-2 the active sets did not converge on 128 x 32 cells). Above the last a step is rejected.
     basis, restarts
         Length of the basis of GMRES, and the largest number of cycles of that length.
     waves

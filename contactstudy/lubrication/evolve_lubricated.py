@@ -1,8 +1,8 @@
 """Lubricated contact in time: histories of load and speed, and surfaces that move through it.
 
 The squeeze term is a backward difference over two steps (BDF2 with steps of varying length), and each step is solved by
-the iteration of a steady film. It starts from a predictor, the quadratic through the last three instants. The difference
-between predictor and solution estimates the error of the step (Gear 1971).
+the iteration of a steady film. It starts from a predictor, the polynomial through the last instants, three at most. The
+difference between predictor and solution estimates the error of the step (Gear 1971).
 """
 
 from collections.abc import Callable
@@ -42,14 +42,14 @@ from contactstudy.solvers.solution import Status
 
 @dataclass(frozen=True)
 class StepTuning:
-    """Tuning constants of the steps in time, chosen on waves that pass in 12 to 96 steps, but for one with a source.
+    """Tuning constants of the steps in time, chosen on waves that pass in 12 to 96 steps; ``step_error`` has a source.
 
     Attributes
     ----------
     first
         First step, over the time in which the mean speed passes a cell.
     shrink, grow, safety
-        Limits of the factor of a step, and the factor on the step that would have just the error.
+        Limits of the factor of a step, and the factor on the step that would have exactly the allowed error.
     min_step
         Least step, over the time in which the mean speed passes a cell: one that fails is kept, and ends the evolution.
     step_error
@@ -96,8 +96,9 @@ def evolve_lubricated(
 ) -> FilmTrajectory:
     """Evolve the film of ``scene`` in time, from the steady film at the first time.
 
-    A second evolution with steps twice as long estimates the errors by the steps: 1.5 times the largest difference
-    until then. By second order it would be a third of the difference, but waves that pass in a dozen steps have more.
+    A second evolution with steps twice as long estimates the time-discretisation error at an instant: 1.5 times the
+    largest difference until that instant. By second order it would be a third of the difference, but waves that pass in
+    a dozen steps have more.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def evolve_lubricated(
         Largest error of a step: L1 error of the film thickness over its mean, in the Hertzian zone. 1e-3 if neither this
         nor ``step`` is given.
     step
-        Length of all steps [s], in place of ``error``.
+        Largest length of a step [s], in place of ``error``. Steps end at each instant, and are shorter where they fail.
     tolerance
         Residual of each step.
     progress
@@ -122,7 +123,7 @@ def evolve_lubricated(
     Returns
     -------
     FilmTrajectory
-        The contacts at the times, up to that of a step that fails.
+        The contacts at the times, up to a step that fails, with its own time.
 
     Raises
     ------

@@ -68,7 +68,10 @@ class FilmScales:
 
     @property
     def viscosity_parameter(self) -> float:
-        """Material parameter, ``L = alpha E' (eta0 u_s / (E' R))^(1/4)`` (Moes 1992)."""
+        """Material parameter, ``L = alpha E' (eta0 u_s / (E' R))^(1/4)`` (Moes 1992).
+
+        It is not Hamrock's viscosity parameter.
+        """
         alpha = self.lubrication.lubricant.pressure_viscosity
         return alpha * self.hertz.peak_pressure * sqrt(2 * pi / self.load_parameter)
 

@@ -9,8 +9,9 @@
    With his law of pressure the logarithm of that factor grows by ``(1 + p / p0)^z``, threefold at 1 GPa. Newton's method
    makes stress and temperature consistent, line by line along the motion: conduction along the length is neglected.
 4. The inlet is heated by its own shear. The film that is sheared and conducts is thinner by the factor of Gupta et al.
-   (1992), but no thinner than a boundary film, of the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
-   ``L = beta eta0 u_m^2 / k_f``. Beyond L = 10 friction and temperatures have no bound.
+   (1992), of the load ``p_H / E'``, the slide-roll ratio S and the thermal loading parameter
+   ``L = beta eta0 u_m^2 / k_f``, but no thinner than a boundary film. Beyond L = 10 friction and temperatures
+   have no bound.
 """
 
 from typing import NamedTuple
@@ -107,7 +108,8 @@ def thermal_loading(scales: FilmScales, heat: FilmHeat) -> float:
 def thermal_reduction(scales: FilmScales, heat: FilmHeat) -> float:
     """Return the film thickness with a heated inlet over that of an isothermal inlet, by Gupta et al. (1992).
 
-    An approximation, whose factor of the load is at least 0.1 here; Zhou & Hoeprich (1991), eq. 21, and Arana et al. (2019), eq. 24, give the same coefficients.
+    An approximation, whose factor of the load is at least 0.1 here. Zhou & Hoeprich (1991), eq. 21, and Arana et al.
+    (2019), eq. 24, give the same coefficients.
     """
     loading = thermal_loading(scales, heat)
     load = scales.hertz.half_width / (4 * scales.hertz.radius)  # p_H / E'

@@ -104,8 +104,8 @@ def time_discretisation_errors(
     """Return estimates (time,) of relative errors by name, from differences at ascending times.
 
     They are infinite without any difference, and where a film has not converged. The error at an instant is estimated
-    by the largest difference until then, as one alone may vanish by chance: by the absolute or by the relative one,
-    whichever is less, since a number may grow or fall by orders of magnitude.
+    by the largest difference until then, or of all where none is later, as one alone may vanish by chance: by the
+    absolute or by the relative one, whichever is less, since a number may grow or fall by orders of magnitude.
     """
     names = NUMBERS + OF_PRESSURE
     if not compared:
@@ -131,6 +131,6 @@ def _not_zero(values: list[Array]) -> Array:
 def errors_from_longer_steps(
     films: FilmTrajectory, coarse: tuple[FilmSolution, ...]
 ) -> Mapping[str, Array]:
-    """Return estimates (time,) of relative errors from films after longer steps, one an instant or fewer."""
+    """Return estimates (time,) of relative errors from ``coarse`` films after longer steps, at the first instants."""
     pairs = zip(films.times, films.contacts, coarse, strict=False)
     return time_discretisation_errors(films, [Difference.of(*pair) for pair in pairs])

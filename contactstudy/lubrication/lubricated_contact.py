@@ -25,7 +25,8 @@ class FilmTemperatures:
 
     ``surface`` (body, x, y) is that of the surfaces, ``film`` (x, y) the mean over the thickness. ``reduction`` is the
     film thickness with a heated inlet over that without, ``loading`` the thermal loading parameter of the inlet,
-    ``residual`` the relative difference between the temperatures and those by the heat at them.
+    ``residual`` the relative difference between the temperatures and those that follow from the heat generated at these
+    temperatures.
     """
 
     surface: Array
@@ -60,7 +61,8 @@ class FilmSolution:
     film
         Film thickness [m].
     film_fraction
-        Fraction of the film that holds lubricant: one under pressure, less where the film is torn into streamers.
+        Fractional film content, the fraction of the gap that lubricant fills: one under pressure, less where the film is
+        torn into streamers.
     shear
         Shear stress [Pa] at mid-film by sliding, positive where it retards the first body; of asperities too.
     mean_speed
@@ -148,7 +150,7 @@ class FilmSolution:
 
     @property
     def meniscus(self) -> float:
-        """Position x [m] of the inlet meniscus, mean over the length; near the edge of the grid if flooded."""
+        """Position x [m] of the inlet meniscus, mean over the length; near the edge of the grid if flooded, or dry."""
         full = self.film_fraction[2:] >= 1
         return float(self.grid.x[2 + np.argmax(full, axis=0)].mean() - self.grid.cell_size[0] / 2)
 
@@ -180,7 +182,7 @@ class FilmSolution:
 
     @property
     def film_temperature(self) -> float:
-        """Mean temperature rise of the film, weighted by the pressure [K]; 0 without heat."""
+        """Mean temperature rise of the film by sliding, weighted by the pressure [K]; 0 without heat."""
         if self.temperatures is None:
             return 0.0
         return float((self.temperatures.film * self.pressure).sum() / self.pressure.sum())
@@ -285,7 +287,7 @@ def shear_stress(
     """Return the shear stress (x, y) [Pa] at mid-film by sliding, by the shear law of the lubricant.
 
     ``pressure`` is that of lubricant and asperities together, of which asperities carry ``contact``; they add their
-    boundary friction. Only the fraction of the film that holds lubricant is sheared. ``viscosity_ratio`` is the
+    boundary friction. Only the fraction of the gap that lubricant fills is sheared. ``viscosity_ratio`` is the
     viscosity over that at the temperature of the supply.
     """
     motion = scales.lubrication

@@ -21,7 +21,7 @@ from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 @dataclass(frozen=True)
 class MixedTuning:
-    """Tuning constants of the starts, chosen by what converges on ridges at M 20 and 100 over 1 to 1e-6 of a speed.
+    """Tuning constants of the starts, chosen by what converges on ridges at M = 20 and 100, at 1 to 1e-6 times a speed.
 
     Attributes
     ----------

@@ -33,7 +33,7 @@ from contactstudy.scene.solids.bodies import contact_modulus, creeps, instantane
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# Length of the outlet over the half-width that carries load.
+# End of the outlet from the axis, over the half-width that carries load.
 OUTLET = 1.5
 # Least width of a grid over that of the pressure.
 MIN_WIDTH = 1.2
@@ -50,8 +50,8 @@ COARSEST, COARSEST_ROUGH, COARSEST_ALONG, ROW_MULTIPLE = 200, 48, 16, 8
 def lubricated_scales(scene: Scene) -> FilmScales:
     """Return Hertz's units and Moes' parameters of a lubricated ``scene``.
 
-    Raises :class:`~contactstudy.InvalidInput` for a scene that is not lubricated, and for an effect that is
-    not supported with a film.
+    Raises :class:`~contactstudy.InvalidInput` for a scene that is not lubricated, and
+    :class:`~contactstudy.NotDefined` for one without curvature.
     """
     if not isinstance(scene, Scene) or scene.lubrication is None:
         raise InvalidInput(
@@ -127,7 +127,7 @@ class PosedFilm:
         return float(heights.std()) / self.scales.expected_film if heights.size else 0.0
 
     def at(self, speed_parameter: float) -> "PosedFilm":
-        """Return the same at another speed, to which the speed parameter is proportional."""
+        """Return the same at another speed, to which the speed parameter is proportional, in the same units."""
         return replace(self, equation=replace(self.equation, speed_parameter=speed_parameter))
 
     def with_gap(self, gap: Array) -> "PosedFilm":
@@ -172,7 +172,7 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
     if paddings[0].wraps or (grid.cells[1] > 1 and not paddings[1].wraps):
         raise InvalidInput(
             f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
-            "length, give one for the length that wraps, such as ExactPeriodicity()."
+            "length: give a padding along the length that wraps, such as ExactPeriodicity()."
         )
     pressure_half_width = scales.relative_half_width * scales.hertz.half_width
     if grid.cell_size[0] > pressure_half_width:

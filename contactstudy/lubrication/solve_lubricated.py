@@ -64,7 +64,7 @@ def film_grid(
     scene
         A lubricated scene.
     error
-        Half of it is that of the inlet's length, half that of the cells, which resolve the inlet sweep.
+        Half of it is the error by the inlet's finite length, half that by the cells, which resolve the inlet sweep.
     period
         Period along the length [m], which has no effect on the film in plane strain.
     finest
@@ -249,7 +249,8 @@ def film_error(contact: FilmSolution) -> ErrorEstimate:
        is at least a fifth of the rise from the lowest cell to the next.
     2. The error by the inlet is 4/3 of the change by twice its length, as it falls with the square of that.
 
-    No estimate is finite where a film on one of these grids has not converged, is not resolved, or is one of several.
+    No estimate is finite where the film, or one on the grids with half the cells, has not converged, is not resolved, or
+    is one of several. A film on a quarter of the cells that is such takes no part.
     The peak pressure has none beside a spike, whose height depends on the cells. Friction has none where a Newtonian
     stress under the spike adds ever more to it, or where the stress is above the largest known limit of a lubricant; see
     ``FilmSolution.friction_reason``.
@@ -380,15 +381,15 @@ def _compared(
         peak = replace(peak, discretisation=inf, reason=reason or spike)
     friction = parts("friction")
     drag, coarse_drag = _drag_of_spike(contact), _drag_of_spike(coarse)
-    # drag of ever narrower spikes converges if the stress grows with the logarithm of the viscosity, or not at all
+    # the drag of ever narrower spikes converges if the stress is limited or grows with the logarithm of the viscosity
     shear = contact.scales.lubrication.lubricant.shear
     limited = isinstance(shear, Eyring | LimitingShear)
     of_spike = abs(drag - coarse_drag) if limited else drag
     friction = replace(friction, discretisation=max(friction.by_cause["discretisation"], of_spike))
     if isinstance(shear, Newtonian) and drag > max(SPIKE_DRAG, SPIKE_GROWTH * coarse_drag):
         growing = (
-            f"Friction has no estimate: the spike before the outlet adds {100 * drag:.0f} % to it, of a stress without "
-            "a limit. Give the lubricant a shear law with one, such as Eyring()."
+            f"Friction has no estimate: the spike before the outlet adds {100 * drag:.0f} % to it, of a stress that "
+            "grows with the viscosity. Give a shear law that thins, such as Eyring(), or LimitingShear()."
         )
         friction = replace(friction, discretisation=inf, reason=growing)
     if contact.friction_reason:

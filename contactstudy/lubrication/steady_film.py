@@ -80,8 +80,8 @@ def solve_on(
 ) -> FilmSolution:
     """Return the film on one grid, from another contact where that converges, else from a cold start.
 
-    Where the rms of transverse heights is more than twice the film, a second film is sought, and the status says if it
-    exists.
+    In plane strain without a boundary film, where the rms height is more than twice the film, a second film is sought,
+    and the status says if it exists.
     """
     posed = pose(scene, grid, padding)
     if posed.equation.boundary_film:

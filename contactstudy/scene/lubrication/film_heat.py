@@ -20,7 +20,8 @@ from contactstudy.domain.units import (
     VolumetricHeatCapacity,
 )
 
-# Viscosity [Pa s] and temperature [K] of the pole in which the isobars of all lubricants meet (Roelands 1966).
+# Viscosity [Pa s] of Roelands' pole, the limit at high temperature, and the temperature [K] at which his viscosity
+# diverges (Roelands 1966).
 LEAST_VISCOSITY, LEAST_TEMPERATURE = exp(-9.67), 138.0
 SUPPLY = "give the temperature of the supply, above 138 K, such as 313"
 
@@ -57,13 +58,16 @@ class ThermalBody:
 @suggest_fields
 @dataclass(frozen=True)
 class FilmHeat:
-    """Heat of a sheared film, which lowers its viscosity, and with it the friction and the film.
+    """Heat of a sheared film, which lowers its viscosity and with it the friction.
+
+    Pressure and film thickness are those of the isothermal film. The friction is that of a film thinned by its heated
+    inlet.
 
     Parameters
     ----------
     temperature_viscosity
-        beta [1/K], the relative fall of viscosity with temperature at the supply, at least 0 (0: temperatures change
-        nothing).
+        Temperature-viscosity coefficient beta [1/K], the relative fall of viscosity with temperature at the supply, at
+        least 0 (0: temperatures change nothing).
     conductivity
         Thermal conductivity of the lubricant [W/(m K)], above 0.
     first, second
@@ -101,7 +105,7 @@ class FilmHeat:
     def thinning(self, rise: Array, viscosity: float) -> Array:
         """Return the change of ``ln(eta)`` at a temperature rise [K] of a lubricant of ``viscosity`` [Pa s].
 
-        ``ln(eta / eta_l)`` falls as ``(T - T_l)^(-S)``, with eta_l and T_l the least viscosity and temperature, and S
+        ``ln(eta / eta_l)`` falls as ``(T - T_l)^(-S)``, with eta_l and T_l its limits, and S
         the slope that `temperature_viscosity` gives at the supply (Roelands 1966).
         """
         above = self.supply_temperature - LEAST_TEMPERATURE

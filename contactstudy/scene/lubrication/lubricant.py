@@ -264,7 +264,8 @@ class Lubricant:
     viscosity
         eta0 [Pa s] at zero pressure, above 0.
     pressure_viscosity
-        alpha [1/Pa], the relative growth of viscosity with pressure at zero pressure, at least 0 (0: isoviscous).
+        Pressure-viscosity coefficient alpha [1/Pa], the relative growth of viscosity with pressure at zero pressure, at
+        least 0 (0: isoviscous).
     viscosity_law
         :class:`Roelands` or :class:`Barus`.
     density

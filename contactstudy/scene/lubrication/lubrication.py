@@ -26,7 +26,7 @@ from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
 @suggest_fields
 @dataclass(frozen=True)
 class ElrodAdams:
-    """Cavitation that conserves mass: where the pressure is zero, lubricant fills a fraction of the film.
+    """Cavitation that conserves mass: where the pressure is zero, lubricant fills a fraction of the gap.
 
     Source: Jakobsson & Floberg (1957), Elrod & Adams (1974).
     """
@@ -146,7 +146,7 @@ class SpeedHistory:
 @suggest_fields
 @dataclass(frozen=True)
 class Lubrication:
-    """Lubricant of a contact, and the motion of the surfaces to larger x that entrains it.
+    """Lubricant of a contact, and the mean motion of the surfaces to larger x that entrains it.
 
     Heights are fixed in the frame of the contact, unless they are :class:`~contactstudy.MovingShape`. See
     :func:`~contactstudy.solve`.
@@ -221,7 +221,7 @@ class Lubrication:
         if self.lubricant.viscosity <= LEAST_VISCOSITY:
             raise InvalidInput(
                 f"Lubricant.viscosity is {self.lubricant.viscosity:g} Pa s, where Roelands' law has no temperature: "
-                "give one above 6.3e-5, or leave Lubrication.thermal out."
+                "give one above 6.32e-5, or leave Lubrication.thermal out."
             )
         if abs(self.slide_roll_ratio) == 2:
             raise InvalidInput(
@@ -252,7 +252,7 @@ class Lubrication:
                 any(map(creeps, scene.solids))
                 and scene.time_dependent_field not in (None, "Scene.wear"),
                 scene.time_dependent_field,
-                "a body creeps below a steady film only: leave one of them out",
+                "a body creeps below a steady film only: give that body elastic, or the field constant",
             ),
         ):
             if present:

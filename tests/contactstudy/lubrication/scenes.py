@@ -1,6 +1,8 @@
 """Lubricated scenes by the parameters of Moes."""
 
+from dataclasses import replace
 from math import pi, sqrt
+from typing import Any
 
 import contactstudy as cs
 from contactstudy.domain.errors import ErrorParts
@@ -24,6 +26,10 @@ def by_moes(
     return cs.Scene(
         DRY.load, DRY.solids, (*DRY.shapes, *shapes), lubrication=cs.Lubrication(oil, speed, 0.1)
     )
+
+
+def with_motion(scene: cs.Scene, **changed: Any) -> cs.Scene:
+    return replace(scene, lubrication=replace(scene.lubrication, **changed))
 
 
 def grid(cells: int, inlet: float, along: int = 1, period: float = 1.0) -> cs.Grid:

@@ -1,18 +1,15 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, in_moes_units
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, in_moes_units, with_motion
 
 A = DRY.hertz.half_width
 
 
 def plain(scene: cs.Scene) -> cs.Scene:
-    motion = replace(scene.lubrication, cavitation=cs.ReynoldsCavitation())
-    return replace(scene, lubrication=motion)
+    return with_motion(scene, cavitation=cs.ReynoldsCavitation())
 
 
 def wavy(height: float, along: float = np.inf) -> cs.Scene:

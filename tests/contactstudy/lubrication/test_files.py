@@ -7,7 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.answers.lubricated_contact import film_answer
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import by_moes, grid
+from tests.contactstudy.lubrication.scenes import by_moes, grid, with_motion
 
 OIL = Path(__file__).parents[3] / "examples" / "oil.toml"
 
@@ -51,7 +51,7 @@ def test_a_load_that_changes_is_planned_at_its_largest() -> None:
 def test_stress_below_the_surface_takes_pressure_and_friction() -> None:
     stress = cs.SubsurfaceStress(depths=(2e-5,))
     scene = replace(by_moes(20, 5, shear=cs.LimitingShear(0.1)), outputs=(stress,))
-    still = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
+    still = with_motion(scene, slide_roll_ratio=0.0)
     dragged, plain = (
         film_answer(solve_lubricated(one, grid(100, 4.5))).to_dataset() for one in (scene, still)
     )

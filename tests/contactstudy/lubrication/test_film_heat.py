@@ -1,4 +1,3 @@
-from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import pytest
 import contactstudy as cs
 from contactstudy.lubrication.film_heat import moving_source, thermal_reduction
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import by_moes, grid, total
+from tests.contactstudy.lubrication.scenes import by_moes, grid, total, with_motion
 
 OF_STEEL = cs.FilmHeat()
 
@@ -16,9 +15,7 @@ OF_STEEL = cs.FilmHeat()
 def heated(slide: float = 0.5, heat: cs.FilmHeat | None = OF_STEEL, **laws: object) -> cs.Scene:
     """A film at M = 20, L = 5 that slides."""
     scene = by_moes(20, 5, **({"shear": cs.Eyring(5e6)} | laws))
-    return replace(
-        scene, lubrication=replace(scene.lubrication, slide_roll_ratio=slide, thermal=heat)
-    )
+    return with_motion(scene, slide_roll_ratio=slide, thermal=heat)
 
 
 @pytest.mark.parametrize("peclet", [20.0, 200.0])
@@ -116,7 +113,7 @@ def test_the_film_is_hotter_than_its_surfaces_by_conduction_over_its_heated_thic
 ) -> None:
     """Heat tau du, uniform over the thickness h, has a mean rise of tau du h / (12 k) above that of the surfaces."""
     scene = _at(heated(1.0), 20.0)
-    scene = replace(scene, lubrication=replace(scene.lubrication, boundary=boundary))
+    scene = with_motion(scene, boundary=boundary)
     contact = solve_lubricated(scene, grid(160, 6))
     temperatures = contact.temperatures
     assert temperatures.reduction < 0.95
@@ -180,4 +177,4 @@ def test_heat_is_refused_where_it_has_no_meaning() -> None:
 def _at(scene: cs.Scene, factor: float) -> cs.Scene:
     """Return the scene at a multiple of its speed."""
     faster = factor * scene.lubrication.largest_speed
-    return replace(scene, lubrication=replace(scene.lubrication, mean_speed=faster))
+    return with_motion(scene, mean_speed=faster)

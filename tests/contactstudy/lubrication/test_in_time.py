@@ -10,14 +10,14 @@ from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
 from contactstudy.lubrication.pseudo_time import FilmIteration, iterate
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, with_motion
 
 A = DRY.hertz.half_width
 
 
 def rolling(load: float, viscosity: float, *shapes: cs.Shape) -> cs.Scene:
     scene = by_moes(load, viscosity, *shapes)
-    return replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
+    return with_motion(scene, slide_roll_ratio=0.0)
 
 
 def speed_of(scene: cs.Scene) -> float:
@@ -28,7 +28,7 @@ def from_rest(scene: cs.Scene, duration: float, first: float = 1e-3) -> cs.Scene
     """A fraction of the speed at first, all of it from `duration` on."""
     speed = speed_of(scene)
     history = cs.SpeedHistory((0.0, duration), (first * speed, speed))
-    return replace(scene, lubrication=replace(scene.lubrication, mean_speed=history))
+    return with_motion(scene, mean_speed=history)
 
 
 # M, L, wavelength [a], steps a wave, cells: amplitude of the central film over that of the wave in pure rolling
@@ -57,7 +57,7 @@ def test_a_wave_that_passes_is_reduced_as_known(
 @pytest.mark.parametrize("cavitation", [cs.ElrodAdams(), cs.ReynoldsCavitation()])
 def test_a_steady_film_stays_as_it_is(cavitation: object) -> None:
     scene = by_moes(20, 5)
-    scene = replace(scene, lubrication=replace(scene.lubrication, cavitation=cavitation))
+    scene = with_motion(scene, cavitation=cavitation)
     times = np.linspace(0, 4 * A / speed_of(scene), 5)
     evolution = evolve_lubricated(scene, grid(100, 4.5), times=times)
     assert evolution.central_film == pytest.approx(evolution.central_film[0], rel=1e-6)

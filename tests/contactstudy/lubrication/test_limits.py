@@ -6,7 +6,15 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, total
+from tests.contactstudy.lubrication.scenes import (
+    DRY,
+    STEEL,
+    by_moes,
+    grid,
+    in_moes_units,
+    total,
+    with_motion,
+)
 
 A = DRY.hertz.half_width
 
@@ -84,12 +92,7 @@ def test_a_width_that_is_too_short_for_an_error_is_named() -> None:
 def test_friction_that_no_lubricant_bears_has_no_bound_and_names_the_limit() -> None:
     """Newtonian steel at 1.4 GPa has a coefficient of 48; a limiting shear stress of 0.07 of the pressure bounds it."""
     newtonian = at(5e5, 1.0)
-    limited = replace(
-        newtonian,
-        lubrication=replace(
-            newtonian.lubrication, lubricant=replace(OIL, shear=cs.LimitingShear(0.07))
-        ),
-    )
+    limited = with_motion(newtonian, lubricant=replace(OIL, shear=cs.LimitingShear(0.07)))
     without, with_limit = (cs.solve(one, error=5e-2) for one in (newtonian, limited))
     assert without.friction > 1
     assert total(without.error.minimum_film) < 5e-2

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, by_moes
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, with_motion
 
 A = DRY.hertz.half_width
 UNIT = A**2 / DRY.hertz.radius
@@ -25,8 +25,7 @@ def mixed(height: float, speed: float, boundary: float | None = 0.004) -> cs.Sce
     scene = by_moes(20, 5, *ridges(height), shear=cs.Eyring(5e6))
     layer = None if boundary is None else cs.Boundary(boundary * UNIT, 0.12)
     speed *= scene.lubrication.largest_speed
-    motion = replace(scene.lubrication, mean_speed=speed, boundary=layer)
-    return replace(scene, lubrication=motion)
+    return with_motion(scene, mean_speed=speed, boundary=layer)
 
 
 def grid(cells: int) -> cs.Grid:
@@ -104,7 +103,7 @@ def test_asperities_that_do_not_touch_have_a_bound_where_the_film_is_clear_of_th
     """A boundary film of a fraction of the minimum film, which is known to a few percent."""
     scene, cells = by_moes(20, 5), cs.Grid((200, 1), (9 * A, 1e-3))
     layer = cs.Boundary(fraction * solve_lubricated(scene, cells).minimum_film)
-    scene = replace(scene, lubrication=replace(scene.lubrication, boundary=layer))
+    scene = with_motion(scene, boundary=layer)
     contact = solve_lubricated(scene, cells)
     assert contact.contact_load_fraction == 0
     assert film_error(contact).contact_load_fraction.total == pytest.approx(bound, abs=1e-7)
@@ -117,10 +116,8 @@ def test_ridges_as_high_as_the_film_converge_on_fine_cells() -> None:
         cs.Waviness(height * UNIT, across=wave * A, phase=phase) for height, wave, phase in waves
     )
     scene = by_moes(28.31, 9.14, *shapes, shear=cs.Eyring(5e6))
-    motion = replace(scene.lubrication, boundary=cs.Boundary(0.00953 * UNIT))
-    contact = solve_lubricated(
-        replace(scene, lubrication=motion), cs.Grid((656, 1), (4.518 * A, A))
-    )
+    scene = with_motion(scene, boundary=cs.Boundary(0.00953 * UNIT))
+    contact = solve_lubricated(scene, cs.Grid((656, 1), (4.518 * A, A)))
     assert contact.status is cs.Status.CONVERGED
     assert contact.contact_load_fraction == 0
 
@@ -148,9 +145,7 @@ def test_isoviscous_ridges_have_two_films_at_one_speed() -> None:
 
     def at(speed: float) -> cs.Scene:
         slow = speed * scene.lubrication.largest_speed
-        return replace(
-            scene, lubrication=replace(scene.lubrication, mean_speed=slow, boundary=layer)
-        )
+        return with_motion(scene, mean_speed=slow, boundary=layer)
 
     above = solve_lubricated(at(0.1), grid(800))
     below = solve_lubricated(at(0.04), grid(800))
@@ -178,8 +173,8 @@ def test_a_slow_rough_film_becomes_the_dry_contact_along_the_length() -> None:
     dry = cs.solve(replace(scene, lubrication=None), cells, tolerance=1e-10)
     distances = []
     for speed in (1e-3, 1e-5):
-        motion = replace(scene.lubrication, mean_speed=speed * scene.lubrication.largest_speed)
-        contact = solve_lubricated(replace(scene, lubrication=motion), cells, tolerance=1e-7)
+        slower = with_motion(scene, mean_speed=speed * scene.lubrication.largest_speed)
+        contact = solve_lubricated(slower, cells, tolerance=1e-7)
         assert contact.status is not cs.Status.FILM_NOT_CONVERGED
         touching = contact.contact_pressure > 0
         assert contact.film[touching] == pytest.approx(0.004 * UNIT, rel=1e-6)
@@ -195,8 +190,7 @@ def test_a_rough_film_converges_at_each_speed_on_its_way_to_the_asperities() -> 
     scene, last = replace(mixed(0.06, 1.0), shapes=(DRY.shapes[0], rough)), None
     fractions = []
     for speed in (0.1, 0.05, 0.03, 0.02, 0.0127, 0.009):
-        motion = replace(scene.lubrication, mean_speed=speed * scene.lubrication.largest_speed)
-        slower = replace(scene, lubrication=motion)
+        slower = with_motion(scene, mean_speed=speed * scene.lubrication.largest_speed)
         last = solve_lubricated(slower, cs.Grid((64, 16), (6 * A, 2 * A)), start=last)
         assert last.status is not cs.Status.FILM_NOT_CONVERGED
         fractions.append(last.contact_load_fraction)
@@ -236,7 +230,7 @@ def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
     # of a stress that no lubricant carries
     layer = cs.Boundary(0.004 * UNIT, 0.3)
     scene = mixed(0.06, 0.01)
-    scene = replace(scene, lubrication=replace(scene.lubrication, boundary=layer))
+    scene = with_motion(scene, boundary=layer)
     contact = cs.solve(scene, grid(200))
     fraction = contact.quantities["contact_load_fraction"]
     assert fraction.value == contact.contact_load_fraction

@@ -6,7 +6,15 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid, in_moes_units, total
+from tests.contactstudy.lubrication.scenes import (
+    DRY,
+    STEEL,
+    by_moes,
+    grid,
+    in_moes_units,
+    total,
+    with_motion,
+)
 
 # M, L, inlet [a], film on the axis and smallest film: 1200 graded cells, extrapolated, to 2e-4 of the film
 REFERENCE = (
@@ -160,7 +168,7 @@ def test_a_film_that_is_not_resolved_has_its_status(
 
 def test_power_is_lost_in_pure_rolling_too() -> None:
     scene = by_moes(20, 5)
-    rolling = replace(scene, lubrication=replace(scene.lubrication, slide_roll_ratio=0.0))
+    rolling = with_motion(scene, slide_roll_ratio=0.0)
     sliding, still = (solve_lubricated(one, grid(200, 4.5)) for one in (scene, rolling))
     assert still.friction == 0
     assert still.power_loss > 0
@@ -174,8 +182,7 @@ def test_power_is_lost_in_pure_rolling_too() -> None:
 def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosity: float) -> None:
     """Theirs of a surface, Part 1 (2010), eqs. 40 to 42: between rigid and elastic cylinders."""
     scene = by_moes(load, viscosity, viscosity_law=cs.Roelands())
-    motion = replace(scene.lubrication, slide_roll_ratio=0.0)
-    contact = solve_lubricated(replace(scene, lubrication=motion), error=5e-2)
+    contact = solve_lubricated(with_motion(scene, slide_roll_ratio=0.0), error=5e-2)
     modulus = 210e9 / (1 - 0.3**2)
     per_length = 1e5 / (modulus * 0.01)
     speed = (per_length / load) ** 2
@@ -185,12 +192,8 @@ def test_rolling_resistance_is_that_of_biboulet_and_houpert(load: float, viscosi
 
 
 def test_rolling_resistance_needs_few_cells_beside_a_spike() -> None:
-    scene = by_moes(11, 12)
-    motion = replace(scene.lubrication, slide_roll_ratio=0.0)
-    few, many = (
-        solve_lubricated(replace(scene, lubrication=motion), grid(cells, 4.5)).power_loss
-        for cells in (160, 640)
-    )
+    scene = with_motion(by_moes(11, 12), slide_roll_ratio=0.0)
+    few, many = (solve_lubricated(scene, grid(cells, 4.5)).power_loss for cells in (160, 640))
     assert few == pytest.approx(many, rel=0.02)
 
 

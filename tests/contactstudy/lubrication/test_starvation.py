@@ -1,17 +1,15 @@
-from dataclasses import replace
-
 import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.lubricated_contact import FilmSolution
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, with_motion
 
 A = DRY.hertz.half_width
 
 
 def supplied(scene: cs.Scene, layer: float | None) -> cs.Scene:
-    return replace(scene, lubrication=replace(scene.lubrication, supply=layer))
+    return with_motion(scene, supply=layer)
 
 
 def thickness_of_flow(contact: FilmSolution) -> float:

@@ -36,7 +36,6 @@ from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.lubrication.lubrication import ChangingSpeed
 from contactstudy.scene.scene import Scene
-from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.solvers.solution import Status
 
 
@@ -365,8 +364,8 @@ class _FilmStepper:
         slide = scales.lubrication.slide_roll_ratio / 2
         gap = np.zeros(self.grid.cells)
         for shape in self.scene.shapes:
-            if isinstance(shape, MovingShape):
-                shift = distance * (1 + slide * (1 - 2 * shape.body))
+            if hasattr(shape, "gap_after"):  # with the first body unless it names one
+                shift = distance * (1 + slide * (1 - 2 * getattr(shape, "body", 0)))
                 gap += shape.gap_after(self.grid, shift)
             else:
                 gap += shape.gap(self.grid)

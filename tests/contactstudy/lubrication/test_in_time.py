@@ -1,11 +1,12 @@
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.domain.fields import Array
 from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
 from contactstudy.lubrication.pseudo_time import FilmIteration, iterate
@@ -101,6 +102,31 @@ def test_rough_heights_on_either_body_pass_through() -> None:
         evolution = evolve_lubricated(scene, grid(96, 3.0, 16), times=times, error=1e-2)
         assert evolution.status is not cs.Status.FILM_NOT_CONVERGED
         assert np.ptp(evolution.contacts[-1].film, axis=1).max() > 0
+
+
+@dataclass(frozen=True)
+class Passing:
+    """A user's own shape that moves with the first body."""
+
+    moving: cs.MovingShape
+    curvature: float = 0.0
+
+    def gap(self, grid: cs.Grid) -> Array:
+        return self.moving.gap(grid)
+
+    def gap_after(self, grid: cs.Grid, shift: float) -> Array:
+        return self.moving.gap_after(grid, shift)
+
+
+def test_a_shape_of_a_users_own_class_moves_with_its_body() -> None:
+    moving = cs.MovingShape(cs.Waviness(1e-8, across=A, along=np.inf))
+    own, same = (
+        evolve_lubricated(
+            by_moes(20, 5, shape), grid(64, 4.0), times=[0, 2e-5], step=1e-5
+        ).contacts[-1]
+        for shape in (Passing(moving), moving)
+    )
+    np.testing.assert_array_equal(own.film, same.film)
 
 
 def test_what_moves_or_changes_is_refused_by_the_steady_solve() -> None:

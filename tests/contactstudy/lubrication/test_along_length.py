@@ -86,6 +86,15 @@ def test_the_balance_of_the_film_changes_by_its_derivatives() -> None:
         np.testing.assert_allclose((after - before) / (2 * step), wanted, atol=1e-5 * scale)
 
 
+def test_nothing_flows_out_of_cells_that_hold_nothing() -> None:
+    equation = pose(by_moes(20, 5), grid(64, 4.0), cs.ExactPeriodicity()).equation
+    void = np.zeros((64, 1))
+    void[40:42] = 1
+    linear = equation.linearise(equation.film_of(0 * void, void, 1.0))
+    assert (linear.flux[40:42] == 0).all()
+    assert np.isfinite(linear.residual).all()
+
+
 def test_shifting_the_heights_along_the_length_shifts_the_film() -> None:
     height = 0.3 * film_scale(by_moes(20, 5))
     contact = solve_lubricated(by_moes(20, 5, crossed(height)), grid(96, 4.0, 32), tolerance=1e-10)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import inf, prod
+from math import inf, isclose, prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -127,7 +127,7 @@ def plan_grid(
     checked(device, "plan.device")
     if error is not None:
         error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
-    if grid is not None and period is not None and period != grid.length:
+    if grid is not None and period is not None and not isclose(period, grid.length):
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
     if times is not None and not scene.takes_times:
         raise InvalidInput(

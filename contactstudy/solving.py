@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import isfinite, prod
+from math import isclose, isfinite, prod
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -199,7 +199,10 @@ class _Request:
             "folder": self.folder is not None,
             "device": not isinstance(self.device, Cpu),
             "period": self.period is not None
-            and (self.grid is not None or isinstance(self.scene, Problem)),
+            and (
+                isinstance(self.scene, Problem)
+                or (self.grid is not None and not isclose(self.period, self.grid.length))
+            ),
         }
         for name, is_given in arguments.items():
             if is_given and name not in used:

@@ -19,7 +19,7 @@ import cloudpickle
 
 from contactstudy import InvalidInput
 from studies.engine.workers.compute import failed
-from studies.engine.workers.process import Worker, pickled_settings
+from studies.engine.workers.process import SupervisedProcess, pickled_settings
 from studies.model.case import Computation
 from studies.model.outcome import CaseStatus, Failure, OnFinished, Outcome, RunSettings
 from studies.model.plain_text import Log
@@ -36,8 +36,8 @@ STOP_TIMEOUT = 5.0  # seconds to collect finished batches when a run is stopped
 LOOPBACK = "127.0.0.1:0"
 
 
-# workers of each run in this process, and those that the present thread keeps
-WORKERS: dict[str, list[Worker]] = {}
+# processes of each run that this process supervises, and the one that the present thread keeps
+PROCESSES_OF_RUNS: dict[str, list[SupervisedProcess]] = {}
 THREAD = threading.local()
 
 
@@ -47,7 +47,7 @@ def compute_batch(
     """Compute a batch of cases on a thread of a dask worker, in a process that it keeps for the next batch.
 
     Returns the outcomes of the cases begun within a quarter of a second; none where the run is over, or where the cases
-    cannot be read together.
+    cannot be unpickled together.
 
     Parameters
     ----------
@@ -64,20 +64,20 @@ def compute_batch(
     """
     from distributed import get_worker
 
-    worker: Worker | None = getattr(THREAD, "worker", None)
-    if worker is None or worker.settings != settings or worker.ended.is_set():
-        if worker is not None:
-            worker.end()
-        worker = THREAD.worker = Worker(settings)
-        WORKERS.get(run, []).append(worker)
-    if run and run not in WORKERS:  # it is over
-        worker.end()
+    process: SupervisedProcess | None = getattr(THREAD, "process", None)
+    if process is None or process.settings != settings or process.ended.is_set():
+        if process is not None:
+            process.end()
+        process = THREAD.process = SupervisedProcess(settings)
+        PROCESSES_OF_RUNS.get(run, []).append(process)
+    if run and run not in PROCESSES_OF_RUNS:  # it is over
+        process.end()
     address = "" if run else str(get_worker().address)
-    return [replace(outcome, worker=address) for outcome in worker.run(batch, names, limit)]
+    return [replace(outcome, worker=address) for outcome in process.run(batch, names, limit)]
 
 
 @contextmanager
-def client_of_dask(address: str | None, threads: int, patience: float) -> "Iterator[Client]":
+def client_of_dask(address: str | None, threads: int, timeout: float) -> "Iterator[Client]":
     """Provide a client of the scheduler at an address for a block; without one, of a local cluster that ends with it."""
     from distributed import Client
 
@@ -97,7 +97,7 @@ def client_of_dask(address: str | None, threads: int, patience: float) -> "Itera
             if address and ":" not in address:
                 raise ValueError(address)
             arguments = {} if address else local_cluster
-            client = Client(address, timeout=patience, set_as_default=False, **arguments)
+            client = Client(address, timeout=timeout, set_as_default=False, **arguments)
         except (OSError, ValueError, TypeError, RuntimeError) as error:
             raise InvalidInput(
                 f"Scheduler {address!r} cannot be reached ({type(error).__name__}): give the address that "
@@ -119,10 +119,10 @@ def _quiet(name: str) -> Iterator[None]:
         logger.setLevel(level)
 
 
-def end_workers(run: str) -> None:
+def end_processes(run: str) -> None:
     """End the processes of a run here at once; its batches that dask still holds are not computed."""
-    for worker in WORKERS.pop(run, ()):
-        worker.end()
+    for process in PROCESSES_OF_RUNS.pop(run, ()):
+        process.end()
 
 
 @dataclass(eq=False)
@@ -144,10 +144,10 @@ class DaskRun:
     stop
         Raises where a signal asks to stop.
     workers
-        Threads of the worker of a local cluster, where there is no address.
+        Processes that compute, where there is no address: dask has one worker then, with so many threads.
     address
         Address of a dask scheduler; None starts a local cluster.
-    patience
+    reconnect_timeout
         Seconds in which a lost scheduler may come back; it gets unfinished cases again.
     log
         Takes messages.
@@ -159,7 +159,7 @@ class DaskRun:
     stop: Stop
     workers: int = 2
     address: str | None = None
-    patience: float = 10.0
+    reconnect_timeout: float = 10.0
     log: Log = lambda text: None
     size: int = field(default=1, init=False)
     threads: int = field(default=1, init=False)
@@ -171,14 +171,14 @@ class DaskRun:
         self._queue, self._unfinished, self._single = deque(self.cases), set(self.cases), set[str]()
         self._futures: dict[Any, list[str]] = {}
         self._checked_at, self._idle_since = float("-inf"), monotonic()
-        WORKERS[name] = []
+        PROCESSES_OF_RUNS[name] = []
         try:
-            with client_of_dask(self.address, self.workers, self.patience) as self._client:
+            with client_of_dask(self.address, self.workers, self.reconnect_timeout) as self._client:
                 if not self.address and find_spec("bokeh"):
                     self.log(f"the dask dashboard is at {self._client.dashboard_link}")
                 self._compute_all()
         finally:
-            end_workers(name)
+            end_processes(name)
 
     def _compute_all(self) -> None:
         """Submit batches, and report what comes back, until no case is open."""
@@ -253,7 +253,7 @@ class DaskRun:
         from distributed import wait
 
         until = monotonic() + STOP_TIMEOUT
-        end_workers(self._arguments[0])
+        end_processes(self._arguments[0])
         if self.address is None:  # its batches have ended with them
             with suppress(Exception):
                 wait(list(self._futures), timeout=STOP_TIMEOUT)
@@ -281,7 +281,7 @@ class DaskRun:
                 self.threads = max(1, threads)
                 if threads:
                     self._idle_since = monotonic()
-                elif monotonic() > self._idle_since + self.patience:
+                elif monotonic() > self._idle_since + self.reconnect_timeout:
                     self.log(
                         f"waiting for workers of {self.address}: start some, or stop the run and go on later"
                     )

@@ -23,7 +23,7 @@ def take_times(results: Results, settings: RunSettings, stop: Stop) -> None:
         return
     # what processes need is imported where there are some
     from studies.engine.workers.compute import failed
-    from studies.engine.workers.process import Worker, pickled_settings
+    from studies.engine.workers.process import SupervisedProcess, pickled_settings
 
     expected = {name: journal.records[name].seconds for name in counts}
     longest = {type(cases[name]): name for name in sorted(expected, key=expected.__getitem__)
@@ -34,7 +34,7 @@ def take_times(results: Results, settings: RunSettings, stop: Stop) -> None:
     )
     names, without_times = list(counts), set()
     with (
-        Worker(pickled_settings(settings)) as worker,
+        SupervisedProcess(pickled_settings(settings)) as process,
         progress_of(results.study.name, "timing", len(turns), "run", results.log) as progress,
     ):
         for counted, name in (
@@ -50,7 +50,7 @@ def take_times(results: Results, settings: RunSettings, stop: Stop) -> None:
                 except Exception as error:  # noqa: BLE001 (a study's class may do anything)
                     outcome = failed(error, "setup")
                 else:
-                    (outcome,) = worker.run(pickled, (name,), limit, "time")
+                    (outcome,) = process.run(pickled, (name,), limit, "time")
             if outcome.sample is None:
                 without_times.add(name)
                 journal.add_timing_failure(name, outcome.error)

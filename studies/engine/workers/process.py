@@ -26,14 +26,14 @@ import cloudpickle
 from contactstudy import InvalidInput
 from studies.engine.workers.compute import deadline, timed_out
 from studies.engine.workers.process_tree import kill_process_tree
-from studies.engine.workers.worker import READING_STAGE, Answer, Batch, Task, main
+from studies.engine.workers.worker import UNPICKLING_STAGE, Answer, Batch, Task, main
 from studies.model.outcome import CaseStatus, Failure, Outcome, RunSettings
 from studies.store.fingerprint.modules import RECORDER, Fingerprints
 
 START_TIMEOUT = 120.0  # seconds in which a new process must be ready
 RESTART_DELAY = 0.5  # seconds after which the process that forks others is started again
 MAX_STARTS = 3  # processes that may end before their first case
-# a process that has read the libraries is forked, where the system can; a fork of macOS may not use its libraries
+# a process that has imported the libraries is forked, where the system can; a fork of macOS may not use its libraries
 METHOD = "forkserver" if sys.platform == "linux" and hasattr(os, "fork") else "spawn"
 PROCESSES: Any = multiprocessing.get_context(METHOD)
 START_LOCK = threading.Lock()
@@ -98,7 +98,7 @@ def _changed(mapping: MutableMapping[str, Any], name: str, value: object) -> Ite
             mapping[name] = before
 
 
-class Worker:
+class SupervisedProcess:
     """A supervised process for the pickled `settings`, started with the first case and again after each death.
 
     The event `ended` is set by :meth:`end`.
@@ -118,7 +118,7 @@ class Worker:
 
         After the death of a process the remaining cases go to a new one; the case that it computed is tried once
         more, which shows whether it causes deaths. Nothing is yielded after :meth:`end`, and for several cases that
-        cannot be read together.
+        cannot be unpickled together.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class Worker:
                     deaths = 1
                     break
                 index, deaths = index + 1, 0
-                if outcome.failure is None or outcome.failure.stage != READING_STAGE:
+                if outcome.failure is None or outcome.failure.stage != UNPICKLING_STAGE:
                     yield replace(outcome, loaded=self._loaded)
             if self._process is not None:
                 return
@@ -192,8 +192,8 @@ class Worker:
         if process is None:
             return EOFError
         try:
-            patience = None if until is None else max(until - monotonic(), 0.0)
-            ready = wait([self._connection, process.sentinel], patience)
+            timeout = None if until is None else max(until - monotonic(), 0.0)
+            ready = wait([self._connection, process.sentinel], timeout)
             # an answer may have come just before the process ended
             if self._connection not in ready and not self._connection.poll():
                 return EOFError if ready else TimeoutError
@@ -208,7 +208,7 @@ class Worker:
         return answer
 
     def _is_ready(self) -> bool:
-        """Return whether a process has read the study, started if need be; False after :meth:`end`."""
+        """Return whether a process has unpickled the study, started if need be; False after :meth:`end`."""
         starts, code = 0, None
         while self._process is None and not self.ended.is_set():
             if starts == MAX_STARTS:
@@ -224,7 +224,7 @@ class Worker:
             elif answer[2] is not None:
                 self._discard()
                 problem = answer[2].error
-                raise InvalidInput(f"The study cannot be read in a worker process: {problem}")
+                raise InvalidInput(f"The study cannot be unpickled in a worker process: {problem}")
         return not self.ended.is_set()
 
     def _start(self) -> None:

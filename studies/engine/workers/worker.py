@@ -1,7 +1,8 @@
 """Program of a worker process, which computes cases for its supervisor, one after the other.
 
 An answer is a tuple: id of this process, place of the case in the batch (-1 for the set-up), outcome (None for a
-study that was read), whether another answer follows, and what the process has loaded (None where this is as before).
+study that was unpickled), whether another answer follows, and what the process has loaded (None where this is as
+before).
 """
 
 import multiprocessing
@@ -27,7 +28,7 @@ from studies.store.fingerprint.modules import RECORDER, Fingerprints
 
 IDLE_TIMEOUT = 120.0  # seconds without a request after which it ends
 BATCH_SECONDS = 0.25  # seconds of work after which no further case of a batch is begun
-READING_STAGE = "reading"  # stage of the failure of several cases that cannot be unpickled together
+UNPICKLING_STAGE = "unpickling"  # stage of the failure of cases that cannot be unpickled together
 Answer = tuple[int, int, Outcome | None, bool, Fingerprints | None]
 Task = Literal["compute", "time"]
 
@@ -64,7 +65,7 @@ def main(
     environment: Mapping[str, str],
     settings: bytes,
 ) -> None:
-    """Read the study, and answer the supervisor's requests until it is gone or none comes for a long time.
+    """Unpickle the study, and answer the supervisor's requests until it is gone or none comes for a long time.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ class _Worker:
         self._loaded: Fingerprints | None = None
 
     def set_up(self, settings: bytes) -> bool:
-        """Read the study, answer, and return whether it can be read."""
+        """Unpickle the study, answer, and return whether it could be unpickled."""
         problem = None
         try:
             self._settings: RunSettings = pickle.loads(settings)
@@ -124,7 +125,7 @@ class _Worker:
         try:
             cases = pickle.loads(batch.cases)
         except Exception as error:  # noqa: BLE001 (a study's class may do anything)
-            outcome = failed(error, "setup" if count == 1 else READING_STAGE)
+            outcome = failed(error, "setup" if count == 1 else UNPICKLING_STAGE)
         follows, index = True, batch.first
         while follows:
             self._interpreter_state.restore(batch.names[index])

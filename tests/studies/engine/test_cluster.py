@@ -8,7 +8,7 @@ import pytest
 from distributed import KilledWorker, LocalCluster
 
 from contactstudy import InvalidInput
-from studies.engine.workers.process import Worker
+from studies.engine.workers.process import SupervisedProcess
 from studies.model.outcome import CaseStatus, Outcome
 from tests.studies.engine.trouble import Trouble, compute
 
@@ -27,7 +27,7 @@ def test_a_scheduler_without_workers_and_then_lost_is_said(
 
         address = here.scheduler_address
         with pytest.raises(InvalidInput, match=rf"^Scheduler '{address}' is lost: start it again"):
-            compute([Trouble(1.0)], address=address, patience=0.1, log=log)
+            compute([Trouble(1.0)], address=address, reconnect_timeout=0.1, log=log)
     assert said == [
         f"waiting for workers of {address}: start some, or stop the run and go on later"
     ]
@@ -37,14 +37,14 @@ def test_a_scheduler_without_workers_and_then_lost_is_said(
 def test_of_a_batch_that_killed_its_workers_the_case_that_did_is_found(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    computed = Worker.run
+    computed = SupervisedProcess.run
 
-    def killed_by_one(worker: Worker, batch: bytes, *more: Any) -> Iterable[Outcome]:
+    def killed_by_one(worker: SupervisedProcess, batch: bytes, *more: Any) -> Iterable[Outcome]:
         if any(case.number == 60.5 for case in cloudpickle.loads(batch)):
             raise KilledWorker("batch", SimpleNamespace(address="tcp://there:2"), 3)
         return computed(worker, batch, *more)
 
-    monkeypatch.setattr(Worker, "run", killed_by_one)
+    monkeypatch.setattr(SupervisedProcess, "run", killed_by_one)
     outcomes = compute([Trouble(n + 0.5) for n in range(80)], workers=1)
     killed = outcomes.pop(60)
     assert {one.case_status for one in outcomes} == {CaseStatus.OK}
@@ -56,6 +56,6 @@ def test_a_dask_worker_that_cannot_compute_is_said(monkeypatch: pytest.MonkeyPat
     def fails(*_: object) -> None:
         raise ImportError("studies")
 
-    monkeypatch.setattr(Worker, "run", fails)
+    monkeypatch.setattr(SupervisedProcess, "run", fails)
     with pytest.raises(InvalidInput, match="install the same version of contactstudy there"):
         compute([Trouble(1.0)])

@@ -213,4 +213,4 @@ def test_a_run_outlives_a_dask_worker(scheduler: tuple[str, Workers], tmp_path: 
 def test_a_scheduler_that_is_not_there_is_said() -> None:
     refusal = r"^Scheduler 'tcp://127.0.0.1:1' cannot be reached"
     with pytest.raises(InvalidInput, match=refusal):
-        compute([Trouble(1.0)], address="tcp://127.0.0.1:1", patience=0.2)
+        compute([Trouble(1.0)], address="tcp://127.0.0.1:1", reconnect_timeout=0.2)

@@ -15,7 +15,7 @@ import pytest
 
 from contactstudy import InvalidInput
 from studies.engine.workers import process as module
-from studies.engine.workers.process import Worker, pickled_settings
+from studies.engine.workers.process import SupervisedProcess, pickled_settings
 from studies.engine.workers.process_tree import WORKER_VARIABLE, kill_process_tree
 from studies.model.outcome import CaseStatus, Outcome, RunSettings
 from studies.store.fingerprint.modules import CurrentModules
@@ -37,13 +37,13 @@ class Leaving(Trouble):
 
 
 @pytest.fixture
-def worker() -> Iterator[Worker]:
-    one = Worker(pickled_settings(RunSettings(trouble.measures)))
+def worker() -> Iterator[SupervisedProcess]:
+    one = SupervisedProcess(pickled_settings(RunSettings(trouble.measures)))
     yield one
     one.end()
 
 
-def outcomes_of(worker: Worker, *cases: Trouble) -> list[Outcome]:
+def outcomes_of(worker: SupervisedProcess, *cases: Trouble) -> list[Outcome]:
     names = [str(place) for place in range(len(cases))]
     return list(worker.run(cloudpickle.dumps(cases), names, None))
 
@@ -56,7 +56,9 @@ def squares(outcomes: list[Outcome]) -> list[float | CaseStatus]:
 
 
 @POSIX
-def test_every_case_of_a_batch_is_answered_in_its_order(worker: Worker, tmp_path: Path) -> None:
+def test_every_case_of_a_batch_is_answered_in_its_order(
+    worker: SupervisedProcess, tmp_path: Path
+) -> None:
     """One that its process dies of is tried a second time, for it may have been ended from outside."""
     log = tmp_path / "log"
     cases = [Trouble(float(n), log=str(log)) for n in (DIES, 1, RAISES, 2, 4, DIES, 5, 6)]
@@ -73,7 +75,7 @@ def test_every_case_of_a_batch_is_answered_in_its_order(worker: Worker, tmp_path
 
 
 @POSIX
-def test_the_exit_code_of_a_case_is_said(worker: Worker, tmp_path: Path) -> None:
+def test_the_exit_code_of_a_case_is_said(worker: SupervisedProcess, tmp_path: Path) -> None:
     log = tmp_path / "log"
     outcomes = outcomes_of(worker, Leaving(1.0, log=str(log)), Trouble(2.0))
     assert squares(outcomes) == [KILLED, 4]
@@ -88,12 +90,12 @@ class Ending:
 
 
 def test_a_study_that_ends_every_process_that_reads_it_is_given_up() -> None:
-    one = Worker(pickled_settings(RunSettings(Ending())))  # type: ignore[arg-type]
+    one = SupervisedProcess(pickled_settings(RunSettings(Ending())))  # type: ignore[arg-type]
     with pytest.raises(InvalidInput, match=r"^3 worker processes ended before .* exit code 3"):
         outcomes_of(one, Trouble(1.0))
 
 
-def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> None:
+def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: SupervisedProcess) -> None:
     for case, failure in ((Trouble(2.0), None), (Trouble(float(RAISES)), "ArithmeticError")):
         (outcome,) = worker.run(cloudpickle.dumps((case,)), ("one",), None, "time")
         assert (outcome.sample is None) == (failure is not None)
@@ -103,7 +105,7 @@ def test_a_run_against_the_clock_is_a_sample_or_says_why_not(worker: Worker) -> 
         )
 
 
-def test_an_outcome_says_what_its_process_had_loaded(worker: Worker) -> None:
+def test_an_outcome_says_what_its_process_had_loaded(worker: SupervisedProcess) -> None:
     (one,) = outcomes_of(worker, Trouble(1.0))
     assert CurrentModules().changes(one.loaded) == []
     assert "module tests.studies.engine.trouble" in one.loaded
@@ -120,7 +122,7 @@ def server() -> psutil.Process:
 
 SCRIPT = """
 from tests.studies.engine.workers.test_process import *
-one = Worker(pickled_settings(RunSettings(trouble.measures)))
+one = SupervisedProcess(pickled_settings(RunSettings(trouble.measures)))
 outcomes_of(one, Trouble(1.0))
 print(*(part.path for part in server().memory_maps()))
 one.end()
@@ -140,11 +142,13 @@ def test_what_worker_processes_need_is_loaded_before_they_are_forked(tmp_path: P
 @pytest.mark.cases(1)
 @FORKED
 @pytest.mark.parametrize("signal_name", ["SIGKILL", "SIGTERM"])
-def test_the_end_of_the_process_that_forks_ends_no_run(worker: Worker, signal_name: str) -> None:
+def test_the_end_of_the_process_that_forks_ends_no_run(
+    worker: SupervisedProcess, signal_name: str
+) -> None:
     assert squares(outcomes_of(worker, Trouble(2.0))) == [4]
     server().send_signal(getattr(signal, signal_name))
     # the next one is asked for while the system ends it
-    other = Worker(pickled_settings(RunSettings(trouble.measures)))
+    other = SupervisedProcess(pickled_settings(RunSettings(trouble.measures)))
     assert squares(outcomes_of(other, Trouble(4.0), Trouble(5.0))) == [16, 25]
     assert squares(outcomes_of(worker, Trouble(6.0))) == [36]
     other.end()
@@ -152,7 +156,7 @@ def test_the_end_of_the_process_that_forks_ends_no_run(worker: Worker, signal_na
 
 def test_a_worker_that_ends_while_its_process_starts_leaves_none() -> None:
     """Python would wait at its exit for a process that nobody ends."""
-    one = Worker(pickled_settings(RunSettings(trouble.measures)))
+    one = SupervisedProcess(pickled_settings(RunSettings(trouble.measures)))
     before = set(multiprocessing.active_children())
     with ThreadPoolExecutor(1) as pool, module.START_LOCK:
         answers = pool.submit(outcomes_of, one, Trouble(2.0))

@@ -162,7 +162,7 @@ class Contact(Answer, Solution):
 
     @property
     def counts(self) -> Counts:
-        """Iterations, transforms and residual of the solver, and outer iterations where it took some."""
+        """Iterations, FFT convolutions and residual of the solver, and outer iterations where it took some."""
         counts = {
             "iterations": (self.iterations, "solver iterations"),
             "convolutions": (self.convolutions, "FFT convolutions of the full grid"),

@@ -153,15 +153,15 @@ class Evolution(Answer):
         )
         if self.trajectory is not None and self.posed.scene.adhesion is not None:
             from contactstudy.evolution.equilibrium.quasi_static import (
-                jump_in,
+                jump_in_loads,
                 net_work,
-                separation,
+                pull_off_loads,
             )
 
             frames, load = self.trajectory.frames, self.posed.scene.load
             errors = [frame.quantities["approach"].bound for frame in self.frames]
             work = net_work(frames, errors, load)
-            lost, made = separation(frames, load), jump_in(frames, load)
+            lost, made = pull_off_loads(frames, load), jump_in_loads(frames, load)
             numbers = cycle_quantities(work, lost, made) | numbers
         return numbers
 

@@ -309,7 +309,9 @@ def hole_width(active: Array) -> float:
     return 2 * outside / ends if ends else 0.0
 
 
-def at_unpadded_waves(spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]) -> Array:
+def at_unpadded_wave_numbers(
+    spectrum: Array, cells: tuple[int, int], padded: tuple[int, int]
+) -> Array:
     """Return the spectrum of a padded grid at the wave numbers nearest to those of the unpadded one, bounded from below.
 
     The bound is a thousandth of the smallest magnitude among waves that vary across.

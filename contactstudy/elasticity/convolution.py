@@ -17,7 +17,7 @@ from contactstudy.domain.reuse import cached_array
 from contactstudy.elasticity.approximate_inverse import (
     ExactInverse,
     SpectralInverse,
-    at_unpadded_waves,
+    at_unpadded_wave_numbers,
 )
 from contactstudy.elasticity.coefficients import (
     BoussinesqCoefficients,
@@ -215,7 +215,7 @@ class Convolution:
             and isinstance(device(), Cpu)
         ):
             return ExactInverse(self._compliance())
-        spectrum = at_unpadded_waves(self.spectrum, self.cells, self.padded)
+        spectrum = at_unpadded_wave_numbers(self.spectrum, self.cells, self.padded)
         real = spectrum.dtype if precision is None else precision.real
         return SpectralInverse(spectrum, self.cells, self.work_array, real)
 

@@ -30,9 +30,9 @@ class Scheme(Enum):
     TWO_STAGE = ((SDIRK_GAMMA, 0.0), (1 - SDIRK_GAMMA, (1 - 2 * SDIRK_GAMMA) / (1 - SDIRK_GAMMA)))
     #: Backward Euler: first order, L-stable, one solve.
     IMPLICIT = ((1.0, 0.0),)
-    #: Forward Euler: first order, unstable in plane strain for steps [s] beyond 2 lambda / rate,
-    #: with the rate of wear [m/(Pa s)] and
-    #: the :func:`~contactstudy.evolution.states.state_variables.least_eigenvalue` lambda: for comparison.
+    #: Forward Euler: first order, unstable in plane strain for steps [s] beyond 2 lambda / (k v),
+    #: with the wear rate per pressure k v [m/(Pa s)] and the
+    #: :func:`~contactstudy.evolution.states.state_variables.least_eigenvalue` lambda: for comparison.
     EXPLICIT = ((1.0, 1.0),)
 
     @property

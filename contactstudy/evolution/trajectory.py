@@ -156,8 +156,10 @@ class Trajectory:
         if frame.solution is not None:
             return frame.solution.traction
         if "shear_x" in frame.fields:
-            across, along, stick = (frame.fields[n].values for n in ("shear_x", "shear_y", "stick"))
-            return TangentialTraction(np.stack([across, along]), stick > 0, "fretting", 0)
+            shear_x, shear_y, stick = (
+                frame.fields[n].values for n in ("shear_x", "shear_y", "stick")
+            )
+            return TangentialTraction(np.stack([shear_x, shear_y]), stick > 0, "fretting", 0)
         law = self.problem.friction
         return law.traction(frame.pressure) if isinstance(law, FullSliding) else None
 

@@ -193,12 +193,14 @@ def traction_variables(traction: TangentialTraction | None) -> dict[str, xr.Vari
     """Return the two components of the tangential traction and the area of stick; empty without friction."""
     if traction is None:
         return {}
-    (across, along), stick = traction.shear, traction.stick.astype(np.int8)
+    (shear_x, shear_y), stick = traction.shear, traction.stick.astype(np.int8)
     variables = {
         "shear_x": _plane(
-            across, "Pa", "tangential traction across the contact, on the first body"
+            shear_x, "Pa", "tangential traction along x (longitudinal), on the first body"
         ),
-        "shear_y": _plane(along, "Pa", "tangential traction along the contact, on the first body"),
+        "shear_y": _plane(
+            shear_y, "Pa", "tangential traction along y (lateral), on the first body"
+        ),
         "stick": _plane(stick, "1", "1 where the bodies stick, 0 elsewhere"),
     }
     if isinstance(traction, FrettingTraction):

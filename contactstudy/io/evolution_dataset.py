@@ -209,7 +209,7 @@ def _pass_variables(rolling: "RepeatedRolling") -> dict[str, xr.Variable]:
         ("plastic_strain", "1", "plastic strain", "component", "z"),
         ("equivalent_plastic_strain", "1", "equivalent plastic strain", "z"),
         ("residual_stress", "Pa", stress, "component", "z"),
-        ("shear_strain_increment", "1", "shear strain added by the pass", "z"),
+        ("shear_strain_increment", "1", "engineering plastic shear strain added by the pass", "z"),
         (
             "forward_displacement",
             "m",

@@ -23,7 +23,7 @@ TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # radius and the range.
 FADING_DISTANCE = 3.7
 # FFT convolutions of a solve over the square of the Tabor parameter, and at least; solves of a search for the pull-off.
-PAIRS_OVER_TABOR_SQUARED, MIN_PAIRS, SEARCH_SOLVES = 60.0, 60.0, 10
+CONVOLUTIONS_OVER_TABOR_SQUARED, MIN_CONVOLUTIONS, SEARCH_SOLVES = 60.0, 60.0, 10
 
 
 def plan_of_adhesion(
@@ -66,12 +66,12 @@ def plan_of_adhesion(
     else:
         tabor, cells = scale / attraction_range, zone / cell
     solves = SEARCH_SOLVES if isinstance(scene.load, PullOff) else instants or 1
-    pairs = max(MIN_PAIRS, PAIRS_OVER_TABOR_SQUARED * tabor**2)
+    convolutions = max(MIN_CONVOLUTIONS, CONVOLUTIONS_OVER_TABOR_SQUARED * tabor**2)
     padding = requirements.padding()
-    seconds = FORECAST.cost_ratio * solves * CostModel().seconds(grid, padding, pairs)
+    seconds = FORECAST.cost_ratio * solves * CostModel().seconds(grid, padding, convolutions)
     reason = (
         f"adhesion: {cells:.3g} cells in the cohesive zone at a Tabor parameter of {tabor:.3g}, and room for the "
-        f"attraction beside the contact; of the order of {pairs:.2g} FFT convolutions a solve, {solves} solves."
+        f"attraction beside the contact; of the order of {convolutions:.2g} FFT convolutions a solve, {solves} solves."
     )
     warnings = requirements.warnings(grid)
     if cells < ZONE_CELLS * (1 - 1e-9):

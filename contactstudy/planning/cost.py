@@ -222,7 +222,7 @@ def _law_key(grid: Grid, padding: Padding | Paddings) -> str:
 def _work_sizes(
     grid: Grid, padding: Padding | Paddings, convolutions: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return (cells, images) for a set-up and (points of a transform, transforms) for a solve."""
+    """Return (cells, images) for a set-up and (points of a transform, FFT convolutions) for a solve."""
     windows = (axis_padding.window for axis_padding in across_and_along(padding))
     images = prod(1 if window is None else len(window) for window in windows)
     return (prod(grid.cells), images), (padded_points(grid, padding), convolutions)

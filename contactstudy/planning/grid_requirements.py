@@ -115,7 +115,7 @@ class GridRequirements:
         return Grid((across, along), (across * self.point_spacing[0], length))
 
     @property
-    def finest(self) -> tuple[float, float]:
+    def shortest_wavelengths(self) -> tuple[float, float]:
         """The shortest wavelengths (across, along) of all shapes [m]; infinite where there are none."""
         return (
             min((scales.finest[0] for scales in self.length_scales), default=inf),
@@ -125,7 +125,7 @@ class GridRequirements:
     @property
     def is_rough(self) -> bool:
         """True if any shape has wavelengths."""
-        return min(self.finest) < inf
+        return min(self.shortest_wavelengths) < inf
 
     @property
     def is_smooth(self) -> bool:
@@ -142,7 +142,7 @@ class GridRequirements:
     @property
     def varies(self) -> bool:
         """True if anything varies along the length."""
-        return self.finest[1] < inf or self.roller_length > 0
+        return self.shortest_wavelengths[1] < inf or self.roller_length > 0
 
     @property
     def height(self) -> float:
@@ -150,7 +150,7 @@ class GridRequirements:
         return sum(scales.height for scales in self.length_scales)
 
     @property
-    def longest(self) -> float:
+    def longest_wavelength(self) -> float:
         """The longest wavelength along the length [m]."""
         return max((scales.longest for scales in self.length_scales), default=0.0)
 
@@ -196,7 +196,7 @@ class GridRequirements:
     def error(self, cell: tuple[float, float]) -> float:
         """Return the relative L1 error of the pressure to expect of a cell (dx, dy) [m]."""
         smooth = smooth_l1(cell[0] / self.hertz.half_width)
-        steps = (size / wave for size, wave in zip(cell, self.finest, strict=True))
+        steps = (size / wave for size, wave in zip(cell, self.shortest_wavelengths, strict=True))
         return float(smooth + self.rough_error_factor() * max(steps) ** CONSTANTS.rough_order)
 
     def errors(self, cell: tuple[float, float]) -> tuple[float, float]:
@@ -204,7 +204,7 @@ class GridRequirements:
         total = self.error(cell)
         if not self.is_rough:
             return total, 0.0
-        steps = zip(cell, self.finest, strict=True)
+        steps = zip(cell, self.shortest_wavelengths, strict=True)
         rough = [(size / wave) ** CONSTANTS.rough_order for size, wave in steps]
         return total * rough[0] / sum(rough), total * rough[1] / sum(rough)
 
@@ -223,8 +223,8 @@ class GridRequirements:
         # cells for each source of error alone; both are then reduced to the requested error
         step = self.hertz.half_width / l1_factor() ** (1 / CONSTANTS.rough_order)
         ratio = self.rough_error_factor() ** (-1 / CONSTANTS.rough_order)
-        across = min(step, self.finest[0] * ratio)
-        along = self.finest[1] * ratio
+        across = min(step, self.shortest_wavelengths[0] * ratio)
+        along = self.shortest_wavelengths[1] * ratio
         reduction = 1.0
         for _ in range(4):  # the smooth part's second term falls faster than the rate
             expected = self.error((across * reduction, along * reduction))
@@ -262,8 +262,8 @@ class GridRequirements:
             return width
         repeats = {scales.period for scales in self.length_scales if scales.period}
         waves = CONSTANTS.waves_per_period
-        unit = _common_period(repeats) if repeats else max(self.longest, width) / waves
-        return unit * max(1, int(np.ceil(waves * self.longest / unit * (1 - 1e-12))))
+        unit = _common_period(repeats) if repeats else max(self.longest_wavelength, width) / waves
+        return unit * max(1, int(np.ceil(waves * self.longest_wavelength / unit * (1 - 1e-12))))
 
     def pressure_error(self, error: float) -> float:
         """Return the relative L1 error of the pressure to plan for where an `error` is requested.
@@ -294,11 +294,11 @@ class GridRequirements:
             return ""
         if fault := period_fault(period, self.length_scales):
             return fault
-        if 0 < period < CONSTANTS.waves_per_period * self.longest * (1 - 1e-9):
+        if 0 < period < CONSTANTS.waves_per_period * self.longest_wavelength * (1 - 1e-9):
             return (
-                f"The period {readable(period)} is only {period / self.longest:.2g} longest wavelengths "
-                f"({readable(self.longest)}) long, too short to be representative: give "
-                f"{readable(np.ceil(CONSTANTS.waves_per_period * self.longest / period) * period)}."
+                f"The period {readable(period)} is only {period / self.longest_wavelength:.2g} longest wavelengths "
+                f"({readable(self.longest_wavelength)}) long, too short to be representative: give "
+                f"{readable(np.ceil(CONSTANTS.waves_per_period * self.longest_wavelength / period) * period)}."
             )
         return ""
 
@@ -320,7 +320,7 @@ class GridRequirements:
         nx, ny = grid.cells
         cell = f"{nx} x {ny} cells: {a / grid.cell_size[0]:.3g} in a half-width"
         if self.is_rough:
-            steps = zip(self.finest, grid.cell_size, strict=True)
+            steps = zip(self.shortest_wavelengths, grid.cell_size, strict=True)
             cell += f", {min(wave / step for wave, step in steps):.3g} in the shortest wavelength"
         cell += f", for an error of {error:.1g}."
         dimension = "three-dimensional: the gap varies along the length."
@@ -380,7 +380,9 @@ class GridRequirements:
                 "large a fraction for half-spaces: give loads and radii in N/m and m, and "
                 "HalfSpace.youngs_modulus in Pa (steel has 210e9)."
             )
-        for axis, (cell, wave) in enumerate(zip(grid.cell_size, self.finest, strict=True)):
+        for axis, (cell, wave) in enumerate(
+            zip(grid.cell_size, self.shortest_wavelengths, strict=True)
+        ):
             if cell > wave / 2 * (1 + 1e-9):
                 messages.append(
                     f"Grid.cells[{axis}] is {grid.cells[axis]}: its cells of {readable(cell)} do not resolve the "

@@ -56,14 +56,14 @@ class PilotConstants:
         Power of the bytes of plastic operators in the ratio of seconds of a step, in time and in repeated rolling. With
         the latter, 24 cells forecast 48 and 96 within a factor of 2.5 in three scenes.
     refinement_cost
-        Seconds with the finer grids on which some scenes are solved again, over those on the planned grid, in one
-        dimension: 1 to 2.5 in 8 scenes that creep, wear or roll. In two dimensions the ratio of two elastic solves,
-        which do not begin with the step before, is too large by as much.
+        Seconds with the finer grids on which some scenes are solved again, over those on the planned grid, in plane
+        strain: 1 to 2.5 in 8 scenes that creep, wear or roll. Where the gap varies along the length, the ratio of two
+        elastic solves, which do not begin with the step before, is too large by as much.
     yielding_refinement_cost
         The same of scenes that yield, which are mostly solved again on twice the cells.
     rolling_cost_along
-        Factor on the seconds of rolling in two dimensions, where most outer iterations begin close to their end: 0.3 to
-        0.8 in 5 scenes.
+        Factor on the seconds of rolling where the gap varies along the length: most outer iterations begin close to
+        their end there, 0.3 to 0.8 in 5 scenes.
     """
 
     cells: tuple[int, int] = (48, 12)

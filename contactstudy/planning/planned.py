@@ -20,7 +20,8 @@ class Plan:
     padding
         The boundary conditions.
     dimension
-        Dimension of the grid: 1 in plane strain, where nothing varies along the length; 2 in three dimensions.
+        Dimension of the surface grid: 1 in plane strain, where nothing varies along the length; 2 of a contact in three
+        dimensions.
     error
         Relative L1 error of the pressure to expect of the cells: of dry contacts from solutions on coarse grids, where
         these give no bound and with adhesion by a law, as of a smooth contact on a grid that was given. Of a scene in

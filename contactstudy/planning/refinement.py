@@ -255,7 +255,9 @@ class GridRefinement:
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
         """Return the least cells (across, along) that resolve the surface."""
-        axes = zip(CONSTANTS.first_cells, extent, self.requirements.finest, strict=True)
+        axes = zip(
+            CONSTANTS.first_cells, extent, self.requirements.shortest_wavelengths, strict=True
+        )
         across, along = (
             max(least, CONSTANTS.cells_per_wave * length / wave) for least, length, wave in axes
         )

@@ -191,9 +191,11 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     start = getattr(scene.load, "start", 0.0)
     last = end if end is not None else getattr(scene.load, "end", start)
     duration = max(last - start, 0.0)
-    softest = sum(_softest(body, duration) for body in scene.solids)
+    relaxed_compliance = sum(_relaxed_compliance(body, duration) for body in scene.solids)
     hertz = elastic.hertz
-    half_width = sqrt(4 * load.per_length * hertz.radius * softest / pi) if hertz else 0.0
+    half_width = (
+        sqrt(4 * load.per_length * hertz.radius * relaxed_compliance / pi) if hertz else 0.0
+    )
     fields = (
         2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies)
         + CONSTANTS.fields
@@ -205,7 +207,7 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
     if scene.wear is not None and hertz is not None and duration:
-        worn_area = scene.wear.rate * load.per_length * duration
+        worn_area = scene.wear.rate_per_pressure * load.per_length * duration
         half_width = float(np.cbrt(half_width**3 + 1.5 * hertz.radius * worn_area))
     least, warnings = _smallest_load(scene.load, last)
     if plastic is not None:  # errors are relative to the pressure of the largest load
@@ -241,7 +243,7 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
     )
 
 
-def _softest(body: Body, end: float) -> float:
+def _relaxed_compliance(body: Body, end: float) -> float:
     """Return the equilibrium compliance [1/Pa] of `body`, of a fluid that after `end` [s] of load."""
     if not isinstance(body, ViscoelasticHalfSpace):
         return body.compliance

@@ -229,7 +229,9 @@ class SubsurfaceStressOperator:
         return {
             "stress": Field(dimensions, stress, "Pa", "stress, tension positive"),
             "von_mises": Field(dimensions[1:], von_mises(stress), "Pa", "von Mises stress"),
-            "component": Field(("component",), names, "1", "x across, y along, z into the body"),
+            "component": Field(
+                ("component",), names, "1", "x across the contact line, y along it, z into the body"
+            ),
             "z": Field(("z",), np.array(depths), "m", "depth below the surface", Z),
         }
 

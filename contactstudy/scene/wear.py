@@ -88,6 +88,6 @@ class Wear:
             )
 
     @property
-    def rate(self) -> float:
-        """Worn depth per pressure and time [m/(Pa s)]."""
+    def rate_per_pressure(self) -> float:
+        """Wear rate per pressure ``k v`` [m/(Pa s)]."""
         return self.coefficient * self.speed

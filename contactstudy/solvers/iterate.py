@@ -20,7 +20,7 @@ class Iterate:
     iterations
         Number of iterations.
     convolutions
-        Number of FFT convolutions of the full grid; pairs of smaller grids count in proportion.
+        Number of FFT convolutions of the full grid; those of smaller grids count in proportion.
     note
         Sentence about an unusual course of the iteration, or empty.
     """

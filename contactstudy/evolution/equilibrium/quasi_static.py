@@ -161,7 +161,7 @@ def frame_in_equilibrium(
     solves = 1 if rolling is None else rolling.lagged.outer_iterations
     adhesion = solution.adhesion
     if adhesion is not None:
-        name, solves = "attraction between the bodies", adhesion.outer_iterations
+        name, solves = "adhesive traction", adhesion.outer_iterations
         fields = {"attraction": Field(("x", "y"), adhesion.attraction, "Pa", name)}
     return Frame(
         time=time,
@@ -248,7 +248,7 @@ def _loads_between(a: Frame, b: Frame, load: AnyLoad) -> list[float]:
     return [*loads, b.load]
 
 
-def separation(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
+def pull_off_loads(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
     """Return the last recorded load [N/m] in contact, and another: they bracket the pull-off load.
 
     The other is the first recorded load that was lost, or one beyond where the `load` turns between the two instants.
@@ -261,7 +261,7 @@ def separation(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | 
     return None
 
 
-def jump_in(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
+def jump_in_loads(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:
     """Return the first recorded load [N/m] in contact, and another: they bracket the load at which contact is made.
 
     The other is the last recorded load before, or one beyond where the `load` turns between the two instants. None

@@ -41,7 +41,7 @@ MIN_FACTOR, MAX_FACTOR, SAFETY = 0.1, 2.0, 0.8
 SHORTEST = 1e-6
 # Largest change of the pressure by the correction of a step, relative in L1, where none is asked for.
 STEP_ERROR = 1e-3
-# Work: steps, contact solves, their iterations, their transforms or linear iterations, and rejected pairs of steps.
+# Work: steps, contact solves, their iterations, their FFT convolutions or linear iterations, rejected pairs of steps.
 NO_WORK, REJECTED = np.zeros(5), np.array((0.0, 0.0, 0.0, 0.0, 1.0))
 
 
@@ -75,8 +75,8 @@ class _DryContact:
             "contact_area": max(l1, moved),
         }
         if self.rolling is not None and coarse.rolling is not None:
-            resistance = self.rolling.resistance
-            difference = abs(resistance - coarse.rolling.resistance)
+            resistance = self.rolling.resistance_coefficient
+            difference = abs(resistance - coarse.rolling.resistance_coefficient)
             errors["rolling_resistance"] = difference / abs(resistance) if difference else 0.0
         return {name: float(error) for name, error in errors.items()}
 
@@ -111,8 +111,8 @@ class _Instant(Generic[Contact]):
     status
         The worst status of the accepted steps, each with its predictor, since the instant before.
     work
-        Steps, solves, their iterations, their transforms or linear iterations, and rejected pairs of steps, since the
-        instant before.
+        Steps, solves, their iterations, their FFT convolutions or linear iterations, and rejected pairs of steps, since
+        the instant before.
     change
         Change of the pressure by the correction of the last step, relative in L1; infinite where a solve failed.
     """
@@ -137,7 +137,8 @@ class _WearingContact(Generic[Contact]):
     rate
         Wear rate (x, y) [m/s] of a contact.
     solves_and_iterations
-        Number of solves of a contact, of their iterations, and of their transforms (dry) or linear iterations (film).
+        Number of solves of a contact, of their iterations, and of their FFT convolutions (dry) or linear iterations
+        (film).
     first_depth
         Largest depth [m] of the first step.
     """
@@ -275,8 +276,8 @@ def follow_wear(
         traction = contact.solution.traction
         if isinstance(traction, RollingTraction):
             # where it slips, friction times slip is the coefficient of friction times pressure times slip
-            pressed = traction.power / getattr(scene.friction, "coefficient", 1.0)
-            return _wear_rate(wear, pressed, grid)
+            pv = traction.power / getattr(scene.friction, "coefficient", 1.0)
+            return _wear_rate(wear, pv, grid)
         return _wear_rate(wear, wear.speed * contact.pressure, grid)
 
     def solves_and_iterations(contact: _DryContact) -> tuple[float, float, float]:
@@ -372,12 +373,12 @@ def follow_film_wear(
     return replace(films, time_discretisation_errors=errors_from_longer_steps(films, coarse))
 
 
-def _wear_rate(wear: Wear, pressed: Array, grid: Grid) -> Array:
-    """Return the wear rate (x, y) [m/s] where the pressure times the sliding speed is `pressed` (x, y) [W/m^2]."""
+def _wear_rate(wear: Wear, pv: Array, grid: Grid) -> Array:
+    """Return the wear rate (x, y) [m/s] where the product of pressure and sliding speed is `pv` (x, y) [W/m^2]."""
     if wear.circumference is None:
-        return wear.coefficient * pressed
-    around = pressed.sum(axis=0) * grid.cell_size[0] / wear.circumference
-    return np.broadcast_to(wear.coefficient * around, pressed.shape)
+        return wear.coefficient * pv
+    around = pv.sum(axis=0) * grid.cell_size[0] / wear.circumference
+    return np.broadcast_to(wear.coefficient * around, pv.shape)
 
 
 def _instants(times: ArrayLike | None, error: float | None) -> tuple[list[float], float]:

@@ -63,8 +63,8 @@ def state_variables(scene: Scene, datum: float) -> tuple[StateVariable, ...]:
         for body in scene.solids
         if isinstance(body, ViscoelasticHalfSpace) and body.creeps
     ]
-    if scene.wear is not None and scene.wear.rate > 0:
-        scene_variables.append(WearState(scene.wear.rate))
+    if scene.wear is not None and scene.wear.rate_per_pressure > 0:
+        scene_variables.append(WearState(scene.wear.rate_per_pressure))
     return tuple(scene_variables)
 
 

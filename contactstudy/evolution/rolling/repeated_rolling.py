@@ -126,7 +126,7 @@ class RepeatedRolling:
 
     @property
     def shear_strain_increment(self) -> Array:
-        """Shear strain ``2 e_xz`` (pass, z) that each pass adds."""
+        """Engineering plastic shear strain ``2 e_xz`` (pass, z) that each pass adds."""
         return 2 * self._added_per_pass(self.plastic_strain[:, XZ])
 
     @property

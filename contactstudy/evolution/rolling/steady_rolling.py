@@ -42,7 +42,7 @@ class SteadyRolling:
     lagged
         The contact in its own frame, with the number of outer iterations.
     antisymmetric_weights
-        Coefficients [m] and weights [1/Pa] of the displacement that is antisymmetric across.
+        Coefficients [m] and weights [1/Pa] of the displacement that is odd in x.
     solve_on
         Solves the same scene on another grid.
     direction
@@ -56,7 +56,7 @@ class SteadyRolling:
 
     @property
     def solution(self) -> Solution:
-        """Pressure, gap and status; the gap includes the part of the displacement that is antisymmetric across."""
+        """Pressure, gap and status; the gap includes the part of the displacement that is odd in x."""
         return self.lagged.solution
 
     @property
@@ -67,15 +67,14 @@ class SteadyRolling:
         return self.direction * float(x @ pressure.sum(axis=1) / pressure.sum())
 
     @cached_property
-    def resistance(self) -> float:
+    def resistance_coefficient(self) -> float:
         """Coefficient of rolling resistance: the force against the motion over the load.
 
         It is the power lost in the bodies over speed and load.
 
         A pressure that is constant in each cell does the work ``p (u(x + dx / 2) - u(x - dx / 2))`` in a length rolled,
-        of which only the displacement that is antisymmetric across loses any. That displacement is computed on finer
-        cells. The moment of the pressure (for a cylinder, the shift over its radius) has the same limit and a larger
-        error.
+        of which only the displacement that is odd in x loses any. That displacement is computed on finer cells. The
+        moment of the pressure (for a cylinder, the shift over its radius) has the same limit and a larger error.
         """
         if not self.antisymmetric_weights:
             return 0.0
@@ -103,22 +102,22 @@ class SteadyRolling:
             return None
 
     @property
-    def resistance_error(self) -> float:
-        """Upper estimate of the relative error of :attr:`resistance`.
+    def resistance_coefficient_error(self) -> float:
+        """Upper estimate of the relative error of :attr:`resistance_coefficient`.
 
         It is twice the change from cells of twice the size, and a small fraction of the pressure's L1 error, since the
-        change may be small by chance. It is 0 for elastic bodies and a resistance of 0, and infinite without a coarser
+        change may be small by chance. It is 0 for elastic bodies and a coefficient of 0, and infinite without a coarser
         grid to compare with.
         """
         if not self.antisymmetric_weights:
             return 0.0
         if self.coarse is None or not np.isfinite(self.lagged.change):
             return inf
-        if not self.resistance:
+        if not self.resistance_coefficient:
             return 0.0
-        change = abs(self.coarse.resistance - self.resistance)
+        change = abs(self.coarse.resistance_coefficient - self.resistance_coefficient)
         return (
-            CHANGE_FACTOR * change / abs(self.resistance)
+            CHANGE_FACTOR * change / abs(self.resistance_coefficient)
             + PRESSURE_FACTOR * self._pressure_errors.l1.total
         )
 
@@ -145,7 +144,7 @@ class SteadyRolling:
 
     def error_estimate(self) -> ErrorEstimate:
         """Return the estimated errors of the contact and of its coefficient of rolling resistance."""
-        resistance = ErrorParts(discretisation=self.resistance_error)
+        resistance = ErrorParts(discretisation=self.resistance_coefficient_error)
         return replace(self._pressure_errors, rolling_resistance=resistance)
 
 

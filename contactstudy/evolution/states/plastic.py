@@ -278,7 +278,8 @@ class PlasticState:
         """
         for state in states:
             self._in_volumes(state)  # volumes grow to hold every state
-        names, axes = np.array(list(COMPONENTS)), "x across, y along, z into the body"
+        names = np.array(list(COMPONENTS))
+        axes = "x across the contact line, y along it, z into the body"
         fields = {"component": Field(("component",), names, "1", axes)}
         for number, body in enumerate(self.bodies):
             suffix = f"_{body.place}" if len(self.bodies) > 1 else ""

@@ -287,7 +287,7 @@ def _of_creepage(
 
 def _of_rolling(rolling: "SteadyRolling", estimate: ErrorEstimate) -> dict[str, Quantity]:
     """Return the coefficient of rolling resistance, and the distance of the pressure's centroid from the axis."""
-    resistance = Quantity(rolling.resistance, "1", "coefficient of rolling resistance")
+    resistance = Quantity(rolling.resistance_coefficient, "1", "coefficient of rolling resistance")
     return {
         "rolling_resistance": with_bound(
             resistance, estimate.rolling_resistance, estimate.warnings

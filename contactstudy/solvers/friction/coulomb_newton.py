@@ -39,15 +39,15 @@ class NewtonConstants:
     max_vectors
         Vectors of one GMRES: ten times what was seen on any contact.
     max_halvings
-        Halvings of a step that does not reduce F before projections take over.
+        Halvings of a step that does not reduce F before the extragradient iteration takes over.
     least_shear
         Fraction of the largest limit below which tangential traction is not resolved in proportion: where a force
         returns to zero, what is left may be rounding.
     sticking
         Fraction of the largest limit by which the trial traction of a cell that sticks is below its own limit.
-    first_projections
+    first_extragradient
         Extragradient iterations after a step that failed, before the next Newton step; doubled each time. Newton steps
-        fail only far from the solution, where a few projections find most of the cells that stick.
+        fail only far from the solution, where a few of them find most of the cells that stick.
     """
 
     forcing: float = 0.3
@@ -56,7 +56,7 @@ class NewtonConstants:
     max_halvings: int = 10
     least_shear: float = 1e-4
     sticking: float = 1e-6
-    first_projections: int = 4
+    first_extragradient: int = 4
 
 
 CONSTANTS = NewtonConstants()
@@ -154,7 +154,7 @@ class CoulombNewton:
         free, max_total = self.gathered(free_slip), max_applications + self.applications
         shear = self.project(shear)
         state = self._state(shear, free + self.slip(shear))
-        length, projections = self._rho, CONSTANTS.first_projections
+        length, extragradient_iterations = self._rho, CONSTANTS.first_extragradient
         while state.residual > tolerance and self.applications < max_total:
             forcing = _forcing(tolerance, state.residual)
             change, slip_change = self._newton_step(state, forcing, max_total)
@@ -166,12 +166,12 @@ class CoulombNewton:
                     state = trial
                     break
             else:
-                for _ in range(projections):
+                for _ in range(extragradient_iterations):
                     shear, slip, length = self._extragradient(free, state.shear, state.slip, length)
                     state = self._state(shear, slip)
                     if state.residual <= tolerance or self.applications >= max_total:
                         break
-                projections *= 2
+                extragradient_iterations *= 2
         return state.shear, state.slip, state.projection.multiplier / self._rho, state.residual
 
     def _state(self, shear: Array, slip: Array) -> "_State":

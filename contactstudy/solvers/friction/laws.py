@@ -90,11 +90,11 @@ class CiavarellaJaeger:
             return replace(outer, traction=TangentialTraction(shear, stick, "Ciavarella-Jaeger", 1))
         reduced = replace(problem, control=problem.control.scaled(1 - abs(self.fraction)))
         inner = solve_contact(reduced, options, outer.pressure, device)
-        across = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
-        across *= np.sign(self.fraction)
+        traction_x = self.coefficient * np.maximum(outer.pressure - inner.pressure, 0)
+        traction_x *= np.sign(self.fraction)
         # to the exact resultant after clipping
-        across *= self.coefficient * self.fraction * outer.pressure.sum() / across.sum()
-        shear = np.stack([across, np.zeros_like(across)])
+        traction_x *= self.coefficient * self.fraction * outer.pressure.sum() / traction_x.sum()
+        shear = np.stack([traction_x, np.zeros_like(traction_x)])
         traction = TangentialTraction(shear, inner.pressure > 0, "Ciavarella-Jaeger", 2)
         return with_traction(
             outer, inner.status, inner.residual, inner.iterations, inner.convolutions, traction

@@ -5,7 +5,7 @@ from typing import Protocol
 import numpy as np
 
 from contactstudy.domain.fields import Array
-from contactstudy.elasticity.approximate_inverse import at_unpadded_waves
+from contactstudy.elasticity.approximate_inverse import at_unpadded_wave_numbers
 from contactstudy.elasticity.convolution import GeneralConvolution
 from contactstudy.elasticity.tangential import ShearResponse
 from contactstudy.elasticity.transforms import TRANSFORMS
@@ -64,8 +64,9 @@ class RollingSlip:
         self._length = abs(step)
         self._ahead = 1 if step > 0 else -1
         rows = response.xx.padded[0]
-        waves = np.exp(2j * np.pi * self._ahead / rows * np.arange(rows))
-        self._slip = response.scaled((1 - waves)[:, None] / abs(step))
+        # phase factors of a shift by one cell
+        shift = np.exp(2j * np.pi * self._ahead / rows * np.arange(rows))
+        self._slip = response.scaled((1 - shift)[:, None] / abs(step))
         self.self_compliance = float(_coefficients(self._slip.xx)[0, 0])
         self._inverse = _inverses(response)
 
@@ -88,7 +89,7 @@ def _inverses(response: ShearResponse) -> list[Array]:
     """Return the inverse spectra of both components, the zero wave number with the largest compliance of the others."""
     inverses = []
     for part in (response.xx, response.yy):
-        sizes = at_unpadded_waves(np.abs(part.spectrum.real), part.cells, part.padded)
+        sizes = at_unpadded_wave_numbers(np.abs(part.spectrum.real), part.cells, part.padded)
         sizes[0, 0] = 0
         sizes[0, 0] = largest = sizes.max()
         inverses.append(1 / np.maximum(sizes, 1e-9 * largest))
@@ -96,6 +97,6 @@ def _inverses(response: ShearResponse) -> list[Array]:
 
 
 def _filtered(field: Array, factors: list[Array]) -> Array:
-    """Return a `field` (component, x, y) whose waves on the unpadded, periodic grid are multiplied by the `factors`."""
+    """Return a `field` (component, x, y) with its Fourier coefficients on the unpadded grid times the `factors`."""
     pairs = zip(field, factors, strict=True)
     return np.stack([TRANSFORMS.filtered(component, factor, None) for component, factor in pairs])

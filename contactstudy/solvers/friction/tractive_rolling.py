@@ -57,16 +57,16 @@ class ShearPressureCoupling:
     By reciprocity the tangential displacement by pressure is minus this.
     """
 
-    across: GeneralConvolution
-    along: GeneralConvolution
+    longitudinal: GeneralConvolution
+    lateral: GeneralConvolution
 
     def gap(self, shear: Array) -> Array:
         """Return the change of the gap (x, y) [m] by `shear` (component, x, y) [Pa]."""
-        return self.across(shear[0]) + self.along(shear[1])
+        return self.longitudinal(shear[0]) + self.lateral(shear[1])
 
     def displacement(self, pressure: Array) -> Array:
         """Return the tangential displacement (component, x, y) [m] under `pressure` (x, y) [Pa]."""
-        return -np.stack([self.across(pressure), self.along(pressure)])
+        return -np.stack([self.longitudinal(pressure), self.lateral(pressure)])
 
 
 def ahead(field: Array, step: float) -> Array:
@@ -224,9 +224,9 @@ class TractiveShear:
         if len(levels) == 1:
             return UNKNOWN
         orders = np.array([[1.0], [2.0]])[: len(levels) - 1]
-        across, along, creepage, power = (np.abs(np.diff(levels, axis=0))[::-1][:2] / orders).max(
-            axis=0
-        )
+        longitudinal, lateral, creepage, power = (
+            np.abs(np.diff(levels, axis=0))[::-1][:2] / orders
+        ).max(axis=0)
         *force, found_creepage, found_power = np.abs(levels[-1])
         size = float(np.hypot(*force))
         part, edge = size / self.coefficient, 2 * STICK_EDGE_CELLS / chord
@@ -235,9 +235,9 @@ class TractiveShear:
             free = size
             edge_error = 4 * sliding * (1 - sliding + 2 * edge) * edge / part if part else 0.0
         else:
-            across, free, edge_error = 0.0, force[1], 2 * edge
+            longitudinal, free, edge_error = 0.0, force[1], 2 * edge
         return RollingErrors(
-            force=max(float(np.hypot(across, along)), edge_error * free),
+            force=max(float(np.hypot(longitudinal, lateral)), edge_error * free),
             creepage=max(float(creepage), edge_error * found_creepage),
             power=max(float(power), edge_error * found_power),
         )
@@ -260,20 +260,20 @@ class SteadyShear:
 def _steady(
     newton: CoulombNewton,
     creepage: Creepage,
-    rigid: Array,
+    free_slip: Array,
     shear: Array,
     tolerance: float,
     max_applications: int,
 ) -> SteadyShear:
     """Return the steady state on one grid, with the longitudinal creepage that a given force asks for.
 
-    `rigid` (component, x, y) is the slip without tangential traction, under the given `creepage`. A force enters the
+    `free_slip` (component, x, y) is the slip without tangential traction, under the given `creepage`. A force enters the
     projection as a resultant, whose multiplier is the creepage.
     """
     first = newton.gathered(shear)
-    values, _, rigid_slip, residual = newton.solve(rigid, first, tolerance, max_applications)
+    values, _, rigid_slip, residual = newton.solve(free_slip, first, tolerance, max_applications)
     values = newton.project(values)
-    slip = rigid - rigid_slip[:, None, None] + newton.slip_field(values)
+    slip = free_slip - rigid_slip[:, None, None] + newton.slip_field(values)
     creepage = replace(creepage, longitudinal=creepage.longitudinal + float(rigid_slip[0]))
     stick = newton.sticks(values, newton.gathered(slip))
     return SteadyShear(newton.field(values), slip, stick, creepage, residual, newton.applications)

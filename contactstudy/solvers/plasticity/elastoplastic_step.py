@@ -152,7 +152,7 @@ def solve_elastoplastic_step(
         state.error,
         iterations,
         tuple(contacts),
-        state.stored,
+        state.incremental_energy,
     )
 
 
@@ -161,8 +161,8 @@ class _State:
     """Plastic strain (C, cells), the contact under it, and the return mapping of its trial stress.
 
     The `residual` (C, cells) is the difference of the strain from the mapped one, `error` the largest of it in units of
-    yield stress over Young's modulus, `energy` [J] the forward-backward envelope, and `stored` [J] its part that does
-    not depend on the contact.
+    yield stress over Young's modulus, `energy` [J] the forward-backward envelope, and `incremental_energy` [J] its part
+    that does not depend on the contact.
     """
 
     strain: Array
@@ -171,7 +171,7 @@ class _State:
     residual: Array
     error: float
     energy: float
-    stored: float
+    incremental_energy: float
 
 
 def _mapped_state(
@@ -188,13 +188,17 @@ def _mapped_state(
     mapped = bodies.law.return_mapping(stress, strain, strain_n, equivalent_n)
     residual = strain - mapped.strain
     error = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
-    dissipation = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
-    stored = bodies.inner(strain, reduction) / 2 + float((dissipation * bodies.volumes).sum())
+    potential = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
+    incremental_energy = bodies.inner(strain, reduction) / 2 + float(
+        (potential * bodies.volumes).sum()
+    )
     energy = (
-        stored - bodies.inner(strain, outer_stress) - _contact_energy(solution, bodies.cell_area)
+        incremental_energy
+        - bodies.inner(strain, outer_stress)
+        - _contact_energy(solution, bodies.cell_area)
     )
     energy += bodies.inner(stress + bodies.law.twice_shear / 2 * residual, residual)
-    return _State(strain, solution, mapped, residual, error, energy, stored)
+    return _State(strain, solution, mapped, residual, error, energy, incremental_energy)
 
 
 def _contact_energy(solution: Solution, cell_area: float) -> float:
@@ -224,12 +228,12 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
     step = np.where(flows, 0.0, -residual)
     if not flows.any():
         return step
-    stiffness = mapped.stiffness
-    rhs = -mapped.inverse_tangent(residual)
+    modulus = mapped.plastic_modulus
+    rhs = -mapped.inverse_derivative(residual)
     if step.any():
-        rhs -= _negative_residual(bodies, tangent, step)
+        rhs -= _negative_stress_change(bodies, tangent, step)
     rhs *= flows
-    inverse = np.linalg.inv(stiffness + bodies.self_blocks(flows))
+    inverse = np.linalg.inv(modulus + bodies.self_blocks(flows))
 
     def precondition(residual: Array) -> Array:
         strain = np.zeros_like(residual)
@@ -237,8 +241,8 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
         return strain
 
     def product(strain: Array) -> Array:
-        stress = _negative_residual(bodies, tangent, strain) * flows
-        stress[:, flows] += np.einsum("kij,jk->ik", stiffness, strain[:, flows])
+        stress = _negative_stress_change(bodies, tangent, strain) * flows
+        stress[:, flows] += np.einsum("kij,jk->ik", modulus, strain[:, flows])
         return stress
 
     forcing = max(min(CONSTANTS.max_forcing, state.error**0.5), CONSTANTS.min_forcing)
@@ -247,7 +251,9 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
     )
 
 
-def _negative_residual(bodies: YieldingBodies, tangent: Tangent | None, strain: Array) -> Array:
+def _negative_stress_change(
+    bodies: YieldingBodies, tangent: Tangent | None, strain: Array
+) -> Array:
     """Return minus the change of stress (C, cells) [Pa] by `strain`, with that of the pressure: ``(B + S Pi S^T) e``."""
     if tangent is None:
         return bodies.negative_residual_stress(strain)

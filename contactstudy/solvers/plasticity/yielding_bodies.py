@@ -43,13 +43,13 @@ class VonMisesPlasticity:
         trial = (
             stress + self.twice_shear * (strain - strain_n) - (2 / 3) * self.kinematic * strain_n
         )
-        size = np.sqrt(np.einsum("ck,ck->k", trial, trial))
+        norm = np.sqrt(np.einsum("ck,ck->k", trial, trial))
         limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent_n)
-        multiplier = np.maximum(size - limit, 0.0) / (self.twice_shear + self.deviatoric_hardening)
+        multiplier = np.maximum(norm - limit, 0.0) / (self.twice_shear + self.deviatoric_hardening)
         flows = multiplier > 0
-        direction = np.divide(trial, size, out=np.zeros_like(trial), where=flows)
+        direction = np.divide(trial, norm, out=np.zeros_like(trial), where=flows)
         return ReturnMapping(
-            self, strain_n + multiplier * direction, direction, size, multiplier, flows
+            self, strain_n + multiplier * direction, direction, norm, multiplier, flows
         )
 
     def incremental_potential(self, strain: Array, strain_n: Array, equivalent_n: Array) -> Array:
@@ -68,7 +68,7 @@ class VonMisesPlasticity:
 class ReturnMapping:
     """Return mapping of a trial stress to the yield surface.
 
-    It has the plastic `strain` (C, cells) on the yield surface, the unit `direction` of flow (C, cells), the `size` of
+    It has the plastic `strain` (C, cells) on the yield surface, the unit `direction` of flow (C, cells), the `norm` of
     the trial stress (cells,) [Pa], the increment of the plastic `multiplier` in the step (cells,), and whether a cell
     `flows` (cells,).
     """
@@ -76,16 +76,16 @@ class ReturnMapping:
     law: VonMisesPlasticity
     strain: Array
     direction: Array
-    size: Array
+    norm: Array
     multiplier: Array
     flows: NDArray[np.bool_]
 
     @property
     def _transverse(self) -> Array:
-        """Inverse tangent transverse to the flow: trial stress over multiplier (cells,) [Pa], 0 where nothing flows."""
-        return np.asarray(self.size / np.where(self.flows, self.multiplier, np.inf))
+        """Inverse derivative transverse to the flow, ``|trial| / multiplier`` (cells,) [Pa]; 0 where nothing flows."""
+        return np.asarray(self.norm / np.where(self.flows, self.multiplier, np.inf))
 
-    def inverse_tangent(self, strain: Array) -> Array:
+    def inverse_derivative(self, strain: Array) -> Array:
         """Return the inverse derivative of the return mapping times `strain` (C, cells) [Pa]; 0 where nothing flows."""
         law, transverse = self.law, self._transverse
         along = np.einsum("ck,ck->k", self.direction, strain) * self.direction
@@ -94,7 +94,7 @@ class ReturnMapping:
         )
 
     @property
-    def stiffness(self) -> Array:
+    def plastic_modulus(self) -> Array:
         """Inverse derivative of the return mapping less 2G, as matrices (flowing cells, C, C) [Pa].
 
         They are positive semidefinite. The derivative is that of the plastic strain with respect to the trial stress.

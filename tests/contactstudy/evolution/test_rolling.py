@@ -30,7 +30,7 @@ def test_a_rolling_cylinder_has_its_known_shift_and_pressure(cells: int, shift: 
     assert found.shift / A == pytest.approx(0.35338, abs=shift)
     assert found.solution.pressure.max() / P == pytest.approx(0.7643, abs=2e-4)
     # a cylinder of 1 m: the moment of its pressure does the work that is lost
-    assert found.resistance == pytest.approx(found.shift, abs=shift * A)
+    assert found.resistance_coefficient == pytest.approx(found.shift, abs=shift * A)
 
 
 @pytest.mark.parametrize(("speed", "peak"), [(0.0, 1 / 2.5**0.5), (inf, 1.0)])
@@ -262,8 +262,8 @@ def test_resistance_and_pressure_are_as_far_from_finer_cells_as_they_promise(wav
         scene = replace(scene, shapes=(*scene.shapes, wavy))
     found = solve_rolling(scene, grid, EXACT)
     fine = solve_rolling(scene, cs.Grid((8 * 80, 1), grid.extent), EXACT)
-    wrong = abs(found.resistance / fine.resistance - 1)
-    assert wrong <= found.resistance_error < 0.2
+    wrong = abs(found.resistance_coefficient / fine.resistance_coefficient - 1)
+    assert wrong <= found.resistance_coefficient_error < 0.2
     means = fine.solution.pressure.reshape(80, 8, 1).mean(axis=1)
     error = np.abs(found.solution.pressure - means).sum() / means.sum()
     assert error <= found.error_estimate().l1.total < 6 * error

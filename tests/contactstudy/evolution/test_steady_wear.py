@@ -92,7 +92,7 @@ def test_a_roller_that_creeps_wears_evenly_too() -> None:
     answer = cs.solve(scene, grid, EXACT, times=times)
     first, last = (np.ptp(pressure.sum(axis=0)) for pressure in answer.pressure)
     assert last < 0.02 * first
-    assert answer.frames[-1].rolling.resistance > 0
+    assert answer.frames[-1].rolling.resistance_coefficient > 0
 
 
 def test_errors_by_steps_cover_the_change_by_shorter_ones() -> None:

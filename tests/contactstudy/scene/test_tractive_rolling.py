@@ -503,7 +503,9 @@ def test_creeping_bodies_that_roll_back_are_those_in_a_mirror() -> None:
     assert np.abs(forth.pressure - back.pressure[::-1]).max() < 1e-8 * largest
     mirrored = forth.traction.shear[:, ::-1] * np.array([-1.0, 1.0])[:, None, None]
     assert np.abs(mirrored - back.traction.shear).max() < 1e-7 * largest
-    assert back.rolling.resistance == pytest.approx(forth.rolling.resistance, rel=1e-9)
+    assert back.rolling.resistance_coefficient == pytest.approx(
+        forth.rolling.resistance_coefficient, rel=1e-9
+    )
 
 
 def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> None:
@@ -513,7 +515,7 @@ def test_power_of_the_creepage_is_lost_by_slip_and_in_bodies_that_creep() -> Non
     steady = found.rolling
     as_pressure = replace(steady.lagged.solution, pressure=found.traction.shear[0])
     of_shear = replace(steady, lagged=replace(steady.lagged, solution=as_pressure))
-    in_bodies = of_shear.resistance * force
+    in_bodies = of_shear.resistance_coefficient * force
     by_slip = found.quantities["frictional_power"].value
     assert in_bodies > 0.2 * by_slip
     assert by_slip + in_bodies == pytest.approx(1e-3 * force, rel=0.01)

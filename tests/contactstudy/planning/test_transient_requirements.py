@@ -135,5 +135,5 @@ def test_a_plan_says_how_friction_is_solved() -> None:
         (replace(PLAIN, friction=slip), "superposition"),
         (replace(rough, friction=slip), "both components"),
     ):
-        assert words in grid_requirements(scene).shear
-    assert grid_requirements(PLAIN).shear == ""
+        assert words in grid_requirements(scene).friction
+    assert grid_requirements(PLAIN).friction == ""

@@ -52,7 +52,9 @@ def test_a_law_of_cavitation_that_is_not_known_is_refused() -> None:
 def test_the_finding_says_how_many_films_do_not_converge() -> None:
     axes = ("load", "viscosity", "rms", "cavitation", "grid")
     names = ("converged", "resolved", "film_over_moes", "iterations", "flux_spread")
-    films = xr.Dataset({name: (axes, np.ones((4, 1, 1, 1, 1))) for name in names})
+    films = xr.Dataset(
+        {name: (axes, np.ones((4, 1, 1, 1, 1))) for name in names}, coords={"rms": [0.0]}
+    )
     assert findings("lubrication", films)[0].startswith("Films converge from a cold start at every")
     films["converged"][0] = 0
     assert findings("lubrication", films)[0].startswith("1 of 4 films do not converge")

@@ -55,6 +55,6 @@ def test_the_finding_says_how_many_films_do_not_converge() -> None:
     films = xr.Dataset(
         {name: (axes, np.ones((4, 1, 1, 1, 1))) for name in names}, coords={"rms": [0.0]}
     )
-    assert findings("lubrication", films)[0].startswith("Films converge from a cold start at every")
+    assert findings("lubrication", films)[0].startswith("Smooth films converge from a cold start")
     films["converged"][0] = 0
     assert findings("lubrication", films)[0].startswith("1 of 4 films do not converge")

@@ -160,8 +160,8 @@ class Trajectory:
                 frame.fields[n].values for n in ("shear_x", "shear_y", "stick")
             )
             return TangentialTraction(np.stack([shear_x, shear_y]), stick > 0, "fretting", 0)
-        law = self.problem.friction
-        return law.traction(frame.pressure) if isinstance(law, FullSliding) else None
+        solver = self.problem.friction
+        return solver.traction(frame.pressure) if isinstance(solver, FullSliding) else None
 
     def derived(self, frame: Frame, output: Derived) -> Derived:
         """Return `output` with the residual stress and the tangential traction at the instant of `frame`."""

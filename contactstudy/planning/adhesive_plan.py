@@ -21,7 +21,7 @@ from contactstudy.scene.scene import Scene
 TABOR_SMOOTH, TABOR_VARYING = 4.0, 2.0
 # Distance at which the attraction of a cylinder has fallen to 1e-6, over the square root of twice the product of its
 # radius and the range.
-FADING_DISTANCE = 3.7
+DECAY_DISTANCE = 3.7
 # FFT convolutions of a solve over the square of the Tabor parameter, and at least; solves of a search for the pull-off.
 CONVOLUTIONS_OVER_TABOR_SQUARED, MIN_CONVOLUTIONS, SEARCH_SOLVES = 60.0, 60.0, 10
 
@@ -57,8 +57,8 @@ def plan_of_adhesion(
     strength = adhesion.work / attraction_range
     zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
     if grid is None:
-        fading_distance = FADING_DISTANCE * sqrt(2 * radius * attraction_range)
-        grid = _grid(requirements, error, period, zone / ZONE_CELLS, fading_distance)
+        decay_distance = DECAY_DISTANCE * sqrt(2 * radius * attraction_range)
+        grid = _grid(requirements, error, period, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
@@ -99,11 +99,11 @@ def _grid(
     error: float,
     period: float | None,
     cell: float,
-    fading_distance: float,
+    decay_distance: float,
 ) -> Grid:
-    """Return the grid of the surfaces alone, wider by `fading_distance` [m] and with cells of at most `cell` [m]."""
+    """Return the grid of the surfaces alone, wider by `decay_distance` [m] and with cells of at most `cell` [m]."""
     base = requirements.grid(error, period)
-    width = min(base.extent[0] + 2 * fading_distance, requirements.known_width)
+    width = min(base.extent[0] + 2 * decay_distance, requirements.known_width)
     across = halvable_count(width / min(base.cell_size[0], cell))
     along = base.cells[1]
     if along > 1:

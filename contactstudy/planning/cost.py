@@ -252,7 +252,7 @@ def _seconds(grid: Grid, points: tuple[int, int], device: Device) -> float:
         pressure = device.to_device(np.ones(grid.cells))
         while len(durations) < 5 or sum(durations) < CONSTANTS.min_total_seconds:
             start = perf_counter()
-            float(operator(pressure)[0, 0])  # reading a number waits for a graphics processor
+            float(operator(pressure)[0, 0])  # reading a number waits for a GPU
             durations.append(perf_counter() - start)
     return min(durations)
 

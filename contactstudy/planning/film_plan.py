@@ -37,7 +37,8 @@ def plan_of_film(
     scene
         The lubricated scene.
     error
-        Relative error of the central and the minimum film thickness, friction, temperatures and load fraction.
+        Relative error of the central and the minimum film thickness, friction, temperatures and the fraction of
+        the load that asperities carry.
     period
         Length of the grid [m]; chosen if None.
     grid

@@ -168,7 +168,7 @@ def forecast_of_refinement(
     seconds, last = stamps[-1] - stamps[0], levels[-1]
     grid = last.grid
     if not refinement.meets_error(last):
-        required = refinement.transformable(*refinement.required_cells(levels), grid.extent)
+        required = refinement.grid_of_fast_lengths(*refinement.required_cells(levels), grid.extent)
         grid = within_memory(required, requirements.padding(), limit)
         finer = prod(grid.cells) / prod(last.grid.cells)
         seconds += CONSTANTS.time_factor * (stamps[-1] - stamps[-2]) * finer**CONSTANTS.time_power

@@ -48,8 +48,8 @@ class GridConstants:
         Least cells along a roller of the first grid. With half or twice as many no plan changes.
     cell_fraction
         Fraction of the requested error for the cells; the remainder is for the time steps.
-    least_cell_of_border
-        Least cell over the half-width that is planned for the border between stick and slip.
+    least_cell_at_boundary
+        Least cell over the half-width that is planned for the stick-slip boundary.
     max_width_over_radius
         A half-width above this fraction of the radius is not that of half-spaces.
     """
@@ -62,7 +62,7 @@ class GridConstants:
     min_cells: int = 32
     cells_along_roller: int = 64
     cell_fraction: float = 0.5
-    least_cell_of_border: float = 1e-3
+    least_cell_at_boundary: float = 1e-3
     max_width_over_radius: float = 0.1
 
 
@@ -268,12 +268,12 @@ class GridRequirements:
     def pressure_error(self, error: float) -> float:
         """Return the relative L1 error of the pressure to plan for where an `error` is requested.
 
-        Where a part of the contact sticks, the border of slip lies somewhere in a cell. In plane strain, where cells
-        cost little, they are therefore planned about `error` / 2 of the half-width wide.
+        Where a part of the contact sticks, the stick-slip boundary lies somewhere in a cell. In plane strain, where
+        cells cost little, they are therefore planned about `error` / 2 of the half-width wide.
         """
         if not self.sticks or self.varies:
             return error
-        return min(error, smooth_l1(max(error / 2, CONSTANTS.least_cell_of_border)))
+        return min(error, smooth_l1(max(error / 2, CONSTANTS.least_cell_at_boundary)))
 
     def padding(self) -> Padding | Paddings:
         """Return the boundary conditions: open along both axes if a roller ends, else open across and periodic along."""

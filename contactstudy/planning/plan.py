@@ -64,9 +64,9 @@ def plan(
     scene
         The scene, which may change in time or roll.
     error
-        Relative L1 error of the pressure, above 0; of a film, that of its thickness, friction, temperatures and load
-        fraction. If it is None, a measured surface of a static dry contact without adhesion is solved at its own points,
-        and any other scene to 1 %.
+        Relative L1 error of the pressure, above 0; of a film, that of its thickness, friction, temperatures and the
+        fraction of the load that asperities carry. If it is None, a measured surface of a static dry contact without
+        adhesion is solved at its own points, and any other scene to 1 %.
     period
         Length of the grid [m]; chosen if None.
     grid

@@ -29,7 +29,7 @@ class Plan:
     seconds
         Seconds of processor time (with a device, of wall time) of a solve to the error: its plan, all grids and steps,
         their estimates, and the stress that a steady scene names, from solves timed just now. Imports, compilation,
-        files and pictures are not counted.
+        files and plots are not counted.
     bytes
         Bytes that a solve holds at most.
     period_check

@@ -251,7 +251,7 @@ class GridRefinement:
         """Return the first grid: coarse, but fine enough to resolve the surface, where that takes few cells."""
         across, along = self.min_cells(extent)
         shrink = max(1.0, across * along / CONSTANTS.max_first_cells) ** (0.5 if along > 1 else 1.0)
-        return self.transformable(across / shrink, along / shrink, extent)
+        return self.grid_of_fast_lengths(across / shrink, along / shrink, extent)
 
     def min_cells(self, extent: tuple[float, float]) -> tuple[int, int]:
         """Return the least cells (across, along) that resolve the surface."""
@@ -265,8 +265,10 @@ class GridRefinement:
             along = max(along, extent[1] / self.requirements.hertz.half_width)
         return ceil(across), ceil(along) if self.requirements.varies else 1
 
-    def transformable(self, across: float, along: float, extent: tuple[float, float]) -> Grid:
-        """Return a grid of at least these cells, in numbers that transform quickly unless a roller ends on it."""
+    def grid_of_fast_lengths(
+        self, across: float, along: float, extent: tuple[float, float]
+    ) -> Grid:
+        """Return a grid of at least these cells, in numbers of which an FFT is fast, unless a roller ends on it."""
         nx = 2 * fft.next_fast_len(ceil(across / 2), real=True)
         if along <= 1:
             return Grid((nx, 1), extent)
@@ -298,7 +300,9 @@ class GridRefinement:
     def _with_width(self, grid: Grid, width: float) -> Grid:
         """Return `grid` with another width, and cells no larger."""
         wider = max(width / grid.extent[0], 1.0)
-        return self.transformable(grid.cells[0] * wider, grid.cells[1], (width, grid.extent[1]))
+        return self.grid_of_fast_lengths(
+            grid.cells[0] * wider, grid.cells[1], (width, grid.extent[1])
+        )
 
     def next_grid(self, levels: list[BoundedSolution]) -> tuple[Grid | None, bool]:
         """Return the next grid to solve, None where the error is met or out of reach; and whether it should meet it."""
@@ -321,10 +325,10 @@ class GridRefinement:
         is_last = (prod(required_cells) / present) ** (1 / axes) <= CONSTANTS.max_cell_ratio
         if not is_last:
             required_cells = _at_most(_scaled(required_cells, 0.5**axes), last.grid.cells)
-        grid = self.transformable(*required_cells, last.grid.extent)
+        grid = self.grid_of_fast_lengths(*required_cells, last.grid.extent)
         while prod(grid.cells) > self.most_cells:  # counts are rounded up
             required_cells = _scaled(required_cells, CONSTANTS.safety)
-            grid = self.transformable(*required_cells, last.grid.extent)
+            grid = self.grid_of_fast_lengths(*required_cells, last.grid.extent)
         return (grid if prod(grid.cells) > present else None), is_last
 
     def meets_error(self, level: BoundedSolution) -> bool:

@@ -8,7 +8,7 @@ under the load ``sum(p - t)`` or at a given approach. The method is the convex-c
 in the displacements but for that of the surfaces, minus the remaining work of separation, which is concave where
 sigma falls with the gap. An outer iteration freezes t, solves the contact with the heights ``h - K t`` under the load
 ``L + sum(t)``, and takes ``t = sigma(g)``: the concave part is replaced by its tangent, so that the energy never rises.
-Anderson's (1965) mixing of the last attractions accelerates it; a mixture that raises the energy by more than the
+Anderson's (1965) mixing of the last attractions accelerates it; a mixed iterate that raises the energy by more than the
 change that it leaves is rejected.
 
 Without mixing the iteration is monotone in the attraction that it starts from. From zero it rises to the least adhesive
@@ -57,9 +57,9 @@ class AdhesionConstants:
         Largest error of the gap in an inner contact over the range of the attraction. Below it the error is a tenth of
         the last change of the attraction. Solving each contact to its tolerance takes 1.3 to 1.6 times the convolutions.
     plain_iterations
-        Plain updates of the attraction before the first mixture, and after the one that replaces the first rejected
-        mixture; twice as many after each further one. From 0 to 4 convolutions change by 0.6 to 1.3 times, with no best
-        value.
+        Plain updates of the attraction before the first mixed iterate, and after the one that replaces the first
+        rejected one; twice as many after each further one. From 0 to 4 convolutions change by 0.6 to 1.3 times, with no
+        best value.
     negligible
         Fraction of the tolerance by which an attraction may change load and heights without another solve, so that a
         negligible adhesion costs one solve.
@@ -110,7 +110,7 @@ class AdhesiveSolver:
     attraction
         Traction (x, y) [Pa] of the state before, for a history that is continued.
     depth
-        Number of attractions before the last that enter a mixture; 0 mixes none, and solves each contact to its
+        Number of attractions before the last that enter a mixed iterate; 0 mixes none, and solves each contact to its
         tolerance.
     """
 
@@ -166,7 +166,7 @@ class _State:
 
     `attraction_displacement` (x, y) [m] is the displacement of the surface by it, `updated` the attraction (x, y) [Pa]
     at its gap, `change` the distance to that over its sum, `energy` [J] that of the bodies, the load and the surfaces,
-    and `cohesion` [J] the remaining work of separation. The state `of_bodies` has added `added_gap` (x, y) [m].
+    and `remaining_work` [J] the remaining work of separation. The state `of_bodies` has added `added_gap` (x, y) [m].
     """
 
     contact: Solution
@@ -177,11 +177,11 @@ class _State:
     updated: Array
     change: float
     energy: float
-    cohesion: float
+    remaining_work: float
 
     def accepts(self, following: "_State") -> bool:
-        """Return whether the energy of a `following` state is no higher, up to its squared change times the cohesion."""
-        return following.energy <= self.energy + following.change**2 * following.cohesion
+        """Return whether the energy of a `following` state is no higher, up to `change**2 * remaining_work`."""
+        return following.energy <= self.energy + following.change**2 * following.remaining_work
 
 
 @dataclass(eq=False)
@@ -209,12 +209,12 @@ class OuterIteration:
         loosest = 0.0 if self.solver.depth == 0 or self._is_weak() else CONSTANTS.max_inner_error
         gap_error, mixing = loosest, AndersonMixing(self.solver.depth)
         plain_left = plain_after_rejection = CONSTANTS.plain_iterations
-        is_mixture, pressure, last = False, start, None
+        is_mixed, pressure, last = False, start, None
         while True:
             if last is not None and self._iterations_left() == 0:
                 return self._ended(last)
             load = self._contact_load(attraction)
-            if load <= 0 and not is_mixture:
+            if load <= 0 and not is_mixed:
                 return self._detached(), None
             displacement = self.problem.operator(attraction)
             self.convolutions += 1
@@ -227,8 +227,8 @@ class OuterIteration:
             )
             if state is not None and not np.isfinite(state.contact.residual):
                 return self._ended(state)
-            if is_mixture and last is not None and (state is None or not last.accepts(state)):
-                attraction, is_mixture = last.updated, False
+            if is_mixed and last is not None and (state is None or not last.accepts(state)):
+                attraction, is_mixed = last.updated, False
                 mixing.restart()
                 plain_left, plain_after_rejection = plain_after_rejection, 2 * plain_after_rejection
                 continue
@@ -245,9 +245,9 @@ class OuterIteration:
             gap_error = min(max(state.change, tolerance) / 10, loosest)
             mixing.record(state.attraction, state.updated - state.attraction)
             plain_left -= 1
-            is_mixture, attraction = plain_left < 0 and mixing.mixes, state.updated
-            if is_mixture:
-                attraction = np.clip(mixing.mixture(), 0, self.solver.law.strength)
+            is_mixed, attraction = plain_left < 0 and mixing.mixes, state.updated
+            if is_mixed:
+                attraction = np.clip(mixing.mixed_iterate(), 0, self.solver.law.strength)
 
     def _is_weak(self) -> bool:
         """Return whether the largest attraction everywhere is below the tolerance of the load."""
@@ -316,10 +316,12 @@ class OuterIteration:
         total = float(updated.sum())
         change = float(np.abs(updated - attraction).sum())
         area = problem.grid.cell_area
-        cohesion = area * float(law.remaining_work(contact.gap).sum())
+        remaining_work = area * float(law.remaining_work(contact.gap).sum())
         net = contact.pressure - attraction
         energy = (
-            area * dot(net, contact.displacement - displacement) / 2 - cohesion + coupled.energy
+            area * dot(net, contact.displacement - displacement) / 2
+            - remaining_work
+            + coupled.energy
         )
         if load != inf:
             energy -= area * (load - float(attraction.sum())) * contact.approach
@@ -334,7 +336,7 @@ class OuterIteration:
             updated,
             relative,
             energy,
-            cohesion,
+            remaining_work,
         )
 
     def _ended(self, state: _State) -> tuple[Solution, Any]:

@@ -27,7 +27,7 @@ class AndersonMixing:
     Parameters
     ----------
     depth
-        Number of iterates before the last that enter a mixture.
+        Number of iterates before the last that enter a mixed iterate.
     """
 
     def __init__(self, depth: int) -> None:
@@ -46,10 +46,10 @@ class AndersonMixing:
 
     @property
     def mixes(self) -> bool:
-        """True if there are several iterates, so that a mixture differs from the plain next one."""
+        """True if there are several iterates, so that the mixed iterate differs from the plain next one."""
         return len(self._steps) > 1
 
-    def mixture(self) -> Array:
+    def mixed_iterate(self) -> Array:
         """Return the combination of the iterates with the smallest step, moved by that step."""
         iterate, step = self._iterates[-1], self._steps[-1]
         if not self.mixes:
@@ -67,7 +67,7 @@ class MixingConstants:
     Attributes
     ----------
     depth
-        Number of pressures before the last that enter a mixture.
+        Number of pressures before the last that enter a mixed iterate.
     inner_reduction
         Tolerance of a solve over the change in the outer iteration before; a tenth of it saves no outer iteration.
     first_tolerance
@@ -84,7 +84,7 @@ CONSTANTS = MixingConstants()
 
 @dataclass(frozen=True, eq=False)
 class LaggedSolution:
-    """Solution with a lagged displacement: that of a mixture of the pressures of the outer iterations before.
+    """Solution with a lagged displacement: that of the mixed pressures of the outer iterations before.
 
     Where the outer iterations have converged it is that of the pressure itself.
 
@@ -119,7 +119,7 @@ def solve_with_mixing(
     """Return the solution of a problem with a displacement that follows from its own pressure, by Anderson's mixing.
 
     It also converges where the map from pressure to pressure is no contraction. Each outer iteration solves with the
-    displacement under a mixture of the pressures before, until one changes the pressure by less than `change`.
+    displacement under the mixed pressures before, until one changes the pressure by less than `change`.
 
     Parameters
     ----------
@@ -173,4 +173,4 @@ def solve_with_mixing(
                 solution = replace(solution, status=Status.NOT_CONVERGED, residual=residual)
             return LaggedSolution(solution, last_change, outer, iterations, convolutions)
         mixing.record(guess, step)
-        guess = mixing.mixture()
+        guess = mixing.mixed_iterate()

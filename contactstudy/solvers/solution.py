@@ -160,7 +160,7 @@ class AdhesiveTraction:
         History that the state belongs to, in words.
     energies
         Energy [J] of the deformed bodies, the load and the adhesive traction after each outer iteration but those whose
-        mixture was rejected, relative to undeformed bodies far apart; the potential of the load counts from zero
+        mixed iterate was rejected, relative to undeformed bodies far apart; the potential of the load counts from zero
         approach.
     cells_in_zone
         Number of cells in the cohesive zone, over which the traction falls at the edge of a contact.
@@ -169,7 +169,7 @@ class AdhesiveTraction:
     regularised
         Whether the range was chosen for the grid, in place of the JKR limit of short ranges.
     outer_iterations
-        Number of contacts solved with a frozen traction, those of rejected mixtures too.
+        Number of contacts solved with a frozen traction, those of rejected mixed iterates too.
     range
         Range of the traction [m]: the work of adhesion over the largest traction.
     first_unstable_load

@@ -180,7 +180,7 @@ def solve_contact(
 
 
 def _refuse_other_device(device: Device, problem: Problem, precision: Precision) -> None:
-    """Raise InvalidInput for a problem that a device other than a processor cannot solve."""
+    """Raise InvalidInput for a problem that a device other than the CPU cannot solve."""
     operator, constraint = problem.operator, problem.constraint
     if not isinstance(operator, Convolution) or not isinstance(
         constraint, Compressive | HardnessLimited

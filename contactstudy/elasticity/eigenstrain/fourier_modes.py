@@ -268,7 +268,7 @@ class Waves:
             parts += thickness * np.einsum("iw,irw->rw", unit[:, number], e[:, number])
         return np.asarray((parts[0] + 1j * parts[1]).reshape(strain.shape[2:]))
 
-    def self_blocks(self, fractions: Array) -> Array:
+    def diagonal_blocks(self, fractions: Array) -> Array:
         """Return the stress that strain in a cell takes from that cell itself, by layer (layers, 5, 5) [Pa].
 
         `fractions` (orders,) are the fractions of the waves in the strain of one cell.

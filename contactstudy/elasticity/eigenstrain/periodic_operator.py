@@ -44,7 +44,7 @@ class AntiplaneOperator:
         return convolved(self._spectrum_and_blocks[0], strain, ODD_SHEAR)
 
     @property
-    def self_blocks(self) -> Array:
+    def diagonal_blocks(self) -> Array:
         """Minus the residual stress of a cell by its own unit strain, by layer (layers, 2, 2) [Pa]."""
         return self._spectrum_and_blocks[1]
 
@@ -168,14 +168,14 @@ class PeriodicOperator:
         return np.asarray(fft.irfft(along, ny, axis=-1))
 
     @cached_property
-    def self_blocks(self) -> Array:
+    def diagonal_blocks(self) -> Array:
         """Minus the residual stress of a cell by its own unit strain, by layer (layers, 5, 5) [Pa]."""
         layers, _, ny = self.volume.shape
         blocks = np.zeros((layers, 5, 5))
-        blocks[:, :3, :3] = self._plane.self_blocks / ny
-        blocks[:, 3:, 3:] = self._antiplane.self_blocks / ny
+        blocks[:, :3, :3] = self._plane.diagonal_blocks / ny
+        blocks[:, 3:, 3:] = self._antiplane.diagonal_blocks / ny
         for group in self._groups:
-            blocks += group.waves.self_blocks(group.fractions / ny)
+            blocks += group.waves.diagonal_blocks(group.fractions / ny)
         return blocks
 
     def _from_strain(self, strain: Array, components: Components, sign: float) -> Array:

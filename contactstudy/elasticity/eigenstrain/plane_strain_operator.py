@@ -122,7 +122,7 @@ class PlaneStrainOperator:
         return self.tensor(-self._negative_residual(strain), strain[1])
 
     @cached_property
-    def self_blocks(self) -> Array:
+    def diagonal_blocks(self) -> Array:
         """Minus the residual stress of a cell by its own unit strain, by layer (layers, 3, 3) [Pa]."""
         mixing = self._mixing
         blocks: Array = np.einsum("ai,lab,bj->lij", mixing, self._spectrum_and_blocks[1], mixing)
@@ -217,9 +217,9 @@ class PlaneStrainOperator:
         """
         layers, across, _ = self.volume.shape
         spectrum = np.empty((padded_across(across) // 2 + 1, 3, layers, 3, layers))
-        self_blocks = np.empty((layers, 3, 3))
+        diagonal_blocks = np.empty((layers, 3, 3))
         for layer in range(layers):
             for i, j, means in self.negative_residual_means(across, layer):
-                self_blocks[layer, i, j] = means[layer, 0]
+                diagonal_blocks[layer, i, j] = means[layer, 0]
                 spectrum[:, i, layer, j] = real_spectrum(means, is_odd=(i == ODD, j == ODD)).T
-        return spectrum.reshape(-1, 3 * layers, 3 * layers), self_blocks
+        return spectrum.reshape(-1, 3 * layers, 3 * layers), diagonal_blocks

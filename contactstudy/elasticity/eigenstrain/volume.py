@@ -91,7 +91,7 @@ class EigenstrainOperator(Protocol):
         """
 
     @property
-    def self_blocks(self) -> Array:
+    def diagonal_blocks(self) -> Array:
         """Minus the residual stress of a cell by its own unit strain, the diagonal blocks of B, (layers, C, C) [Pa]."""
 
     def stress_of_pressure(self, pressure: Array) -> Array:

@@ -87,8 +87,10 @@ def follow_load(
         if any(map(creeps, scene.solids)):
             check_slow("Scene.rolling", speed, load, scene.hertz)
         elastic = replace(scene, rolling=None, solids=instantaneous(scene.solids))
-    law = None if scene.adhesion is None else _under(elastic, first).problem(grid, padding).adhesion
-    assert law is None or isinstance(law, AdhesiveSolver)
+    adhesive_solver = (
+        None if scene.adhesion is None else _under(elastic, first).problem(grid, padding).adhesion
+    )
+    assert adhesive_solver is None or isinstance(adhesive_solver, AdhesiveSolver)
     largest = replace(elastic, load=LineLoad(load.largest)).problem(grid, padding)
     frames: list[Frame] = []
     since_recorded: list[Frame] = []
@@ -101,16 +103,18 @@ def follow_load(
         for number, value in enumerate(loads):
             # a jump that is recorded once is recorded after it
             is_recorded = number >= len(loads) - point.times_recorded
-            if law is None and not is_recorded:
+            if adhesive_solver is None and not is_recorded:
                 continue  # without adhesion the contact does not depend on those before
             rolling = None
-            if value == 0 and law is None:
+            if value == 0 and adhesive_solver is None:
                 last = unloaded(replace(largest, control=PrescribedLoad(0.0)))
-            elif speed is not None and law is None:
+            elif speed is not None and adhesive_solver is None:
                 rolling = solve_rolling(_under(scene, value), grid, padding, options=options)
                 last = rolling.solution
             else:
-                last = _next_solution(_problem_under(largest, elastic, value, law), last, options)
+                last = _next_solution(
+                    _problem_under(largest, elastic, value, adhesive_solver), last, options
+                )
             since_recorded.append(frame_in_equilibrium(point.time, value, last, rolling))
             if is_recorded:
                 frames.append(_with_work_of(since_recorded))
@@ -130,17 +134,17 @@ def _under(scene: Scene, load: float) -> Scene:
 
 
 def _problem_under(
-    problem: Problem, scene: Scene, load: float, law: AdhesiveSolver | None
+    problem: Problem, scene: Scene, load: float, solver: AdhesiveSolver | None
 ) -> Problem:
-    """Return `problem` under a `load` [N/m], with the heights, the operator and the law that all instants share."""
+    """Return `problem` under a `load` [N/m], with the operator and the adhesive `solver` of all instants."""
     posed = problem.description
     assert isinstance(posed, PosedScene)
     grid, instant = posed.grid, _under(scene, load)
     return replace(
         problem,
         control=PrescribedLoad(load * grid.length / grid.cell_area),
-        adhesion=law,
-        source=instant.source_with(grid, posed.padding, law),
+        adhesion=solver,
+        source=instant.source_with(grid, posed.padding, solver),
         description=PosedScene(instant, grid, posed.padding),
     )
 

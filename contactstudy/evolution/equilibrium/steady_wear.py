@@ -293,7 +293,7 @@ def follow_wear(
             instant.contact.solution,
             instant.contact.step_errors(instant.coarse.contact),
         )
-        # the picture of an instant names the scene, not the surface that is worn by now
+        # the plot of an instant names the scene, not the surface that is worn by now
         posed = PosedScene(scene, grid, padding)
         solution = replace(solution, problem=replace(solution.problem, description=posed))
         worn_depth = Field(("x", "y"), instant.depth, "m", "worn depth")

@@ -258,10 +258,10 @@ class TimeStepper:
             return solution
 
         start = pressure if pressure.any() else None
-        law: Any = problem.adhesion
+        solver: Any = problem.adhesion
         limit = CONTACTS_PER_COUPLED_STEP * self.options.max_iterations
         options = replace(self.options, max_iterations=limit)
-        solution, after = law.solve_coupled(solve_under, problem, options, start, Cpu())
+        solution, after = solver.solve_coupled(solve_under, problem, options, start, Cpu())
         if after is None:  # the bodies came apart before anything was solved
 
             def separated(added_gap: Array) -> Solution:

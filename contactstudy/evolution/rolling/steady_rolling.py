@@ -214,8 +214,8 @@ def solve_rolling(
     if any(map(creeps, scene.solids)):
         problem = replace(rolling(problem), source=source.with_problem_step(rolling))
     # the traction changes the pressure between dissimilar bodies; else it is solved once, under the last one
-    law = problem.friction
-    is_coupled = getattr(law, "coupling", None) is not None
+    friction_solver = problem.friction
+    is_coupled = getattr(friction_solver, "coupling", None) is not None
     lagged = solve_with_mixing(
         problem if is_coupled else replace(problem, friction=None),
         odd_convolution(antisymmetric_weights, grid, padding) if antisymmetric_weights else None,
@@ -224,9 +224,9 @@ def solve_rolling(
         max_outer=max_outer,
         progress=progress,
     )
-    if law is not None and not is_coupled:
+    if friction_solver is not None and not is_coupled:
         last = lagged.solution
-        with_shear = replace(last.problem, friction=law)
+        with_shear = replace(last.problem, friction=friction_solver)
         sheared = solve_contact(with_shear, options, last.pressure)
         status = worst([last.status, sheared.status])
         lagged = replace(

@@ -38,12 +38,13 @@ class FrettingState:
     Each step is one of :func:`~contactstudy.solvers.friction.partial_slip.slip_step`, from the traction before it and
     what a rising pressure locks in. The step loses ``mu p |slip|`` per area and wears ``k p |slip|`` (Archard 1953),
     with a mean p of the pressures at its start and its end (a theta method), so that the worn volume is ``k / mu``
-    times the energy. With the depth per pressure w worn in a step and the weight e of the pressure at its start, a
-    pressure pattern of the eigenvalue lambda of the influence matrix becomes ``(lambda - e w) / (lambda + (1 - e) w)``
-    of it. The weight is a half, the second-order scheme, where w is at most twice the smallest eigenvalue; above, it is
-    that eigenvalue over w, so that in plane strain no pattern changes its sign from step to step. The implicit part
-    enters the contact as a local compliance; slip and contact are iterated to a fixed point. A step within a segment of
-    the tangential history that lasts n half periods counts its slip n times (cycle jump).
+    times the energy. With the depth per pressure w worn in a step and the weight e of the pressure at its start, an
+    eigenmode of the pressure with the eigenvalue lambda of the influence matrix is multiplied by
+    ``(lambda - e w) / (lambda + (1 - e) w)``. The weight is a half, the second-order scheme, where w is at most twice
+    the smallest eigenvalue; above, it is that eigenvalue over w, so that in plane strain no mode changes its
+    sign from step to step. The implicit part enters the contact as a local compliance; slip and contact are iterated to
+    a fixed point. A step within a segment of the tangential history that lasts n half periods counts its slip n times
+    (cycle jump).
 
     Attributes
     ----------
@@ -145,14 +146,14 @@ class FrettingState:
         half_cycles = self._half_cycles(step)
         distance = half_cycles * _slip_distance(solved, response, reference, before, after)
         explicit = self._fraction_at_start(self.wear * distance)
-        work = (explicit * before + (1 - explicit) * after) * distance
+        pressure_times_slip = (explicit * before + (1 - explicit) * after) * distance
         begins = (state["stick"] > 0) | (before == 0)
         end = dict(state) | {
             "shear_x": solved.shear[0],
             "shear_y": solved.shear[1],
             "stick": solved.stick.astype(np.float64),
             "slip_distance": state["slip_distance"] + distance,
-            "energy": state["energy"] + self.coefficient * work,
+            "energy": state["energy"] + self.coefficient * pressure_times_slip,
             "shear_error": np.where(
                 solved.stick, state["shear_error"] + locking_error, begins * np.abs(solved.shear[1])
             ),
@@ -165,7 +166,7 @@ class FrettingState:
         if self.wear:
             iterate = half_cycles * state["slip_iterate"]
             error = self.wear * float((after * np.abs(distance - iterate)).max())
-            end["worn_depth"] = state["worn_depth"] + self.wear * work
+            end["worn_depth"] = state["worn_depth"] + self.wear * pressure_times_slip
             end["slip_iterate"] = distance / half_cycles
             end["slip_change"] = np.array([error / self.gap_scale])
         return end
@@ -250,7 +251,7 @@ class FrettingState:
     def _fraction_at_start(self, worn: Array) -> Array:
         """Return the weight of the pressure at the start in its mean over a step that wears `worn` [m/Pa] per pressure.
 
-        It is a half, and less where a pressure pattern would change its sign from step to step with a half.
+        It is a half, and less where an eigenmode of the pressure would change its sign from step to step with a half.
         """
         return np.asarray(np.minimum(0.5, self.least_eigenvalue / np.maximum(worn, TINY)))
 

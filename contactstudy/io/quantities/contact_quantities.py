@@ -206,14 +206,14 @@ def _of_traction(
     stick = Quantity(sticking, "1", "fraction of the contact that sticks")
     area = estimate.contact_area
     if area is not None and isfinite(area.total) and touching:
-        at_border = np.count_nonzero(_at_stick_slip_border(solution, traction)) / touching
-        bound = at_border + area.total * stick.value
+        at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
+        bound = at_boundary + area.total * stick.value
         stick = replace(stick, bound=bound, reason="")
     return {"traction_coefficient": coefficient, "stick_fraction": stick}
 
 
-def _at_stick_slip_border(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:
-    """Return the touching cells (x, y) at the stick-slip border, the uncertainty of which is one row of cells.
+def _at_stick_slip_boundary(solution: Solution, traction: TangentialTraction) -> NDArray[np.bool_]:
+    """Return the touching cells (x, y) at the stick-slip boundary, the uncertainty of which is one row of cells.
 
     Where all of a rolling contact slips, a zone of stick may hide in the cells at its leading edge.
     """
@@ -237,7 +237,7 @@ def _of_cycle(
 ) -> dict[str, Quantity]:
     """Return the energy lost in the last cycle of a fretting contact, its largest slip and its largest shear traction.
 
-    The border of the slip zone is uncertain by one cell. Slip starts there with zero slope, so that for a zone n cells
+    The stick-slip boundary is uncertain by one cell. Slip starts there with zero slope, so that for a zone n cells
     wide the relative error of the energy is about 1 / n^2. The largest slip is bounded by that of a slightly wider zone.
     """
     grid = solution.problem.grid
@@ -246,8 +246,8 @@ def _of_cycle(
     slid = float(traction.slip_distance.max())
     largest_slip = Quantity(slid, "m", "largest distance slipped in a cycle")
     slipping = (solution.pressure > 0) & ~np.asarray(traction.stick, bool)
-    border = int(np.count_nonzero(_at_stick_slip_border(solution, traction) & slipping))
-    slip_zone_cells = np.count_nonzero(slipping) / border if border else 0.0
+    boundary = int(np.count_nonzero(_at_stick_slip_boundary(solution, traction) & slipping))
+    slip_zone_cells = np.count_nonzero(slipping) / boundary if boundary else 0.0
     energy_error = ENERGY_ERROR / slip_zone_cells**2 if slip_zone_cells > 1 else inf
     slip_error = (1 + SLIP_ZONE_MARGIN / slip_zone_cells) ** 1.5 - 1 if slip_zone_cells > 1 else inf
     reason = estimate.l1.reason or ("" if slip_zone_cells > 1 else NO_BOUND_OF_ONE_CELL)

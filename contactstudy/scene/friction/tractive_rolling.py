@@ -37,10 +37,11 @@ class TractiveRolling:
     """Steady rolling with creepage: a part of the contact sticks, the rest slips.
 
     The contact moves over both bodies, to larger x at a positive speed, and material enters it ahead. Heights are fixed
-    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the rigid slip of the second
-    body against the first, over the distance rolled, so that a positive creepage makes a positive tangential traction
-    on the first body. Between dissimilar bodies shear changes the pressure, and they slip under the normal load alone.
-    Bodies that creep follow pressure and shear with their delay, which makes a rolling resistance.
+    in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the relative
+    rigid-body velocity of the second body against the first over the rolling speed, so that a positive creepage makes a
+    positive tangential traction on the first body. Between dissimilar bodies shear changes the pressure, and they slip
+    under the normal load alone. Bodies that creep follow pressure and shear with their delay, which makes a rolling
+    resistance.
 
     Parameters
     ----------

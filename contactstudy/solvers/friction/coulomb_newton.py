@@ -77,14 +77,14 @@ def shear_status(
 class _State:
     """Tangential traction `shear` and `slip` (2, cells), and what follows from them.
 
-    `projection` is that of the trial traction, `error` is F (2, cells), and `residual` its relative size.
+    `projection` is that of the trial traction, `residual` is F (2, cells), and `relative_residual` its size.
     """
 
     shear: Array
     slip: Array
     projection: Projection
-    error: Array
-    residual: float
+    residual: Array
+    relative_residual: float
 
 
 class CoulombNewton:
@@ -97,7 +97,8 @@ class CoulombNewton:
     limit
         Largest traction (x, y) [Pa], the coefficient of friction times the pressure.
     total
-        Sum of the traction over all cells (2,) [Pa], nan for a component whose rigid slip is given; None where both are.
+        Sum of the traction over all cells (2,) [Pa], nan for a component whose rigid displacement, or
+        creepage, is given; None where both are.
     """
 
     def __init__(self, slip: SlipOperator, limit: Array, total: Array | None = None) -> None:
@@ -144,45 +145,47 @@ class CoulombNewton:
     def solve(
         self, free_slip: Array, shear: Array, tolerance: float, max_applications: int
     ) -> tuple[Array, Array, Array, float]:
-        """Return the tangential traction (2, cells) [Pa], its slip (2, cells), the rigid slip (2,) and the residual.
+        """Return traction [Pa] and slip (2, cells), the multiplier of the given sum (2,), and the relative residual.
 
-        The iteration begins with a first `shear` (2, cells), and ends at a residual of `tolerance` or after
-        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The rigid
-        slip is the multiplier of the given sum; the slip is without it. The residual is the root mean square of F over
-        the largest traction, or over a ten-thousandth of its largest limit if that is more.
+        The iteration begins with a first `shear` (2, cells), and ends at a relative residual of `tolerance` or after
+        `max_applications` of the slip operator. `free_slip` (component, x, y) is the slip without traction. The
+        multiplier is the rigid displacement, or creepage, that the given sum asks for; the slip is without it. The
+        relative residual is the root mean square of F over the largest traction, or over a ten-thousandth of its largest
+        limit if that is more.
         """
         free, max_total = self.gathered(free_slip), max_applications + self.applications
         shear = self.project(shear)
         state = self._state(shear, free + self.slip(shear))
         length, extragradient_iterations = self._rho, CONSTANTS.first_extragradient
-        while state.residual > tolerance and self.applications < max_total:
-            forcing = _forcing(tolerance, state.residual)
+        while state.relative_residual > tolerance and self.applications < max_total:
+            forcing = _forcing(tolerance, state.relative_residual)
             change, slip_change = self._newton_step(state, forcing, max_total)
             # slip is linear in the tangential traction: shorter steps cost nothing
             for halving in range(CONSTANTS.max_halvings):
                 part = 0.5**halving
                 trial = self._state(state.shear + part * change, state.slip + part * slip_change)
-                if trial.residual <= (1 - 0.1 * part) * state.residual:
+                if trial.relative_residual <= (1 - 0.1 * part) * state.relative_residual:
                     state = trial
                     break
             else:
                 for _ in range(extragradient_iterations):
                     shear, slip, length = self._extragradient(free, state.shear, state.slip, length)
                     state = self._state(shear, slip)
-                    if state.residual <= tolerance or self.applications >= max_total:
+                    if state.relative_residual <= tolerance or self.applications >= max_total:
                         break
                 extragradient_iterations *= 2
-        return state.shear, state.slip, state.projection.multiplier / self._rho, state.residual
+        multiplier = state.projection.multiplier / self._rho
+        return state.shear, state.slip, multiplier, state.relative_residual
 
     def _state(self, shear: Array, slip: Array) -> "_State":
         """Return the state of this `shear` and `slip` (2, cells)."""
         projection = self._set.project(shear - self._rho * slip)
         projected = projection.traction
-        error = shear - projected
-        mean = norm(error) / sqrt(self._cells.size)
+        residual = shear - projected
+        mean = norm(residual) / sqrt(self._cells.size)
         least = CONSTANTS.least_shear * float(self._set.radius.max())
-        residual = mean / max(float(np.hypot(*projected).max()), least)
-        return _State(shear, slip, projection, error, residual)
+        relative_residual = mean / max(float(np.hypot(*projected).max()), least)
+        return _State(shear, slip, projection, residual, relative_residual)
 
     def _newton_step(self, state: "_State", forcing: float, max_total: int) -> tuple[Array, Array]:
         """Return the changes of traction and slip (2, cells) that leave the fraction `forcing` of the linearised F."""
@@ -196,7 +199,7 @@ class CoulombNewton:
             return change - projection(change - self._rho * slip_change)
 
         max_vectors = min(CONSTANTS.max_vectors, max_total - self.applications)
-        weights = gmres(derivative, -state.error, forcing, max_vectors)
+        weights = gmres(derivative, -state.residual, forcing, max_vectors)
         change, slip_change = np.zeros_like(state.shear), np.zeros_like(state.slip)
         for weight, (shear_step, its_slip) in zip(weights, steps, strict=True):
             change += weight * shear_step

@@ -1,7 +1,8 @@
 """Tangential traction of steady rolling with the creepage, the slip and the power that belong to it.
 
 Slip is that of the first body against the second one, as in Coulomb's law; creepage is that of the second body against
-the first one, so that a positive creepage drags the first body to larger x: the rigid slip is minus the creepage.
+the first one, so that a positive creepage drags the first body to larger x. Kalker's rigid slip, of the first against
+the second body, is minus the creepage.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from contactstudy.solvers.solution import TangentialTraction
 
 @dataclass(frozen=True)
 class Creepage:
-    """Rigid slip of the second against the first body, per distance rolled.
+    """Creepage: relative rigid-body velocity of the second against the first body over the rolling speed.
 
     Parameters
     ----------

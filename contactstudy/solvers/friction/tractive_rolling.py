@@ -45,9 +45,9 @@ COARSEST = 24
 LEVEL_TOLERANCE = 1e-3
 # Outer iterations between pressure and tangential traction of elastically dissimilar bodies.
 MAX_COUPLED_ITERATIONS = 60
-# Distance [cells] within which the edge of stick is found: errors were at most 0.96 of the bound in 600 line contacts of
-# 28 to 90 cells, a third of them near full sliding and a third near full stick.
-STICK_EDGE_CELLS = 0.4
+# Distance [cells] within which the stick-slip boundary is found: errors were at most 0.96 of the bound in 600 line
+# contacts of 28 to 90 cells, a third of them near full sliding and a third near full stick.
+STICK_SLIP_BOUNDARY_CELLS = 0.4
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,8 +218,8 @@ class TractiveShear:
 
         Each grid has half the cells' width of the one before along axes that allow it, and the error is of first
         order: the last difference estimates it, and half of the one before guards against a last one that is small by
-        chance. The stick-slip border is uncertain by STICK_EDGE_CELLS cells, with the effect on force or creepage of
-        Carter's closed form for a contact of `chord` cells along x.
+        chance. The stick-slip boundary is uncertain by STICK_SLIP_BOUNDARY_CELLS, with the effect on force or creepage
+        of Carter's closed form for a contact of `chord` cells along x.
         """
         if len(levels) == 1:
             return UNKNOWN
@@ -229,7 +229,7 @@ class TractiveShear:
         ).max(axis=0)
         *force, found_creepage, found_power = np.abs(levels[-1])
         size = float(np.hypot(*force))
-        part, edge = size / self.coefficient, 2 * STICK_EDGE_CELLS / chord
+        part, edge = size / self.coefficient, 2 * STICK_SLIP_BOUNDARY_CELLS / chord
         sliding = 1 - sqrt(1 - min(part, 1.0))  # creepage over that at which all slides
         if self.force_per_length is None:
             free = size
@@ -268,13 +268,15 @@ def _steady(
     """Return the steady state on one grid, with the longitudinal creepage that a given force asks for.
 
     `free_slip` (component, x, y) is the slip without tangential traction, under the given `creepage`. A force enters the
-    projection as a resultant, whose multiplier is the creepage.
+    projection as a resultant, whose multiplier corrects the creepage.
     """
     first = newton.gathered(shear)
-    values, _, rigid_slip, residual = newton.solve(free_slip, first, tolerance, max_applications)
+    values, _, creepage_correction, residual = newton.solve(
+        free_slip, first, tolerance, max_applications
+    )
     values = newton.project(values)
-    slip = free_slip - rigid_slip[:, None, None] + newton.slip_field(values)
-    creepage = replace(creepage, longitudinal=creepage.longitudinal + float(rigid_slip[0]))
+    slip = free_slip - creepage_correction[:, None, None] + newton.slip_field(values)
+    creepage = replace(creepage, longitudinal=creepage.longitudinal + float(creepage_correction[0]))
     stick = newton.sticks(values, newton.gathered(slip))
     return SteadyShear(newton.field(values), slip, stick, creepage, residual, newton.applications)
 

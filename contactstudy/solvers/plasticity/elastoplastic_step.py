@@ -66,7 +66,7 @@ class ElastoplasticStep:
     equivalent_increment
         Increment of the equivalent plastic strain in the step (cells,).
     residual
-        Largest error of plastic strain, in units of yield stress over Young's modulus.
+        Largest residual of the plastic strain, in units of yield stress over Young's modulus.
     iterations
         Number of Newton's iterations.
     contacts
@@ -115,7 +115,7 @@ def solve_elastoplastic_step(
     equivalent_n
         Equivalent plastic strain (cells,) at the end of the last step.
     tolerance
-        Largest error of plastic strain, in units of yield stress over Young's modulus.
+        Largest residual of the plastic strain, in units of yield stress over Young's modulus.
     outer_stress
         Further stress (C, cells) [Pa], as by plastic strain outside the volume.
     guess
@@ -137,9 +137,9 @@ def solve_elastoplastic_step(
     state = state_of(strain_n if guess is None else guess)
     stall, iterations = Stall(CONSTANTS.stall_iterations), 0
     while (
-        tolerance < state.error
+        tolerance < state.residual_norm
         and iterations < CONSTANTS.max_iterations
-        and not stall.stalled(state.error)
+        and not stall.stalled(state.residual_norm)
     ):
         iterations += 1
         step = _newton_step(bodies, tangent(state.solution), state)
@@ -149,7 +149,7 @@ def solve_elastoplastic_step(
         state.solution,
         state.mapped.strain,
         equivalent_increment,
-        state.error,
+        state.residual_norm,
         iterations,
         tuple(contacts),
         state.incremental_energy,
@@ -160,16 +160,16 @@ def solve_elastoplastic_step(
 class _State:
     """Plastic strain (C, cells), the contact under it, and the return mapping of its trial stress.
 
-    The `residual` (C, cells) is the difference of the strain from the mapped one, `error` the largest of it in units of
-    yield stress over Young's modulus, `energy` [J] the forward-backward envelope, and `incremental_energy` [J] its part
-    that does not depend on the contact.
+    The `residual` (C, cells) is the difference of the strain from the mapped one, `residual_norm` the largest of it in
+    units of yield stress over Young's modulus, `energy` [J] the forward-backward envelope, and
+    `incremental_energy` [J] its part that does not depend on the contact.
     """
 
     strain: Array
     solution: Solution
     mapped: ReturnMapping
     residual: Array
-    error: float
+    residual_norm: float
     energy: float
     incremental_energy: float
 
@@ -187,7 +187,7 @@ def _mapped_state(
     stress = bodies.stress_of_pressure(solution.pressure) + outer_stress - reduction
     mapped = bodies.law.return_mapping(stress, strain, strain_n, equivalent_n)
     residual = strain - mapped.strain
-    error = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
+    residual_norm = float((np.abs(residual) / bodies.yield_strain).max(initial=0.0))
     potential = bodies.law.incremental_potential(mapped.strain, strain_n, equivalent_n)
     incremental_energy = bodies.inner(strain, reduction) / 2 + float(
         (potential * bodies.volumes).sum()
@@ -197,8 +197,8 @@ def _mapped_state(
         - bodies.inner(strain, outer_stress)
         - _contact_energy(solution, bodies.cell_area)
     )
-    energy += bodies.inner(stress + bodies.law.twice_shear / 2 * residual, residual)
-    return _State(strain, solution, mapped, residual, error, energy, incremental_energy)
+    energy += bodies.inner(stress + bodies.law.twice_shear_modulus / 2 * residual, residual)
+    return _State(strain, solution, mapped, residual, residual_norm, energy, incremental_energy)
 
 
 def _contact_energy(solution: Solution, cell_area: float) -> float:
@@ -212,7 +212,7 @@ def _line_search(state_of: Callable[[Array], _State], state: _State, step: Array
     fraction = 1.0
     while fraction >= CONSTANTS.min_fraction:
         trial = state_of(state.strain + fraction * step)
-        if trial.energy < state.energy or trial.error < state.error / 2:
+        if trial.energy < state.energy or trial.residual_norm < state.residual_norm / 2:
             return trial
         fraction /= 2
     return state_of(state.mapped.strain)
@@ -228,12 +228,12 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
     step = np.where(flows, 0.0, -residual)
     if not flows.any():
         return step
-    modulus = mapped.plastic_modulus
+    moduli = mapped.consistent_plastic_moduli
     rhs = -mapped.inverse_derivative(residual)
     if step.any():
         rhs -= _negative_stress_change(bodies, tangent, step)
     rhs *= flows
-    inverse = np.linalg.inv(modulus + bodies.self_blocks(flows))
+    inverse = np.linalg.inv(moduli + bodies.diagonal_blocks(flows))
 
     def precondition(residual: Array) -> Array:
         strain = np.zeros_like(residual)
@@ -242,10 +242,10 @@ def _newton_step(bodies: YieldingBodies, tangent: Tangent | None, state: _State)
 
     def product(strain: Array) -> Array:
         stress = _negative_stress_change(bodies, tangent, strain) * flows
-        stress[:, flows] += np.einsum("kij,jk->ik", modulus, strain[:, flows])
+        stress[:, flows] += np.einsum("kij,jk->ik", moduli, strain[:, flows])
         return stress
 
-    forcing = max(min(CONSTANTS.max_forcing, state.error**0.5), CONSTANTS.min_forcing)
+    forcing = max(min(CONSTANTS.max_forcing, state.residual_norm**0.5), CONSTANTS.min_forcing)
     return step + conjugate_gradients(
         product, precondition, bodies.inner, rhs, forcing, CONSTANTS.maxiter
     )

@@ -18,11 +18,11 @@ SQRT_TWO_THIRDS = (2 / 3) ** 0.5
 class VonMisesPlasticity:
     """Von Mises' yield criterion with linear hardening, with one value per cell (cells,) [Pa].
 
-    `twice_shear` is twice the shear modulus. Hardening moduli, `isotropic` and `kinematic`, are stress over plastic
-    strain in tension.
+    `twice_shear_modulus` is 2G. Hardening moduli, `isotropic` and `kinematic`, are stress over plastic strain in
+    tension.
     """
 
-    twice_shear: Array
+    twice_shear_modulus: Array
     yield_stress: Array
     isotropic: Array
     kinematic: Array
@@ -41,11 +41,15 @@ class VonMisesPlasticity:
         step. Radial return (Simo & Hughes 1998, box 3.1): the proximal step 1 / 2G of the energy.
         """
         trial = (
-            stress + self.twice_shear * (strain - strain_n) - (2 / 3) * self.kinematic * strain_n
+            stress
+            + self.twice_shear_modulus * (strain - strain_n)
+            - (2 / 3) * self.kinematic * strain_n
         )
         norm = np.sqrt(np.einsum("ck,ck->k", trial, trial))
         limit = SQRT_TWO_THIRDS * (self.yield_stress + self.isotropic * equivalent_n)
-        multiplier = np.maximum(norm - limit, 0.0) / (self.twice_shear + self.deviatoric_hardening)
+        multiplier = np.maximum(norm - limit, 0.0) / (
+            self.twice_shear_modulus + self.deviatoric_hardening
+        )
         flows = multiplier > 0
         direction = np.divide(trial, norm, out=np.zeros_like(trial), where=flows)
         return ReturnMapping(
@@ -90,17 +94,18 @@ class ReturnMapping:
         law, transverse = self.law, self._transverse
         along = np.einsum("ck,ck->k", self.direction, strain) * self.direction
         return np.asarray(
-            along * (law.twice_shear + law.deviatoric_hardening) + transverse * (strain - along)
+            along * (law.twice_shear_modulus + law.deviatoric_hardening)
+            + transverse * (strain - along)
         )
 
     @property
-    def plastic_modulus(self) -> Array:
+    def consistent_plastic_moduli(self) -> Array:
         """Inverse derivative of the return mapping less 2G, as matrices (flowing cells, C, C) [Pa].
 
         They are positive semidefinite. The derivative is that of the plastic strain with respect to the trial stress.
         """
         flows, direction = self.flows, self.direction[:, self.flows]
-        transverse = (self._transverse - self.law.twice_shear)[flows][:, None, None]
+        transverse = (self._transverse - self.law.twice_shear_modulus)[flows][:, None, None]
         along = self.law.deviatoric_hardening[flows][:, None, None]
         dyads = np.einsum("ik,jk->kij", direction, direction)
         return np.asarray(transverse * np.eye(len(direction)) + (along - transverse) * dyads)
@@ -148,13 +153,13 @@ class YieldingBodies:
             [np.broadcast_to(o.volume.cell_volumes, o.volume.shape) for o in self.operators]
         )
 
-    def self_blocks(self, cells: NDArray[np.bool_]) -> Array:
+    def diagonal_blocks(self, cells: NDArray[np.bool_]) -> Array:
         """Return minus the residual stress of each chosen cell by its own unit strain (chosen cells, C, C) [Pa]."""
         shapes = [operator.volume.shape for operator in self.operators]
         layers = np.repeat(
             range(sum(n for n, _, _ in shapes)), [nx * ny for n, nx, ny in shapes for _ in range(n)]
         )
-        blocks = np.concatenate([operator.self_blocks for operator in self.operators])
+        blocks = np.concatenate([operator.diagonal_blocks for operator in self.operators])
         return np.asarray(blocks[layers[cells]])
 
     @property

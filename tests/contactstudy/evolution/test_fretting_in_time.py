@@ -132,7 +132,7 @@ def test_jumps_of_growing_length_reach_the_pressure_that_wears_no_more() -> None
     c = (1 - FORCE / MU) ** 0.5
     inside = np.abs(x) < 0.9 * c
     expected = (1 / pi + 2 / pi * (c**2 / 2 - x[inside] ** 2)) / np.sqrt(c**2 - x[inside] ** 2)
-    # the edge of stick is known to a cell, which moves the pressure inside by as much
+    # the stick-slip boundary is known to a cell, which moves the pressure inside by as much
     assert np.abs(pressure[inside] / expected - 1).max() < 2 * frame.grid.cell_size[0] / c
     assert pressure[np.abs(x) > c + frame.grid.cell_size[0]].max() < 1e-3 * pressure.max()
     assert not depth[inside].any()

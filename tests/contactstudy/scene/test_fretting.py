@@ -30,7 +30,7 @@ def energy_per_cycle(fraction: float) -> float:
 
 
 def test_shear_on_the_way_down_is_mindlin_and_deresiewicz() -> None:
-    """At x = 0, 0.5, 0.7 and 0.9 half-widths, over mu p_0; beside the edge of stick the error of a cell is larger."""
+    """At x = 0, 0.5, 0.7 and 0.9 half-widths, over mu p_0; the error is larger beside the stick-slip boundary."""
     known = {
         0.18: (0.36754447, 0.47872707, 0.71414284, 0.43588989),
         0.12: (0.26491106, 0.35912781, 0.56648201, 0.16411011),

@@ -38,7 +38,7 @@ def traction_share(solution: cs.Solution) -> np.ndarray:
 @pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
 @pytest.mark.parametrize("cells", [32, 64, 256, 1024, 2048])
 def test_shear_of_a_cylinder_is_carters(cells: int, part: float) -> None:
-    """The error of the force is of first order, by where the edge of stick falls in its cell."""
+    """The error of the force is of first order, by where the stick-slip boundary falls in its cell."""
     solution = solved(rolling(longitudinal=part * SATURATION), (cells, 1))
     dx = solution.problem.grid.cell_size[0]
     assert solution.status is cs.Status.CONVERGED

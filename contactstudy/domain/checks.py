@@ -151,7 +151,7 @@ def whole_number(
 
 def body_index(field: str, value: object) -> int:
     """Return `value` as the index of a body in ``Scene.solids``, or raise :class:`InvalidInput`."""
-    return whole_number(field, value, 0, "give 0 or 1, the body's place in Scene.solids", at_most=1)
+    return whole_number(field, value, 0, "give 0 or 1, the body's index in Scene.solids", at_most=1)
 
 
 def each(

@@ -54,9 +54,9 @@ NEAR_EDGE = {
 
 @dataclass(frozen=True)
 class YieldingBody:
-    """A body that yields: its number `place` in ``Scene.solids``, elastic moduli and hardening [Pa]."""
+    """A body that yields: its `index` in ``Scene.solids``, elastic moduli and hardening [Pa]."""
 
-    place: int
+    index: int
     moduli: Moduli
     hardening: Hardening
 
@@ -65,11 +65,11 @@ class YieldingBody:
         """Return the yielding bodies of `scene`, in the order of its solids."""
         return tuple(
             cls(
-                place,
+                index,
                 Moduli(body.youngs_modulus, body.poisson_ratio),
                 Hardening(body.yield_stress, body.hardening_modulus, body.kinematic_modulus),
             )
-            for place, body in enumerate(scene.solids)
+            for index, body in enumerate(scene.solids)
             if isinstance(body, ElasticPlasticHalfSpace) and body.yields
         )
 
@@ -225,7 +225,7 @@ class PlasticState:
 
         The traction of the `solution` is that on the first body; on the second it is reversed.
         """
-        return operator.stress_of_shear((1 - 2 * body.place) * _traction_x(solution))
+        return operator.stress_of_shear((1 - 2 * body.index) * _traction_x(solution))
 
     @property
     def _slides(self) -> bool:
@@ -248,11 +248,11 @@ class PlasticState:
         """
         return bool(after["flow"][0] > (1 + ABRUPT) * before["flow"][0])
 
-    def residual_stress(self, state: State, place: int, deepest: float) -> ResidualStress | None:
-        """Return the residual stress of ``Scene.solids[place]`` down to a depth [m]; None if it does not yield."""
+    def residual_stress(self, state: State, index: int, deepest: float) -> ResidualStress | None:
+        """Return the residual stress of ``Scene.solids[index]`` down to a depth [m]; None if it does not yield."""
         self._in_volumes(state)  # the volume grows to hold the state
         for number, body in enumerate(self.bodies):
-            if body.place == place:
+            if body.index == index:
                 wide = self._across_grid(number, deepest)
                 strain, _ = _embedded_state(state, body, wide.volume)
                 return partial(_at_depths, wide.volume.depths, wide.residual_stress_tensor(strain))
@@ -282,8 +282,8 @@ class PlasticState:
         axes = "x across the contact line, y along it, z into the body"
         fields = {"component": Field(("component",), names, "1", axes)}
         for number, body in enumerate(self.bodies):
-            suffix = f"_{body.place}" if len(self.bodies) > 1 else ""
-            place = suffix or f"_{body.place}" * bool(self.elastic.problem.outputs)
+            suffix = f"_{body.index}" if len(self.bodies) > 1 else ""
+            depth_suffix = suffix or f"_{body.index}" * bool(self.elastic.problem.outputs)
             wide = self._across_grid(number)
             volume = wide.volume
             strains, equivalents = zip(
@@ -291,12 +291,12 @@ class PlasticState:
             )
             residual = np.stack([wide.residual_stress_tensor(strain) for strain in strains])
             tensors = np.einsum("ct,ncl...->ntl...", wide.basis, np.stack(strains))
-            layer = (f"z{place}",)
+            layer = (f"z{depth_suffix}",)
             cells = "time", *layer, "x", "y"
             components = "time", "component", *cells[1:]
             down = {"axis": "Z", "positive": "down"}
             sign = "tension positive, mean over a cell"
-            of = f" of solids[{body.place}]" if suffix else ""
+            of = f" of solids[{body.index}]" if suffix else ""
             unloaded = f"residual stress{of}, {sign}"
             depth, thickness = "depth of a layer", "thickness of a layer"
             fields |= {
@@ -305,8 +305,8 @@ class PlasticState:
                     cells, np.stack(equivalents), "1", f"equivalent plastic strain{of}"
                 ),
                 f"residual_stress{suffix}": Field(components, residual, "Pa", unloaded, NEAR_EDGE),
-                f"z{place}": Field(layer, volume.depths, "m", depth, down),
-                f"layer_thickness{place}": Field(layer, volume.thicknesses, "m", thickness),
+                f"z{depth_suffix}": Field(layer, volume.depths, "m", depth, down),
+                f"layer_thickness{depth_suffix}": Field(layer, volume.thicknesses, "m", thickness),
             }
         return fields
 
@@ -333,9 +333,9 @@ class PlasticState:
         """Return strains and equivalent strains of `state` by body, after enlarging the present volumes to hold them."""
         strains, equivalents = [], []
         for number, body in enumerate(self.bodies):
-            strain, first = state[f"strain{body.place}"], int(state[f"first{body.place}"][0])
+            strain, first = state[f"strain{body.index}"], int(state[f"first{body.index}"][0])
             present = self.operators[number].volume
-            edges = tuple(float(z) for z in state[f"edges{body.place}"])
+            edges = tuple(float(z) for z in state[f"edges{body.index}"])
             volume = union(present, Volume(present.grid, first, first + strain.shape[-2], edges))
             if volume != present:
                 self.operators[number] = operator_on(volume, body.moduli)
@@ -385,19 +385,19 @@ def _traction_x(solution: Solution) -> Array:
 
 
 def _body_state(body: YieldingBody, strain: Array, equivalent: Array, volume: Volume) -> State:
-    """Return the arrays of one body's state, named after its place in the scene."""
+    """Return the arrays of one body's state, named after its index in the scene."""
     return {
-        f"strain{body.place}": strain,
-        f"equivalent{body.place}": equivalent,
-        f"first{body.place}": np.array([float(volume.first)]),
-        f"edges{body.place}": np.array(volume.edges),
+        f"strain{body.index}": strain,
+        f"equivalent{body.index}": equivalent,
+        f"first{body.index}": np.array([float(volume.first)]),
+        f"edges{body.index}": np.array(volume.edges),
     }
 
 
 def _embedded_state(state: State, body: YieldingBody, volume: Volume) -> tuple[Array, Array]:
     """Return strain and equivalent strain of `body` from `state`, in a `volume` that contains them."""
-    first = int(state[f"first{body.place}"][0])
-    strain, equivalent = state[f"strain{body.place}"], state[f"equivalent{body.place}"]
+    first = int(state[f"first{body.index}"][0])
+    strain, equivalent = state[f"strain{body.index}"], state[f"equivalent{body.index}"]
     return embedded(strain, first, volume), embedded(equivalent, first, volume)
 
 

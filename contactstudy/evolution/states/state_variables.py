@@ -179,8 +179,8 @@ class CoupledStateVariable(AnyStateVariable, Protocol):
     def over_time(self, states: Sequence[State]) -> Mapping[str, Field]:
         """Return fields over (time, ...), by name, from the states of several instants."""
 
-    def residual_stress(self, state: State, place: int, deepest: float) -> ResidualStress | None:
-        """Return the residual stress of ``Scene.solids[place]`` down to a depth [m]; None if it does not yield."""
+    def residual_stress(self, state: State, index: int, deepest: float) -> ResidualStress | None:
+        """Return the residual stress of ``Scene.solids[index]`` down to a depth [m]; None if it does not yield."""
 
 
 @dataclass(frozen=True)

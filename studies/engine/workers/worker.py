@@ -1,6 +1,6 @@
 """Program of a worker process, which computes cases for its supervisor, one after the other.
 
-An answer is a tuple: id of this process, place of the case in the batch (-1 for the set-up), outcome (None for a
+An answer is a tuple: id of this process, index of the case in the batch (-1 for the set-up), outcome (None for a
 study that was unpickled), whether another answer follows, and what the process has loaded (None where this is as
 before).
 """

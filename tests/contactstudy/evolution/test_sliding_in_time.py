@@ -96,7 +96,7 @@ def test_shear_below_a_pressed_cell_is_that_of_cerruti_where_it_varies_along() -
 
 
 def yielding(
-    fraction: float, place: int, friction: cs.Sliding | None, cells: int = 60, ratio: float = 0.6093
+    fraction: float, index: int, friction: cs.Sliding | None, cells: int = 60, ratio: float = 0.6093
 ) -> cs.Evolution:
     """A steel cylinder whose largest von Mises stress is a `fraction` of the yield stress of one body."""
     stress = 5e8
@@ -105,7 +105,7 @@ def yielding(
     peak = fraction * stress / ratio
     half_width = 2 * peak * RADIUS / modulus
     solids: list[cs.HalfSpace | cs.ElasticPlasticHalfSpace] = [STEEL, STEEL]
-    solids[place] = cs.ElasticPlasticHalfSpace(210e9, 0.3, stress, 1e10)
+    solids[index] = cs.ElasticPlasticHalfSpace(210e9, 0.3, stress, 1e10)
     load = cs.LoadHistory(
         (0.0, 1.0), (0.8 * pi * half_width * peak / 2, pi * half_width * peak / 2)
     )
@@ -117,17 +117,17 @@ def yielding(
     return found
 
 
-@pytest.mark.parametrize("place", [0, 1])
-def test_sliding_bodies_yield_first_where_the_closed_form_says(place: int) -> None:
+@pytest.mark.parametrize("index", [0, 1])
+def test_sliding_bodies_yield_first_where_the_closed_form_says(index: int) -> None:
     """At 0.676 half-widths ahead of the axis of the first body, 0.489 deep; behind it in the second."""
     friction = cs.Sliding(0.25)
-    before = yielding(0.97, place, friction).to_dataset()["equivalent_plastic_strain"]
+    before = yielding(0.97, index, friction).to_dataset()["equivalent_plastic_strain"]
     assert before.max() == 0
-    data = yielding(1.05, place, friction).to_dataset()
+    data = yielding(1.05, index, friction).to_dataset()
     strain = data["equivalent_plastic_strain"].isel(time=-1, y=0)
     worst = strain.where(strain == strain.max(), drop=True)
     half_width = data["x"].max().item() / 1.5 * 60 / 59
-    ahead = 1 if place == 0 else -1
+    ahead = 1 if index == 0 else -1
     assert worst["x"].item() / half_width == pytest.approx(0.676 * ahead, abs=0.06)
     assert worst["z"].item() / half_width == pytest.approx(0.489, abs=0.06)
 

@@ -107,7 +107,7 @@ def solve(
     progress
         Called with a :class:`~contactstudy.Progress` as the solve goes on.
     device
-        Device to solve on, such as ``Cpu(threads=2)``. A graphics processor takes a dry static contact or a problem.
+        Device to solve on, such as ``Cpu(threads=2)``. A GPU takes a dry static contact or a problem.
     options, named
         :class:`~contactstudy.SolveOptions`, or its fields by name: ``tolerance``, ``max_iterations``, ... The default
         of ``max_iterations`` is 300 of a film; its ``solver`` and ``precision`` are not chosen.

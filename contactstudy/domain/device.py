@@ -1,4 +1,4 @@
-"""Devices and precision of a solve: the cores of this machine, a graphics processor, or a device of your own."""
+"""Devices and precision of a solve: the cores of this machine, a GPU, or a device of your own."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -225,15 +225,15 @@ def using(chosen: Device) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Gpu:
-    """Graphics processor of this machine, through CuPy (extra ``gpu``).
+    """GPU of this machine, through CuPy (extra ``gpu``).
 
     Influence coefficients are computed on the CPU in double precision and copied once; a solution's fields are
-    numpy arrays. Of several graphics processors it is CuPy's current one.
+    numpy arrays. Of several GPUs it is CuPy's current one.
 
     Raises
     ------
     InvalidInput
-        If there is no graphics processor, or no CuPy.
+        If there is no GPU, or no CuPy.
     """
 
     def __post_init__(self) -> None:
@@ -245,11 +245,9 @@ class Gpu:
                 f"Gpu needs CuPy, which cannot be imported ({missing}): pip install 'contactstudy[gpu]', or give Cpu()."
             ) from missing
         except _cupy().cuda.runtime.CUDARuntimeError as failed:
-            raise InvalidInput(
-                f"Gpu found no graphics processor ({failed}): give Cpu()."
-            ) from failed
+            raise InvalidInput(f"Gpu found no GPU ({failed}): give Cpu().") from failed
         if count == 0:
-            raise InvalidInput("Gpu found no graphics processor: give Cpu().")
+            raise InvalidInput("Gpu found no GPU: give Cpu().")
 
     @property
     def arrays(self) -> Namespace:
@@ -258,18 +256,18 @@ class Gpu:
         return namespace
 
     def to_device(self, field: Numbers) -> Numbers:
-        """Return a numpy array copied to the graphics processor."""
+        """Return a numpy array copied to the GPU."""
         array: Numbers = _cupy().asarray(field)
         return array
 
     def to_numpy(self, field: Numbers) -> Numbers:
-        """Return an array of the graphics processor as a numpy array."""
+        """Return an array of the GPU as a numpy array."""
         array: Numbers = _cupy().asnumpy(field)
         return array
 
     @property
     def available_bytes(self) -> float:
-        """Memory that is free on the graphics processor, or that CuPy keeps for the next arrays [bytes]."""
+        """Memory that is free on the GPU, or that CuPy keeps for the next arrays [bytes]."""
         free, _ = _cupy().cuda.runtime.memGetInfo()
         return float(free + _cupy().get_default_memory_pool().free_bytes())
 

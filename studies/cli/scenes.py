@@ -31,7 +31,7 @@ DEVICE = click.option(
     type=click.Choice(["cpu", "gpu"]),
     default="cpu",
     show_default=True,
-    help="What to solve on: this machine's processor, or its graphics processor (extra gpu).",
+    help="What to solve on: this machine's CPU, or its GPU (extra gpu).",
 )
 # A plan that takes longer or more memory than this is announced before it runs.
 LONG, LARGE = 60.0, 4e9

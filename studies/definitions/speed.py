@@ -41,7 +41,7 @@ axes = (
     Axis("cut_off", (2.0,), "shortest wavelength of the self-affine surface, in cells"),
     Axis("fraction", (0.2,), "fraction in contact of the self-affine surface, by Persson (2001)"),
     Axis("precision", ("double",), "floating-point precision"),
-    Axis("device", ("cpu",), "what solves: the processor, or the graphics processor"),
+    Axis("device", ("cpu",), "what solves: the CPU, or the GPU"),
     Axis("threads", (1, 2), "threads of the processor"),
     Axis("grid", (32, 64, 128, 256, 512), "cells across the width and along one period"),
 )

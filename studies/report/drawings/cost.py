@@ -177,7 +177,7 @@ def _speed_caption(dataset: xr.Dataset) -> str:
     finest = dataset.isel(FIRST | {"grid": -1})
     shortest = " or ".join(f"{cells:g}" for cells in dataset["cut_off"].values)
     on_cpu = finest["device"] == "cpu"
-    device = thread_count(finest["threads"]) if on_cpu else "a graphics processor"
+    device = thread_count(finest["threads"]) if on_cpu else "a GPU"
     facts = [
         f"{name}: {int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s, "
         f"{percent(part['contact_fraction'])} in contact, {float(part['memory']):.0f} fields of memory"

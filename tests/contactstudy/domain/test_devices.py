@@ -195,7 +195,7 @@ class NoDriverError(Exception):
 
 
 def counted(number: int | None) -> Any:
-    """CuPy on a machine with so many graphics processors; None without a driver. Its arrays are the strict ones."""
+    """CuPy on a machine with so many GPUs; None without a driver. Its arrays are the strict ones."""
 
     def count() -> int:
         if number is None:
@@ -229,7 +229,7 @@ def test_a_missing_graphics_processor_raises_one_sentence(
     number: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with_cupy(number, monkeypatch)
-    with pytest.raises(cs.InvalidInput, match=r"^Gpu found no graphics processor.*: give Cpu\(\)"):
+    with pytest.raises(cs.InvalidInput, match=r"^Gpu found no GPU.*: give Cpu\(\)"):
         cs.Gpu()
 
 

@@ -51,7 +51,8 @@ def command(line: str) -> None:
         return
     program, *words = shlex.split(line, comments=True)
     assert program == ".venv/bin/contactstudy", line
-    cli.main([*words, *QUICK.get(words[0], ())], standalone_mode=False)
+    quick = () if "--no-times" in words else QUICK.get(words[0], ())
+    cli.main([*words, *quick], standalone_mode=False)
 
 
 @pytest.mark.parametrize(
@@ -85,7 +86,7 @@ NAMED = re.compile(r"^# *(contactstudy .*?)(?:  .*)?$", flags=re.MULTILINE)
 def test_commands_at_the_head_of_an_example_run(path: Path) -> None:
     shutil.copy(path, path.name)
     for line in NAMED.findall(path.read_text(encoding="utf-8")):
-        command(f".venv/bin/{line}{' --no-times' * (' run ' in line)}")
+        command(f".venv/bin/{line}{' --workers 0 --no-times' * (' run ' in line)}")
 
 
 def test_the_table_of_paddings_has_the_errors_that_are_measured() -> None:

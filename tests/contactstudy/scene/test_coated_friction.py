@@ -45,7 +45,7 @@ def test_a_row_is_the_sum_of_its_cells(thickness: float, layer: LayerResponse, n
     dx, dy, nx, ny = 0.1, 0.15, 6, 4
     field, x = CoatingShearCoefficients(layer, thickness, name, 1.0), np.arange(nx) * dx
     row = field.row(x[:, None], np.arange(ny) * dy, dx, dy, ny * dy)
-    images = 100
+    images = 150
     alone = field.cell(x[:, None], np.arange(images * ny) * dy, dx, dy)
     both = np.concatenate([field.parity[1] * alone[:, :0:-1], alone], axis=1)
     middle, sums = images * ny - 1, []

@@ -42,7 +42,7 @@ class ErrorParts:
 
     @property
     def total(self) -> float:
-        """Sum of the parts: the error where all causes act in the same direction."""
+        """Sum of the parts, which is the error where all causes act in the same direction."""
         return sum(self.by_cause.values())
 
     def scaled(self, factor: float) -> "ErrorParts":

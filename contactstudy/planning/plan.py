@@ -179,19 +179,21 @@ def _plan_of_flat(
         )
     grid, padding = flat_grid(scales, period), (ExactPeriodicity(), ExactPeriodicity())
     seconds = CostModel().seconds(grid, padding, TIMING.rough_convolutions)
+    if fault := period_fault(grid.length, (scales,)):
+        warnings.append(fault)
     return Plan(
         grid=grid,
         padding=padding,
         error=inf,
         seconds=FORECAST.cost_ratio * seconds / speedup(grid, padding, device),
         bytes=memory(grid, padding),
-        period_check=period_fault(grid.length, (scales,))
+        period_check=fault
         or f"The measured surface repeats over the length {readable(grid.length)}.",
         reasons=(
             "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
             "periodic; the solve estimates the error.",
         ),
-        warnings=(*warnings, *filter(None, (period_fault(grid.length, (scales,)),))),
+        warnings=tuple(warnings),
         device=device,
     )
 

@@ -27,7 +27,7 @@ from contactstudy.evolution.warm_started import unloaded
 from contactstudy.problem.constraint import PrescribedLoad
 from contactstudy.problem.problem import Field, Problem
 from contactstudy.scene.loads.constant_load import LineLoad
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.rolling import check_slow
 from contactstudy.scene.scene import AnyLoad, PosedScene, Scene
 from contactstudy.scene.solids.bodies import creeps, instantaneous
@@ -246,10 +246,7 @@ def _loads_between(a: Frame, b: Frame, load: AnyLoad) -> list[float]:
     """Return the loads [N/m] from one frame to the next, with those between which the load only rises or falls."""
     if not isinstance(load, ChangingLoad):
         return [a.load, b.load]
-    loads = [a.load]
-    for time in (time for time in load.turning_points(b.time) if time > a.time):
-        loads += [load.before(time), load.at(time)] if time < b.time else [load.before(time)]
-    return [*loads, b.load]
+    return [a.load, *loads_between(load, a.time, b.time), b.load]
 
 
 def pull_off_loads(frames: Sequence[Frame], load: AnyLoad) -> tuple[float, float] | None:

@@ -27,7 +27,7 @@ from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import LineLoad
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.scene import AnyLoad, Scene
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
@@ -218,12 +218,9 @@ def _load_paths(load: AnyLoad, instants: list[float]) -> list[list[float]]:
     """
     if not isinstance(load, ChangingLoad):
         return [[load.largest] for _ in instants]
-    turns = load.turning_points(instants[-1])
     paths, previous = [], -inf
     for time in instants:
-        since = (turn for turn in turns if previous < turn < time)
-        loads = [value for turn in since for value in (load.before(turn), load.at(turn))]
-        loads += [load.before(time), load.at(time)]
+        loads = [*loads_between(load, previous, time), load.at(time)]
         paths.append([a for a, b in pairwise(loads) if 0 < a != b] + loads[-1:])
         previous = time
     return paths

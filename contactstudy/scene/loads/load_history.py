@@ -63,6 +63,14 @@ class ChangingLoad(History, Protocol):
         """Return the mean load [N/m] between two times [s] without a break between them."""
 
 
+def loads_between(load: ChangingLoad, start: float, end: float) -> list[float]:
+    """Return the loads [N/m] between which `load` only rises or falls, from after `start` to just before `end` [s]."""
+    turns = (time for time in load.turning_points(end) if start < time < end)
+    return [value for time in turns for value in (load.before(time), load.at(time))] + [
+        load.before(end)
+    ]
+
+
 class PiecewiseLinear:
     """Values at `times` [s], which may jump there: linear between them, zero before the first, held after the last.
 

@@ -7,7 +7,7 @@ from contextvars import copy_context
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
-from math import isnan, nan
+from math import isnan, nan, prod
 from typing import Any, TypeVar
 
 import numpy as np
@@ -33,14 +33,16 @@ def in_blocks(work: Callable[..., T], *fields: Numbers) -> list[T]:
     Blocks, and so sums over blocks, do not depend on the number of threads. `work` is called once with whole fields if
     they fit into one block, or are on a device that is not a :class:`Cpu`.
     """
-    if fields[0].size <= BLOCK_CELLS or not isinstance(device(), Cpu):
+    if prod(fields[0].shape) <= BLOCK_CELLS or not isinstance(device(), Cpu):
         return [work(*fields)]
 
     def in_turn(blocks: list[slice]) -> list[T]:
         return [work(*(field[block, :] for field in fields)) for block in blocks]
 
     blocks = _blocks(*fields[0].shape)
-    return [result for part in _distributed(in_turn, blocks, fields[0].size) for result in part]
+    return [
+        result for part in _distributed(in_turn, blocks, prod(fields[0].shape)) for result in part
+    ]
 
 
 def sums(work: Callable[..., tuple[float, ...]], *fields: Array) -> tuple[float, ...]:
@@ -156,7 +158,7 @@ def inner(a: Array, b: Array) -> float:
 def dot(a: Array, b: Array) -> float:
     """Return the sum of ``a b`` over one block of two fields."""
     xp = arrays()
-    if a.size <= MAX_FLAT_CELLS:
+    if prod(a.shape) <= MAX_FLAT_CELLS:
         return float(xp.vecdot(xp.reshape(a, (-1,)), xp.reshape(b, (-1,))))
     return float(xp.sum(xp.vecdot(a, b)))
 

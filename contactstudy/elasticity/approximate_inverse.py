@@ -18,7 +18,7 @@ kernel falls like ``r^-3`` beyond the width of the holes in the contact, and mor
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import log2
+from math import log2, prod
 from typing import Any
 
 import numpy as np
@@ -181,7 +181,7 @@ class SpectralInverse:
 
     def _filtered(self, field: Array, factors: Array) -> Array:
         """Return `field` with its Fourier coefficients multiplied by `factors`."""
-        self._transformed += field.size
+        self._transformed += prod(field.shape)
         return self._transforms.filtered(field, factors, self._waves)
 
 
@@ -305,7 +305,7 @@ def hole_width(active: Array) -> float:
     xp, inside = arrays(), active > 0
     ends = int(xp.count_nonzero(inside[1:, :] != inside[:-1, :]))
     ends += int(xp.count_nonzero(inside[:, 1:] != inside[:, :-1]))
-    outside = active.size - int(xp.count_nonzero(inside))
+    outside = prod(active.shape) - int(xp.count_nonzero(inside))
     return 2 * outside / ends if ends else 0.0
 
 

@@ -1,11 +1,10 @@
 from dataclasses import replace
-from math import exp
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.planning.cost import CostLaw, CostModel, Timing, log_work, padded_points
+from contactstudy.planning.cost import CostModel, Timing, padded_points
 from contactstudy.planning.forecast import forecast_of_grid
 from contactstudy.planning.grid_requirements import grid_requirements
 from tests.conftest import LineContact
@@ -15,18 +14,6 @@ EXACT = cs.ExactPeriodicity()
 
 def square(cells: int) -> cs.Grid:
     return cs.Grid((cells, cells), (1.0, 1.0))
-
-
-def test_timings_of_other_paddings_and_dimensions_are_left_aside() -> None:
-    timings = (
-        Timing(square(64), EXACT, 10.0, 1.0, 1.0),
-        Timing(square(64), cs.CircularSuperposition(2), 10.0, 7.0, 7.0),
-        Timing(cs.Grid((64, 1), (1.0, 1.0)), EXACT, 10.0, 30.0, 30.0),
-    )
-    model = CostModel(timings)
-    assert model.seconds(square(64), EXACT, 10.0) == pytest.approx(2.0)
-    assert model.seconds(square(64), cs.CircularSuperposition(2), 10.0) == pytest.approx(14.0)
-    assert model.seconds(cs.Grid((64, 1), (1.0, 1.0)), EXACT, 10.0) == pytest.approx(60.0)
 
 
 def test_an_interrupted_run_hardly_counts() -> None:
@@ -63,23 +50,6 @@ def test_points_are_those_of_the_operator(
 ) -> None:
     grid = cs.Grid(cells, (1.0, 1.0))
     assert padded_points(grid, padding) == cs.convolution(1.0, grid, padding, 1.0).transform_size
-
-
-def grid(*ranges: tuple[float, float]) -> np.ndarray:
-    """Logarithms of a 5 x 5 ... grid of values."""
-    axes = [np.log(np.geomspace(low, high, 5)) for low, high in ranges]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(ranges))
-
-
-def test_a_power_of_the_work_is_found() -> None:
-    sizes = np.exp(grid((10, 1e4), (1, 50))).tolist()
-
-    def law(points: float, repetitions: float) -> float:
-        return 3e-9 * exp(log_work(points, repetitions)) * points**0.05
-
-    found = CostLaw.fit(sizes, [law(*size) for size in sizes])
-    for size in ((300.0, 7.0), (1e5, 100.0)):
-        assert found.seconds(size) == pytest.approx(law(*size), rel=0.05)
 
 
 def test_a_crowned_roller_needs_cells_across_and_few_along(line_contact: LineContact) -> None:

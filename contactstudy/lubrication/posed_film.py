@@ -28,8 +28,8 @@ from contactstudy.lubrication.plane_strain import DirectSolver
 from contactstudy.lubrication.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
-from contactstudy.scene.scene import MODULUS_ITERATIONS, Scene
-from contactstudy.scene.solids.bodies import contact_modulus, creeps, instantaneous, response
+from contactstudy.scene.scene import Scene
+from contactstudy.scene.solids.bodies import creeps, hertz_line, instantaneous, response
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -65,8 +65,7 @@ def lubricated_scales(scene: Scene) -> FilmScales:
     hertz = scene.hertz
     if any(map(creeps, scene.solids)):
         bodies = rolling_bodies(scene.solids, scene.lubrication.contact_speeds)
-        for _ in range(MODULUS_ITERATIONS):
-            hertz = replace(hertz, contact_modulus=contact_modulus(bodies, hertz.half_width))
+        hertz = hertz_line(hertz.load_per_length, hertz.radius, bodies)
     return FilmScales(hertz, scene.lubrication)
 
 

@@ -38,7 +38,7 @@ from contactstudy.scene.solids.bodies import (
     RestrictedBody,
     contact_modulus,
     creeps,
-    is_layered,
+    hertz_line,
     response,
     yields,
 )
@@ -69,8 +69,6 @@ class Output(Protocol):
 
 # Least approach over the width of the grid, for the scales of a scene without another scale.
 MIN_APPROACH_RATIO = 1e-6
-# Iterations after which the modulus of layered bodies and the half-width converge to 0.1 %.
-MODULUS_ITERATIONS = 12
 
 
 @suggest_fields
@@ -272,12 +270,7 @@ class Scene:
         load, radius = self.reference_load, self.radius
         if radius is None or load <= 0:
             return None
-        contact = HertzLine(load, radius, self.contact_modulus)
-        if any(map(is_layered, self.solids)):
-            for _ in range(MODULUS_ITERATIONS):
-                modulus = contact_modulus(self.solids, contact.half_width)
-                contact = replace(contact, contact_modulus=modulus)
-        return contact
+        return hertz_line(load, radius, self.solids)
 
     def scales(self, grid: Grid) -> Scales:
         """Return the scales of the problem: Hertz's half-width and peak pressure, and the gap that goes with them.

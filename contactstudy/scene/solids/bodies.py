@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, TypeGuard, runtime_checkable
 
 from contactstudy.analytic import HertzLine
@@ -262,6 +262,30 @@ def contact_modulus(solids: tuple[Body, ...], half_width: float | None = None) -
             "Scene.solids are all rigid: give at least one body a finite Young's modulus."
         )
     return 1 / total
+
+
+def hertz_line(load: float, radius: float, solids: tuple[Body, ...]) -> HertzLine:
+    """Return the smooth line contact under a `load` [N/m], with the modulus of the bodies at its own half-width.
+
+    Its half-width a solves ``a^2 E*(a) = 4 W R / pi``, where E* varies with it for a :class:`Layered` body.
+    """
+    contact = HertzLine(load, radius, contact_modulus(solids))
+    if not any(map(is_layered, solids)):
+        return contact
+    from scipy.optimize import brentq  # imported late, since it is slow
+
+    def at(log_width: float) -> HertzLine:
+        return replace(contact, contact_modulus=contact_modulus(solids, math.exp(log_width)))
+
+    def excess(log_width: float) -> float:
+        return log_width - math.log(at(log_width).half_width)
+
+    low = high = math.log(contact.half_width)
+    while excess(low) > 0:
+        low -= 1
+    while excess(high) < 0:
+        high += 1
+    return at(float(brentq(excess, low, high, xtol=1e-9)))
 
 
 def response(solids: tuple[Body, ...], datum: float) -> Mapping[Coefficients, float]:

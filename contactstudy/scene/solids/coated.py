@@ -78,7 +78,9 @@ class CoatedHalfSpace:
             return self.compliance
         k = EQUIVALENT_WAVE_NUMBER * self.thickness / half_width
         remainder = float(np.real(self._layer.remainder(np.array([k])))[0])
-        return self.compliance * (1 + self._layer.contrast * math.exp(-2 * k) + remainder)
+        ratio = 1 + self._layer.contrast * math.exp(-2 * k) + remainder
+        # that of a thin incompressible coating on a rigid substrate is lost in rounding
+        return self.compliance * max(ratio, np.finfo(np.float64).eps)
 
     def response(self, datum: float) -> Mapping[Coefficients, float]:
         """Return the coefficients of a half-space of the coating's material, and the change by the substrate."""

@@ -174,6 +174,18 @@ def test_the_modulus_of_its_hertz_contact_lies_between_coat_and_substrate() -> N
     assert found[-1] == pytest.approx(bounds[1], rel=1e-3)
 
 
+@pytest.mark.parametrize("thickness", [1e-5, 1e-3, 5e-3])
+@pytest.mark.parametrize("substrate", [STEEL, RIGID], ids=["steel", "rigid"])
+def test_the_modulus_of_its_hertz_contact_is_that_at_the_half_width(
+    thickness: float, substrate: cs.HalfSpace
+) -> None:
+    """Of an incompressible cover too, whose modulus falls as the cube of the half-width."""
+    solids = cs.CoatedHalfSpace(cs.HalfSpace(1e7, 0.5), thickness, substrate), RIGID
+    hertz = cs.Scene(cs.LineLoad(1e4), solids, (cs.Cylinder(0.1),)).hertz
+    modulus = 1 / solids[0].compliance_at(hertz.half_width)
+    assert hertz.contact_modulus == pytest.approx(modulus, rel=1e-6)
+
+
 @pytest.mark.parametrize("wave", [(1, 0), (0, 1), (2, 3)], ids=str)
 @pytest.mark.parametrize("coating", [DLC, cs.HalfSpace(20e9, 0.4)], ids=["stiff", "soft"])
 def test_a_wave_of_pressure_moves_a_coat_as_its_response_says(

@@ -172,11 +172,14 @@ def _entry(kind: Any, number: int) -> Any:
 
 
 def replaced(value: Any, path: Sequence[str], new: object) -> Any:
-    """Return `value` with `new` at `path`, as a copy."""
+    """Return `value` with `new` at `path`, as a copy; raise InvalidInput where the path leads nowhere."""
     if not path:
         return new
     first, below = path[0], path[1:]
-    if isinstance(value, tuple | list):
+    is_row = isinstance(value, tuple | list)
+    if int(first) >= len(value) if is_row else not hasattr(value, first):
+        raise InvalidInput(f"{value!r} has no {first!r}: leave out the values that are without it.")
+    if is_row:
         number = int(first)
         return (*value[:number], replaced(value[number], below, new), *value[number + 1 :])
     return replace(value, **{first: replaced(getattr(value, first), below, new)})

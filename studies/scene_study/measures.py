@@ -1,6 +1,7 @@
 """Quantities recorded of every contact of a sweep."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import inf, log, pi
 
 import numpy as np
@@ -9,7 +10,6 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.accuracy.discretisation.cells import contact_perimeter
 from contactstudy.domain.fields import Array, inner
-from contactstudy.domain.units import readable
 from contactstudy.io.dataset import labelled
 from contactstudy.io.quantities.contact_quantities import approach_datum
 from contactstudy.solvers.conjugate_gradients import conjugate_gradients
@@ -22,6 +22,8 @@ RTOL, MAXITER = 3e-2, 60
 # Bound of a stiffness over the error that the law of a line contact gives for its area: by 60 contacts at random,
 # smooth, wavy, rough, coated or as hard as their peak, the largest true error was 0.99 of that.
 STIFFNESS_MARGIN = 1.25
+# Datum of the approach at every point of a sweep.
+DATUM = "from half the grid's width beside the axis, or from the datum of a given approach or of the padding"
 # Quantities that a sweep varies as an axis.
 NAMED_BY_AXES = ("load_per_length", "total_load")
 
@@ -104,21 +106,23 @@ def _of_contact(case: ReferencedCase, contact: cs.Contact) -> dict[str, xr.Varia
     load = float(contact.pressure.sum()) * grid.cell_area / grid.length
     # The approach of a scene has its datum at Hertz's half-width, which changes with the load. Contacts of a sweep have
     # it at half the grid's width, or where a given approach or the padding has it.
-    datum, described, farther = approach_datum(contact), {}, 0.0
-    if datum is not None:
-        is_given = contact.problem.control.approach is not None
-        common = datum if is_given else grid.extent[0] / 2
-        described = {"description": f"counted from {readable(common)} beside the axis"}
-        farther = _compliance_between(scene, datum, common)
+    datum, farther = approach_datum(contact), 0.0
+    is_given = contact.problem.control.approach is not None
+    if datum is not None and not is_given:
+        farther = _compliance_between(scene, datum, grid.extent[0] / 2)
     measured = {
         "load": labelled((), load, "N m-1", "load per length"),
         "contact_fraction": dimensionless(float(touching.mean()), "fraction of the grid in contact"),
         "contact_perimeter": labelled(
             (), perimeter, "m", "contact perimeter", description="edges of cells at which contact ends"
         ),
-        "approach": labelled((), contact.approach + load * farther, "m", "approach", **described),
+        "approach": labelled(
+            (), contact.approach + load * farther, "m", "approach", description=DATUM
+        ),
     }  # fmt: skip
     if (hertz := scene.hertz) is not None:
+        # that of a scene whose approach is given is under an estimated load
+        hertz = replace(hertz, load_per_length=load) if is_given and load else hertz
         ratio = area / (2 * hertz.half_width * grid.length)
         measured["contact_area_over_hertz"] = dimensionless(ratio, "contact area over Hertz's")
     errors = dict.fromkeys(("contact_fraction", "contact_area_over_hertz"), area_error)

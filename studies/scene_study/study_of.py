@@ -29,12 +29,10 @@ from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
 from studies.scene_study.values import MAX_VALUES
-from studies.scene_study.variation import Variation, joint_variation, variation
+from studies.scene_study.variation import Variation, joint_variation, variation, with_values
 
-# Number of points that are all planned. Of more, every n-th by width is, up to 14; the others take their finest cells.
+# Number of points that are all planned. Of more, every n-th by width is, up to 13; the others take their finest cells.
 MAX_PLANNED = 8
-# Order in which the keys of a measured surface are applied: it is read before it is cut and turned.
-ORDER = {"file": 0, "tile": 1, "turn": 2}
 
 
 def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
@@ -204,8 +202,7 @@ def study_of(
 ) -> Study:
     """Return the :class:`~studies.model.study.Study` of a scene over other values of its fields.
 
-    The load is the last axis, so that neighbours on it are solved one after the other. Random surfaces and the grid
-    are the same at all points where they can be.
+    The load is the last axis. Random surfaces and the grid are the same at all points where they can be.
 
     Parameters
     ----------
@@ -242,7 +239,10 @@ def study_of(
     axes.sort(key=lambda varied: varied.is_load)
     check_count("vary", prod(len(varied.axis.values) for varied in axes), "points", MAX_VALUES)
     points = list(product(*(varied.axis.values for varied in axes)))
-    files = [_file_at(described, axes, point) for point in points]
+    document = document_of(described)
+    files = [
+        scene_file_from(with_values(document, zip(axes, point, strict=True))) for point in points
+    ]
     placed, notes = on_shared_grids(files)
     cases = dict(zip(points, map(_computation, placed, files), strict=True))
     if name is None:
@@ -304,15 +304,6 @@ def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Pa
     raise InvalidInput(
         f"scene is {scene!r}: give a Scene, a SceneFile or the path of a scene file."
     )
-
-
-def _file_at(described: SceneFile, axes: list[Variation], point: tuple[Value, ...]) -> SceneFile:
-    """Return the scene file at a point."""
-    document = document_of(described)
-    values = zip(axes, point, strict=True)
-    for varied, value in sorted(values, key=lambda pair: ORDER.get(pair[0].field.path[-1], 3)):
-        document = varied.apply(document, value)
-    return scene_file_from(document)
 
 
 def _computation(case: Case, file: SceneFile) -> ReferencedCase:

@@ -1,15 +1,17 @@
 """The axis of a study that a varied field of a scene makes, with the value of the field at each of its values."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, make_dataclass
+from dataclasses import dataclass, fields, is_dataclass, make_dataclass, replace
 from glob import glob, has_magic
 from pathlib import Path
+from types import NoneType
 from typing import Any, get_args, get_origin
 
 import numpy as np
 
 import contactstudy as cs
 from contactstudy import InvalidInput, MeasuredSurface, Tile
+from contactstudy.domain.identity import canonical
 from contactstudy.io.scene_files.scene_schema import KINDS, SceneDocument, Turn
 from contactstudy.io.scene_files.structuring import structured
 from studies.model.axis import Axis, Value
@@ -17,6 +19,8 @@ from studies.scene_study.fields import SceneField, document_of, find_field, non_
 from studies.scene_study.values import parse_values
 
 SURFACES, TILES = "surfaces", "tiles"
+# Keys of a measured surface in a file, in the order in which they are applied.
+SURFACE_KEYS = ("file", "tile", "turn")
 # Long names of axes by path; other axes have the words of their path.
 LONG_NAMES = {
     "load.per_length": "load per length",
@@ -52,21 +56,33 @@ class Variation:
 
     @property
     def is_load(self) -> bool:
-        """True if the axis is the load, along which neighbouring contacts are alike."""
+        """True if the axis is the load."""
         return self.field.path[0] == "load"
 
-    def apply(self, document: SceneDocument, value: Value) -> SceneDocument:
-        """Return `document` with the values of the fields at `value` of the axis."""
-        for field, values in self.changes:
-            path, new = field.path, values[value]
-            try:
-                if path[0] == "shapes" and path[-1] in ("file", "turn", "tile"):
-                    document = _with_surface(document, path, new)
-                else:
-                    document = replaced(document, path, new)
-            except InvalidInput as error:
-                raise InvalidInput(f"{field.name} = {value!r}: {error}") from None
-        return document
+
+def with_values(document: SceneDocument, point: Iterable[tuple[Variation, Value]]) -> SceneDocument:
+    """Return `document` with the values of all fields at the values of the axes.
+
+    A part is replaced before its own fields are: a padding before its number of images.
+    """
+    changes = [
+        (field, value, values[value]) for varied, value in point for field, values in varied.changes
+    ]
+    for field, value, new in sorted(changes, key=lambda change: _rank(change[0].path)):
+        try:
+            if _rank(field.path)[1] < len(SURFACE_KEYS):
+                document = _with_surface(document, field.path, new)
+            else:
+                document = replaced(document, field.path, new)
+        except InvalidInput as error:
+            raise InvalidInput(f"{field.name} = {value!r}: {error}") from None
+    return document
+
+
+def _rank(path: Sequence[str]) -> tuple[int, int]:
+    """Return what sorts fields by when they are set: by depth, and a surface is read, then cut, then turned."""
+    is_key = path[0] == "shapes" and path[-1] in SURFACE_KEYS
+    return len(path), SURFACE_KEYS.index(path[-1]) if is_key else len(SURFACE_KEYS)
 
 
 def joint_variation(varied: Sequence[Variation]) -> Variation:
@@ -135,7 +151,10 @@ def variation(
     values: dict[Value, Any] = {}
     for entry in raw:
         made = _converted(field, entry)
-        values.setdefault(_label(made, entry), made)
+        label = _label(made, entry)
+        if isinstance(label, str) and canonical(values.get(label, made)) != canonical(made):
+            label = f"{label} ({len(values)})"  # of an array that its representation shortens
+        values.setdefault(label, made)
     # an infinite value, such as a rigid body's modulus, has no place on a scale: such values are names
     if all(isinstance(label, int | float) and np.isfinite(label) for label in values):
         if any(isinstance(label, float) for label in values):
@@ -147,7 +166,9 @@ def variation(
         values = dict(zip(names, values.values(), strict=True))
     long_name = LONG_NAMES.get(field.name) or _long_name(document, field)
     units = field.unit.replace("N/m", "N m-1") or "1"
-    axis = Axis("_".join(field.path), tuple(values), long_name, units)
+    # the load that a contact carries is a measure
+    name = "load_case" if field.name == "load" else "_".join(field.path)
+    axis = Axis(name, tuple(values), long_name, units)
     return Variation(axis, ((field, values),))
 
 
@@ -167,6 +188,8 @@ def _converted(field: SceneField, raw: object) -> Any:
     """Return a value as the type that stands at `field`."""
     if is_dataclass(raw) or (isinstance(raw, tuple) and raw and is_dataclass(raw[0])):
         return raw  # a Python object, which the scene checks
+    if raw is None and NoneType in get_args(field.annotation):
+        return None
     if isinstance(raw, tuple):
         raw = list(raw)
     kind = non_optional(field.annotation)
@@ -289,8 +312,11 @@ def _surface(item: Any, present: MeasuredSurface) -> MeasuredSurface:
     """Return a surface as it is, or heights or a file prepared like the surface that the scene has."""
     if isinstance(item, MeasuredSurface):
         return item
-    make = MeasuredSurface.read if isinstance(item, str | Path) else MeasuredSurface
-    surface = make(item, missing=present.missing, trend=present.trend, seam=present.seam)
+    rules = {name: getattr(present, name) for name in ("missing", "trend", "seam", "seam_across")}
+    if isinstance(item, str | Path):
+        surface = MeasuredSurface.read(item, extent=present.file_extent, unit=present.unit, **rules)
+    else:
+        surface = MeasuredSurface(item, **rules)
     surface = surface if present.tile is None else surface.cut(present.tile)
     return surface.turned() if present.is_turned else surface
 
@@ -319,7 +345,15 @@ def _with_surface(document: SceneDocument, path: tuple[str, ...], new: Any) -> S
     if path[-1] == "file":
         shape = new
     elif path[-1] == "tile":
-        shape = shape.cut(new)
+        if shape.tile is not None:
+            raise InvalidInput("the surface is a tile already: leave tile out of the file.")
+        # a surface is cut before it is turned
+        shape = _as_measured(shape).cut(new).turned() if shape.is_turned else shape.cut(new)
     elif (new is Turn.QUARTER) != shape.is_turned:
-        shape = shape.turned()
+        shape = _as_measured(shape) if shape.is_turned else shape.turned()
     return replaced(document, path[:2], shape)  # type: ignore[no-any-return]
+
+
+def _as_measured(surface: MeasuredSurface) -> MeasuredSurface:
+    """Return a surface that was rotated by 90 degrees as it was before."""
+    return replace(surface.turned().turned().turned(), file=surface.file)

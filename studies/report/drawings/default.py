@@ -327,9 +327,8 @@ def _scaled(values: xr.DataArray) -> tuple[xr.DataArray, str]:
 
 
 def _label(values: xr.DataArray, unit: str = "") -> str:
-    """Return the label of an axis of a panel: the long name without its explanation, and the unit."""
-    text = str(values.attrs.get("long_name", values.name))
-    name = text.split(", counted")[0].split(", d load")[0]
+    """Return the label of an axis of a panel: the long name and the unit."""
+    name = str(values.attrs.get("long_name", values.name))
     return fill(f"{name} [{unit}]" if unit else name, 30)
 
 

@@ -87,12 +87,14 @@ def test_stiffness_and_area_on_coarse_cells_keep_to_their_bounds(smooth: Path, c
 
 
 def test_an_approach_that_is_given_is_recorded_as_given(smooth: Path, tmp_path: Path) -> None:
-    smooth.write_text(
-        SMOOTH.replace('per_length = "100 N/mm"', 'approach = "1 um"'), encoding="utf-8"
-    )
-    study = studies.study_of(smooth, {"load.approach": [1e-6, 2e-6], "plan.error": [0.1]})
+    loads = [cs.Approach(1e-6), cs.Approach(2e-6)]
+    study = studies.study_of(smooth, {"load": loads, "plan.error": [0.1]})
     dataset = run(study, tmp_path, workers=0, log=quiet)
     assert dataset["approach"].values.ravel().tolist() == [1e-6, 2e-6]
+    # over that of the load which the approach takes, to a cell at either end
+    width = 2 * cs.read_scene(smooth).scene.hertz.half_width  # type: ignore[union-attr]
+    area = dataset["contact_area"] / dataset["contact_area_over_hertz"]
+    np.testing.assert_allclose(area, width * np.sqrt(dataset["load"] / 1e5), rtol=1e-12)
 
 
 def test_every_contact_is_measured_without_asking(rough: Path, tmp_path: Path) -> None:

@@ -131,15 +131,45 @@ def test_tiles_of_a_surface_are_an_axis(smooth: Path) -> None:
     assert "planned once for 6 points" in study.notes[-1]
 
 
-def test_a_surface_is_measured_or_turned_whatever_the_scene_has() -> None:
-    measured = cs.MeasuredSurface(np.arange(12.0).reshape(3, 4) * 1e-9, extent=(1e-3, 2e-3))
+def test_a_surface_is_as_measured_cut_or_turned_whatever_the_scene_has() -> None:
+    measured = cs.MeasuredSurface(np.arange(24.0).reshape(4, 6) * 1e-9, extent=(1e-3, 2e-3))
+    upper = cs.Tile((2, 1), 1)
     for present in (measured, measured.turned()):
         document = SceneDocument(
             cs.LineLoad(1e5), (conftest.STEEL,) * 2, (cs.Cylinder(0.01), present)
         )
-        for wanted in Turn:
-            found: Any = _with_surface(document, ("shapes", "1", "turn"), wanted)
-            assert found.shapes[1].is_turned is (wanted is Turn.QUARTER)
+        for key, value, wanted in (
+            ("turn", Turn.NONE, measured),
+            ("turn", Turn.QUARTER, measured.turned()),
+            (
+                "tile",
+                upper,
+                measured.cut(upper).turned() if present.is_turned else measured.cut(upper),
+            ),
+        ):
+            found: Any = _with_surface(document, ("shapes", "1", key), value)
+            assert (found.shapes[1], found.shapes[1].is_turned) == (wanted, wanted.is_turned)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "expected"),
+    [
+        (
+            {"images": [1, 2]},
+            {"padding": [cs.Superposition(6), cs.CircularSuperposition(6)]},
+            {cs.Superposition(1), cs.Superposition(2), cs.CircularSuperposition(1), cs.CircularSuperposition(2)},
+        ),
+        ({"padding": [None]}, {}, {cs.ExactPeriodicity()}),
+    ],
+)  # fmt: skip
+def test_the_fields_of_a_part_are_set_in_every_order(
+    first: dict[str, object], second: dict[str, object], expected: set[object], smooth: Path
+) -> None:
+    file = replace(cs.read_scene(smooth), padding=cs.Superposition(6))
+    for vary in (first | second, second | first):
+        assert {case.padding for case in scenes(studies.study_of(file, vary))} == expected
+    with pytest.raises(InvalidInput, match=r"padding\.images = 1: ExactPeriodicity\(\) has no"):
+        studies.study_of(file, {"images": [1], "padding": [cs.ExactPeriodicity()]})
 
 
 def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
@@ -149,12 +179,15 @@ def test_surfaces_are_an_axis_of_names(smooth: Path, tmp_path: Path) -> None:
         heights = np.random.default_rng(ord(name)).standard_normal((40, 20)) * 1e-8
         cs.MeasuredSurface(heights, extent=(1e-3, 5e-4)).write(folder / f"{name}.nc")
     smooth.write_text(
-        SMOOTH + '[[shapes]]\nkind = "MeasuredSurface"\nfile = "measured/a.nc"\n', encoding="utf-8"
+        SMOOTH
+        + '[[shapes]]\nkind = "MeasuredSurface"\nfile = "measured/a.nc"\nseam_across = "Mirrored"\n',
+        encoding="utf-8",
     )
     study = studies.study_of(smooth, {"surfaces": "measured/*.nc"})
     assert study.axes[0].values == ("a.nc", "b.nc")
-    digests = [case.scene.shapes[1].digest for case in scenes(study)]  # type: ignore[attr-defined]
-    assert len(set(digests)) == 2
+    surfaces: list[Any] = [case.scene.shapes[1] for case in scenes(study)]
+    assert len({surface.digest for surface in surfaces}) == 2
+    assert {surface.seam_across for surface in surfaces} == {cs.Mirrored()}
 
 
 def test_the_axes_that_a_person_writes_twice_or_wrongly_are_named(rough: Path) -> None:

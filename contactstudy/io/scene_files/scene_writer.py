@@ -6,6 +6,8 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.imports import import_for
@@ -32,14 +34,7 @@ def scene_text(
     InvalidInput
         For a shape or a body that no file can hold.
     """
-    table = _fields(scene, "Scene")
-    if scene.shapes:
-        table["shapes"] = [
-            _measured_surface_table(shape, number, scene_path)
-            if isinstance(shape, MeasuredSurface)
-            else _toml_value(shape, f"Scene.shapes[{number}]")
-            for number, shape in enumerate(scene.shapes)
-        ]
+    table = _fields(scene, "Scene", scene_path)
     return _toml(table | _tables(grid, padding, settings or {}))
 
 
@@ -62,14 +57,12 @@ def _toml(table: Mapping[str, object]) -> str:
     return str(tomli_w.dumps(table))
 
 
-def _fields(value: Any, name: str) -> dict[str, Any]:
-    """Return the fields of a dataclass that are not at their default, less the shapes of a scene."""
+def _fields(value: Any, name: str, scene_path: Path | None) -> dict[str, Any]:
+    """Return the fields of a dataclass that are not at their default."""
     return {
-        member.name: _toml_value(getattr(value, member.name), f"{name}.{member.name}")
+        member.name: _toml_value(getattr(value, member.name), f"{name}.{member.name}", scene_path)
         for member in fields(value)
-        if member.init
-        and not _is_default(member, getattr(value, member.name))
-        and (name, member.name) != ("Scene", "shapes")
+        if member.init and not _is_default(member, getattr(value, member.name))
     }
 
 
@@ -79,14 +72,21 @@ def _is_default(field: Field[Any], value: object) -> bool:
     return field.default_factory is not MISSING and bool(value == field.default_factory())
 
 
-def _toml_value(value: object, name: str) -> Any:
+def _toml_value(value: object, name: str, scene_path: Path | None = None) -> Any:
     """Return a value as types of TOML: tables with their kind, lists, texts, numbers."""
     if isinstance(value, Enum):
         return value.name.lower()
+    if isinstance(value, MeasuredSurface):
+        return _measured_surface_table(value, name, scene_path)
     if is_dataclass(value) and type(value).__module__.startswith("contactstudy."):
-        return {"kind": type(value).__name__} | _fields(value, name)
+        return {"kind": type(value).__name__} | _fields(value, name, scene_path)
+    if isinstance(value, np.generic):
+        value = value.item()
     if isinstance(value, tuple | list):
-        return [_toml_value(entry, f"{name}[{number}]") for number, entry in enumerate(value)]
+        return [
+            _toml_value(entry, f"{name}[{number}]", scene_path)
+            for number, entry in enumerate(value)
+        ]
     if isinstance(value, Mapping):
         return {key: _toml_value(entry, f"{name}.{key}") for key, entry in value.items()}
     if isinstance(value, bool | int | float | str):
@@ -97,7 +97,7 @@ def _toml_value(value: object, name: str) -> Any:
 
 
 def _measured_surface_table(
-    surface: MeasuredSurface, number: int, scene_path: Path | None
+    surface: MeasuredSurface, name: str, scene_path: Path | None
 ) -> dict[str, Any]:
     """Return a measured surface as a table that names its file."""
     table: dict[str, Any] = {"kind": "MeasuredSurface"}
@@ -110,12 +110,14 @@ def _measured_surface_table(
         if surface.is_turned:
             table["turn"] = "quarter"
         if surface.tile is not None:
-            table["tile"] = _fields(surface.tile, f"Scene.shapes[{number}].tile")
+            table["tile"] = _toml_value(surface.tile, f"{name}.tile")
     elif scene_path is None:
         table["file"] = f"heights with the digest {surface.digest}, not stored"
     else:
-        table["file"] = f"{scene_path.stem}-surface-{number}.nc"
+        # named by what it holds, so that no file of another surface is overwritten
+        size = "" if surface.extent is None else "-{!r}x{!r}m".format(*surface.extent)
+        table["file"] = f"{scene_path.stem}-surface-{surface.digest}{size}.nc"
         surface.write(scene_path.parent / table["file"])
-    for name in ("missing", "trend", "seam", "seam_across"):
-        table[name] = _toml_value(getattr(surface, name), f"Scene.shapes[{number}].{name}")
+    for field in ("missing", "trend", "seam", "seam_across"):
+        table[field] = _toml_value(getattr(surface, field), f"{name}.{field}")
     return table

@@ -17,7 +17,7 @@ from cattrs.gen import make_dict_structure_fn
 
 from contactstudy.domain.checks import InvalidInput, suggestion
 from contactstudy.domain.imports import import_for
-from contactstudy.domain.units import Unit
+from contactstudy.domain.units import Number, Unit
 from contactstudy.io.scene_files.decimal_units import decimal_unit
 
 NUMBER = re.compile(r"\s*([-+]?(?:inf|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))\s*(.*?)\s*")
@@ -50,7 +50,8 @@ def in_si(field: str, value: object, unit: Unit) -> float:
     if not match[2] and match[1].endswith("inf"):  # infinite in any unit
         return float(match[1])
     source, target = decimal_unit(match[2]), decimal_unit(unit.symbol)
-    if source is not None and target is not None:
+    is_angular = unit.symbol == "Hz" and "rad" in match[2]
+    if source is not None and target is not None and not is_angular:
         if source[1] == target[1]:
             with suppress(ArithmeticError):
                 return float(Decimal(match[1]).scaleb(source[0] - target[0]))
@@ -61,6 +62,8 @@ def in_si(field: str, value: object, unit: Unit) -> float:
         parsed = registry.Quantity(
             Decimal(match[1]), registry.parse_units(match[2].replace("·", "*"))
         )
+        if unit.symbol == "Hz" and "radian" in dict(parsed.to_root_units().unit_items()):
+            parsed /= registry.turn  # cycles per second, as of rpm
         return float(parsed.to(unit.symbol).magnitude)
     except (
         pint.PintError,
@@ -133,6 +136,7 @@ class _Structure:
         )
         self.converter.register_structure_hook_factory(is_dataclass, self._dataclass)
         self.converter.register_structure_hook(int, _whole)
+        self.converter.register_structure_hook(float, lambda value, _: _number(value, Number))
         self.converter.register_structure_hook(str, _text)
         for applies, hook in hooks:
             self.converter.register_structure_hook_func(applies, hook)

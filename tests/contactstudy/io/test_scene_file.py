@@ -176,6 +176,8 @@ def test_a_measured_surface_is_read_from_beside_the_scene(tmp_path: Path) -> Non
     surface = '[[shapes]]\nkind = "MeasuredSurface"\nfile = "not-there.x3p"\n'
     with pytest.raises(cs.InvalidInput, match=r"not-there\.x3p.*give the path of an existing file"):
         read(GOOD + surface, tmp_path)
+    with pytest.raises(cs.InvalidInput, match=r"seam\.fraction: it is True: give a number"):
+        read(f'{GOOD}{surface}seam = {{kind = "Tapered", fraction = true}}', tmp_path)
 
 
 def test_each_entry_of_a_pair_has_its_own_unit(tmp_path: Path) -> None:

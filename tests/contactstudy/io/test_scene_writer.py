@@ -25,7 +25,8 @@ SHAPES: tuple[cs.Shape, ...] = (
     cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), cs.Trend.PLANE, cs.Mirrored()),
     cs.MeasuredSurface(SURFACE),
     cs.Sphere(0.02),
-    cs.MovingShape(cs.Waviness(1e-7, along=5e-5), body=1),
+    cs.MovingShape(cs.Waviness(1e-7, along=5e-5), body=np.int64(1)),  # type: ignore[arg-type]
+    cs.MovingShape(cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), trend=cs.Trend.PLANE)),
 )
 PADDINGS: tuple[cs.Padding | cs.Paddings, ...] = (
     cs.ExactPeriodicity(),
@@ -91,10 +92,18 @@ def test_a_surface_read_from_a_file_is_named_by_it(tmp_path: Path) -> None:
         tmp_path / "ground.nc", trend=cs.Trend.NONE, seam=cs.AsMeasured()
     )
     assert read.digest == surface.digest
-    for laid in (read, read.turned()):
+    for laid in (read, read.turned(), read.cut(cs.Tile((2, 2), 3))):
         written = scene(cs.Cylinder(0.01), laid)
         assert read_back(written, tmp_path).scene == written
         assert "ground.nc" in (tmp_path / "scene.toml").read_text(encoding="utf-8")
+
+
+def test_no_heights_are_overwritten_that_another_shape_is_read_from(tmp_path: Path) -> None:
+    first = scene(cs.Cylinder(0.01), cs.MeasuredSurface(SURFACE, (1e-4, 2e-4)))
+    kept = read_back(first, tmp_path).scene.shapes[1]
+    for heights, extent in ((2 * SURFACE, (1e-4, 2e-4)), (SURFACE, (1e-4, 3e-4))):
+        written = scene(cs.Cylinder(0.01), cs.MeasuredSurface(heights, extent), kept)
+        assert read_back(written, tmp_path).scene == written
 
 
 def test_a_shape_of_ones_own_is_refused_by_name(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ PASCALS = Unit("Pa", "a pressure", "1.2 GPa")
 PER_PASCAL = Unit("1/Pa", "a coefficient", "1e-17 1/Pa")
 LOAD = Unit("N/m", "a load per length", "100 N/mm")
 NUMBER = Unit("", "a number", "0.3")
+HERTZ = Unit("Hz", "a frequency", "50 Hz")
 
 
 @pytest.mark.cases(100)
@@ -28,6 +29,7 @@ NUMBER = Unit("", "a number", "0.3")
         ("0.3", NUMBER, 0.3), ("30 %", NUMBER, 0.3), ("30 %", METRES, None),
         ("90 degree", Unit("rad", "an angle", "90 degree"), math.pi / 2),
         ("inf", PASCALS, math.inf), (math.inf, PASCALS, math.inf),
+        ("3000 rpm", HERTZ, 50.0), ("2 kHz", HERTZ, 2e3), ("50 1/s", HERTZ, 50.0),
     ],
 )  # fmt: skip
 def test_a_text_with_a_unit_is_the_number_in_si(

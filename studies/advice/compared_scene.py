@@ -127,9 +127,16 @@ class ComparedScene:
 
     @cached_property
     def exact(self) -> "cs.analytic.HertzLine | None":
-        """Hertz's line contact where it is the exact solution: a smooth elastic cylinder; else None."""
+        """Hertz's line contact where it is the exact solution: a smooth elastic cylinder under a load; else None."""
         scene = self.scene
-        if scene.hertz is None or self.is_free or scene.outputs or not _is_at_rest(scene):
+        is_loaded = scene.adhesion is None and not isinstance(scene.load, cs.Approach)
+        if (
+            scene.hertz is None
+            or self.is_free
+            or scene.outputs
+            or not _is_at_rest(scene)
+            or not is_loaded
+        ):
             return None
         requirements = grid_requirements(scene)
         hertz = requirements.hertz

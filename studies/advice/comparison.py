@@ -38,7 +38,7 @@ def label_of(padding: cs.Padding | cs.Paddings) -> str:
 
 
 @dataclass(frozen=True)
-class PaddingError:
+class MeasuredPadding:
     """Error of a padding alone: its answer against the scene's own boundary on the same grid.
 
     Attributes
@@ -122,7 +122,8 @@ class Verdict:
     error
         Requested relative L1 error.
     best
-        The setting; if none meets the request, that of least error.
+        The setting; if none meets the request, that of least error, or the scene's own padding where the bound on the
+        reference is larger than the difference.
     alternatives
         The quickest setting of every other padding that meets it.
     coarser
@@ -166,8 +167,8 @@ class Comparison:
         All settings.
     notes
         A sentence for each thing that was left out or is to be known.
-    seconds
-        Wall time [s] of the measurement.
+    seconds, budget
+        Wall time [s] of the measurement, and the time that it was given.
     """
 
     name: str
@@ -178,12 +179,13 @@ class Comparison:
     reference_bound: float
     reference: tuple[int, int] | None
     bounds: Mapping[str, float]
-    paddings: tuple[PaddingError, ...]
+    paddings: tuple[MeasuredPadding, ...]
     paddings_on: tuple[int, int]
     tolerances: Mapping[float, float]
     settings: tuple[MeasuredSetting, ...]
     notes: tuple[str, ...] = ()
     seconds: float = nan
+    budget: float = nan
 
     @property
     def boundary_label(self) -> str:

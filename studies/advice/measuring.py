@@ -27,8 +27,8 @@ from studies.advice.compared_scene import (
 from studies.advice.comparison import (
     LINE,
     Comparison,
+    MeasuredPadding,
     MeasuredSetting,
-    PaddingError,
     label_of,
     with_envelope,
 )
@@ -151,7 +151,8 @@ class _Measurement:
             settings=tuple(self.settings),
         )
         comparison = self._timed_in_rounds(comparison)
-        return replace(comparison, notes=tuple(self.notes), seconds=self.budget.spent)
+        spent, given = self.budget.spent, self.budget.seconds
+        return replace(comparison, notes=tuple(self.notes), seconds=spent, budget=given)
 
     def _comparison_multiple(self) -> int:
         """Return the finest level on which all paddings can be solved in their fraction of the budget."""
@@ -179,7 +180,7 @@ class _Measurement:
             *(cs.Superposition(n) for n in SUPERPOSED_IMAGES),
         )
 
-    def _paddings(self, multiple: int) -> list[PaddingError]:
+    def _paddings(self, multiple: int) -> list[MeasuredPadding]:
         """Return the error of each padding alone, on the comparison grid."""
         cells, reference = self.nested.cells(multiple), self.nested.answers[multiple]
         errors, omitted, refused = [], [], dict[str, str]()
@@ -205,7 +206,7 @@ class _Measurement:
                 if value and name in numbers
             }
             l1 = relative_l1(pressure_of(answer), pressure_of(reference))
-            errors.append(PaddingError(padding, l1, changes))
+            errors.append(MeasuredPadding(padding, l1, changes))
         if refused:
             reason = next(iter(refused.values()))
             self.notes.append(f"Left out: {'; '.join(refused)}. For the first: {reason}")
@@ -267,7 +268,7 @@ class _Measurement:
             ):
                 yield multiple
 
-    def _settings(self, paddings: Sequence[PaddingError], reference_bound: float) -> None:
+    def _settings(self, paddings: Sequence[MeasuredPadding], reference_bound: float) -> None:
         """Measure whole settings: the scene's own padding on all grids, others on the grid that suffices first."""
         levels: list[_GridLevel] = []
         for multiple in self._multiples():
@@ -319,7 +320,7 @@ class _Measurement:
             for k, measured in enumerate(self.settings)
         ]
 
-    def _is_timed(self, item: PaddingError, paddings: Sequence[PaddingError]) -> bool:
+    def _is_timed(self, item: MeasuredPadding, paddings: Sequence[MeasuredPadding]) -> bool:
         """Return whether a padding is timed: without an n, with a small one, or with the largest if that is needed."""
         images = getattr(item.padding, "images", 0)
         longest = [

@@ -11,14 +11,15 @@ import xarray as xr
 
 import contactstudy as cs
 from studies.advice.compared_scene import Setting
-from studies.advice.comparison import Comparison, MeasuredSetting, PaddingError, name_and_images
+from studies.advice.comparison import Comparison, MeasuredPadding, MeasuredSetting, name_and_images
 from studies.reference.line_contact import padding_at
+from studies.store.fingerprint.modules import digest
 from studies.store.netcdf import check_kind, read, write
 from studies.store.provenance import provenance
 
 NAME = "settings"
 # Attributes that must be equal for stored times and errors to be those of a scene, here and now.
-MATCHED_ATTRIBUTES = ("cpu", "source", "git_revision", "key")
+MATCHED_ATTRIBUTES = ("cpu", "source", "sources", "key")
 ERROR, TIME = (
     {"units": "1", "long_name": "relative L1 error"},
     {"units": "s", "long_name": "processor time"},
@@ -31,7 +32,7 @@ SETTING = (
 # Fields of a comparison that are kept as JSON.
 AS_JSON = (
     "name", "text", "extent", "error", "reference_bound", "reference", "paddings_on", "bounds", "notes",
-    "seconds",
+    "seconds", "budget",
 )  # fmt: skip
 
 
@@ -42,9 +43,18 @@ def path_in(out: Path) -> Path:
 
 def store(comparison: Comparison, key: str, out: Path) -> xr.Dataset:
     """Write the comparison of a scene with a key into a folder, and return its Dataset."""
-    dataset = to_dataset(comparison).assign_attrs({**provenance(), "key": key})
+    dataset = to_dataset(comparison).assign_attrs(_identity(key))
     write(dataset, path_in(out))
     return dataset
+
+
+def _identity(key: str) -> dict[str, str]:
+    """Return what a comparison is stored under: its provenance, a digest of what solves and compares, and its key."""
+    root = Path(__file__).parents[2]
+    folders = ("contactstudy/**", "studies/advice", "studies/reference")
+    files = sorted(path for folder in folders for path in root.glob(f"{folder}/*.py"))
+    sources = digest(b"".join(path.read_bytes() for path in files))
+    return {**provenance(), "sources": sources, "key": key}
 
 
 def stored(key: str, out: Path) -> Comparison | None:
@@ -56,7 +66,7 @@ def stored(key: str, out: Path) -> Comparison | None:
     if not path_in(out).is_file():
         return None
     dataset = read(path_in(out))
-    now = {**provenance(), "key": key}
+    now = _identity(key)
     if any(dataset.attrs.get(name) != now[name] for name in MATCHED_ATTRIBUTES):
         return None
     return from_dataset(dataset)
@@ -109,7 +119,9 @@ def from_dataset(dataset: xr.Dataset) -> Comparison:
     )  # fmt: skip
     columns = (values[name] for name in ("padding_alone", "padding_error_l1", "padding_change"))
     paddings = tuple(
-        PaddingError(from_text(text), error, {name: part for name, part in row if isfinite(part)})
+        MeasuredPadding(
+            from_text(text), error, {name: part for name, part in row if isfinite(part)}
+        )
         for text, error, changes in zip(*columns, strict=True)
         for row in [zip(values["quantity"], changes, strict=True)]
     )

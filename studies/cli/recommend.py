@@ -54,7 +54,8 @@ def recommendation(
 ) -> None:
     """Recommend the fastest measured padding, grid and tolerance that meet an error.
 
-    Measurements that an earlier report or recommendation stored are used; otherwise they are taken now.
+    Measurements that an earlier report or recommendation stored are used if they meet the error, or had as many seconds;
+    otherwise they are taken now.
     """
     from studies.report.wording import alternatives_text, verdict_text
 
@@ -97,7 +98,7 @@ def measured_scene(
     from studies.report.scene_sections import comparison_of
 
     reserved = kept * (perf_counter() - start)
-    budget = Budget(max(seconds - reserved, seconds / 4), start)
+    budget = Budget(seconds, start - min(reserved, 0.75 * seconds))
     described = paper_scene() if scene is None else scene_in(scene)
     folder = out if scene is None else out / scene.stem
     return comparison_of(described, error, budget, folder, log), folder

@@ -5,17 +5,17 @@ import platform
 import shlex
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from contactstudy.elasticity.transforms import TRANSFORMS
 
-# packages that compute and store
-PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "netCDF4")
+# packages that compute and store, those that may be missing last
+PACKAGES = ("contactstudy", "numpy", "scipy", "xarray", "netCDF4", "ducc0", "numba")
 
 
 def provenance() -> Mapping[str, str]:
@@ -24,7 +24,7 @@ def provenance() -> Mapping[str, str]:
     command = shlex.join([Path(sys.argv[0]).name, *sys.argv[1:]])
     return {
         "Conventions": "CF-1.11",
-        "source": ", ".join(f"{name} {version(name)}" for name in PACKAGES),
+        "source": ", ".join(_versions()),
         "transforms": type(TRANSFORMS).__name__,
         "history": f"{now} {command}",
         "python": platform.python_version(),
@@ -33,6 +33,13 @@ def provenance() -> Mapping[str, str]:
         "cpu_count": str(os.cpu_count()),
         "platform": platform.platform(),
     }
+
+
+def _versions() -> Iterator[str]:
+    """Yield names and versions of the packages that are installed."""
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            yield f"{name} {version(name)}"
 
 
 def machine() -> str:

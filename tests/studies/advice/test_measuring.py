@@ -27,17 +27,18 @@ from studies.advice.compared_scene import (
 from studies.advice.comparison import (
     LINE,
     Comparison,
+    MeasuredPadding,
     MeasuredSetting,
-    PaddingError,
     label_of,
     with_envelope,
 )
 from studies.advice.front import pareto_front
 from studies.advice.measuring import compare_settings
 from studies.advice.nested_answers import Budget, NestedAnswers
-from studies.advice.rounds import median_ratio_and_p, sign_test, times_in_rounds
+from studies.advice.rounds import median_ratio_and_p, times_in_rounds
 from studies.advice.stored import as_text, from_text, path_in, store, stored
 from studies.reference.line_contact import HERTZ, SCENE, hertz_means, relative_l1
+from studies.report.scene_sections import comparison_of
 from studies.store.netcdf import check_kind
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -150,10 +151,15 @@ def test_errors_are_over_the_norm_of_a_pressure_that_also_pulls() -> None:
     assert relative_l1(pulls + 0.4, pulls) == pytest.approx(0.2)
 
 
-def test_a_stored_comparison_is_of_its_scene_alone(tmp_path: Path, cylinder: Comparison) -> None:
+def test_a_stored_comparison_is_of_its_scene_and_program_alone(
+    tmp_path: Path, cylinder: Comparison, monkeypatch: pytest.MonkeyPatch
+) -> None:
     store(cylinder, paper_scene().key, tmp_path)
     assert stored(paper_scene().key, tmp_path) == cylinder
     assert stored(paper_scene(period=0.6).key, tmp_path) is None
+    with monkeypatch.context() as edited:  # in a checkout whose revision stays
+        edited.setattr(Path, "read_bytes", lambda path: b"# edited")
+        assert stored(paper_scene().key, tmp_path) is None
     # a study settings.py would write a file of the same name
     with pytest.raises(cs.InvalidInput, match="holds a comparison, which the study would replace"):
         check_kind(path_in(tmp_path), "study")
@@ -174,6 +180,25 @@ def test_a_stored_comparison_is_of_its_scene_alone(tmp_path: Path, cylinder: Com
 def test_a_scene_without_settings_to_compare_is_refused(scene: cs.Scene, remedy: str) -> None:
     with pytest.raises(cs.InvalidInput, match=remedy):
         compared_scene(cs.SceneFile(scene), "refused")
+
+
+def test_a_stored_comparison_that_had_too_few_seconds_is_measured_again(tmp_path: Path) -> None:
+    for seconds, measured in ((1e-6, True), (1e-6, False), (1e-5, True)):
+        said = list[str]()
+        found = comparison_of(paper_scene(), 1e-3, Budget(seconds), tmp_path, said.append)
+        assert found.budget == seconds
+        assert (not any("stored" in text for text in said)) is measured
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"adhesion": cs.Adhesion(5.0, range=1e-7)}, {"load": cs.Approach(7.5e-7, datum=1.25e-4)}],
+    ids=["adhesion", "a given approach"],
+)
+def test_hertz_is_the_reference_of_no_contact_under_other_forces(changed: dict[str, Any]) -> None:
+    grid = cs.Grid((32, 1), (2.5e-4, 1e-4))
+    file = cs.SceneFile(replace(SCENE, **changed), grid=grid)
+    assert compared_scene(file, "other forces").exact is None
 
 
 @pytest.mark.parametrize(
@@ -197,19 +222,12 @@ def test_nothing_on_the_front_is_beaten_and_all_else_is(pairs: list[tuple[float,
         assert ((cost[front] <= c) & (error[front] <= e)).any()
 
 
-def test_the_sign_test_counts_the_tosses_of_a_fair_coin() -> None:
-    # all of eight alike: two of 256 outcomes; seven of eight: 2 (1 + 8) of them
-    assert sign_test(8, 0) == 2 / 256
-    assert sign_test(1, 7) == 18 / 256
-    assert sign_test(4, 4) == 1
-    assert sign_test(0, 0) == 1
-
-
 def test_paired_times_are_compared_within_their_round() -> None:
     # a slow third round slows both: the ratio stays 2
     found, chance = median_ratio_and_p([2.0, 4.0, 200.0, nan], [1.0, 2.0, 100.0, 1.0])
     assert found == pytest.approx(2)
-    assert chance == 0.25
+    assert chance == 0.25  # three of three alike: two of 8 outcomes
+    assert median_ratio_and_p([1.0, 1.0], [1.0, 1.0]) == (1, 1)
 
 
 def test_every_round_takes_each_call_once_and_not_always_in_one_order() -> None:
@@ -244,7 +262,7 @@ def of(*settings: MeasuredSetting, reference_bound: float = 0.0) -> Comparison:
         name="hand", text="", extent=(1e-3, 1e-3), boundary=EXACT, error=0.03,
         reference_bound=reference_bound, reference=(96, 96),
         bounds={"pressure_l1": reference_bound, "peak_pressure": inf},
-        paddings=(PaddingError(COPIED, 0.02, {"mean_gap": 0.1}),),
+        paddings=(MeasuredPadding(COPIED, 0.02, {"mean_gap": 0.1}),),
         paddings_on=(48, 48), tolerances={1e-2: 1e-3}, settings=settings, notes=("A note.",), seconds=3.0,
     )  # fmt: skip
 

@@ -121,7 +121,10 @@ def contact_dataset(
         "history": f"{datetime.now(UTC).isoformat(timespec='seconds')} {shlex.join(sys.argv)}"
     }
     if isinstance(description, PosedScene):
-        dataset = dataset.assign(_scene_variables(description))
+        scene = description.scene
+        # Hertz's values are those of the load, which neither an approach nor an attraction gives
+        if scene.adhesion is None and isinstance(scene.load, ConstantLoad | ChangingLoad):
+            dataset = dataset.assign(_hertz(scene.hertz))
         dataset.attrs |= _measured_surfaces(description) | {"scene": scene_attribute(description)}
     dataset = dataset.assign({name: field_variable(field) for name, field in derived.items()})
     return with_quantities(_with_errors(dataset, error), quantities)
@@ -136,26 +139,16 @@ def with_quantities(dataset: xr.Dataset, quantities: Quantities) -> xr.Dataset:
     for name, quantity in quantities.items():
         if name in dataset:
             continue
-        variables[name] = _number(quantity.value, quantity.unit, quantity.label)
-        variables[f"{name}_bound"] = _number(
-            quantity.bound, quantity.unit, f"bound of the error: {quantity.label}"
-        )
+        unit, bound = quantity.unit, f"{name}_bound"
+        variables[name] = _number(quantity.value, unit, quantity.label, ancillary_variables=bound)
+        variables[bound] = _number(quantity.bound, unit, f"bound of the error: {quantity.label}")
     return dataset.assign(variables)
 
 
-def _scene_variables(posed: PosedScene) -> dict[str, xr.Variable]:
-    """Return the load where it is given, and Hertz's values where they are those of this load."""
-    load, values = posed.scene.load, {}
-    if isinstance(load, ConstantLoad | ChangingLoad):
-        values["load_per_length"] = _number(load.largest, "N m-1", "load per length")
-    hertz = posed.scene.hertz
-    if hertz is None or posed.scene.adhesion is not None or not values:
-        return values
-    return values | _hertz(hertz)
-
-
-def _hertz(hertz: HertzLine) -> dict[str, xr.Variable]:
-    """Return half-width and peak pressure of Hertz's line contact."""
+def _hertz(hertz: HertzLine | None) -> dict[str, xr.Variable]:
+    """Return half-width and peak pressure of Hertz's line contact, if there is one."""
+    if hertz is None:
+        return {}
     half_width, peak = hertz.half_width, hertz.peak_pressure
     return {
         "hertz_half_width": _number(half_width, "m", "half-width of Hertz's line contact"),

@@ -59,18 +59,18 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
     length = roller_length(evolution.description)
     of_one = per_length(1.0, "m2", "contact area", length, grid.length)
     area = labelled("time", evolution.contact_area * of_one.value, of_one.unit, of_one.label)
+    loads = np.array([frame.load for frame in frames]) * grid.length / (length or grid.length)
     dataset = xr.Dataset(
         over_time(
             ("pressure", "Pa", "contact pressure", "x", "y"),
             ("gap", "m", "gap after deformation", "x", "y"),
-            ("load", "N m-1", "load per length"),
             ("approach", "m", "approach of the bodies"),
             ("peak_pressure", "Pa", "peak pressure"),
         )
-        | {"contact_area": area}
+        | {"contact_area": area, "load": labelled("time", loads, "N m-1", "load per length")}
         | over_time(
-            ("step_error", "1", "estimated L1 error by steps in time"),
-            ("grid_error", "1", "estimated L1 error by cells"),
+            ("step_error", "1", "estimated time-discretisation error in L1"),
+            ("grid_error", "1", "estimated discretisation error in L1"),
             ("residual", "1", "residual of the solver"),
             ("solves", "1", "contact solves since the previous instant"),
             ("iterations", "1", "iterations since the previous instant"),

@@ -257,7 +257,7 @@ def _loop(ax: Axes, evolved: xr.Dataset) -> None:
 
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:
-    """Draw the errors by the steps and by the cells, where they are known and not zero."""
+    """Draw the time-discretisation and the discretisation error, where they are known and not zero."""
     for name, color in (("step_error", "#D55E00"), ("grid_error", "#0072B2")):
         values = evolved[name].values
         shown = np.isfinite(values) & (values > 0)

@@ -259,7 +259,7 @@ def _of_cycle(
         "energy_per_cycle": dissipated,
         "largest_slip": largest_slip,
         "largest_shear": Quantity(
-            traction.largest_shear, "Pa", "largest shear traction of all steps"
+            traction.largest_shear, "Pa", "largest tangential traction of all steps"
         ),
     }
 

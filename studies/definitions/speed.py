@@ -123,13 +123,13 @@ def self_affine(grid: cs.Grid, hurst: float, cut_off: float, fraction: float) ->
 
 
 def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable]:
-    """Return the fraction in contact, the most memory a solve holds, and its time over that of its transforms."""
+    """Return the fraction in contact, the peak host memory of a solve, and its time over that of its transforms."""
     problem = result.problem
     peak = peak_bytes(lambda: case.solved(problem, ENOUGH))
     seconds = least_seconds(clock_of(case.device), lambda: case.run(problem))
     pair = transform_seconds(problem.operator, case.case.options.precision, case.device)
     fields, ratio = peak / (8 * prod(problem.grid.cells)), seconds / (result.convolutions * pair)
-    what = "peak memory of a solve over that of one field in double precision"
+    what = "peak host memory of a solve over that of one field in double precision"
     return {
         "contact_fraction": contact_fraction(result.pressure),
         "memory": dimensionless(fields, what),

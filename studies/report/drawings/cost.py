@@ -129,12 +129,12 @@ LABELS = {
 def _speed_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw time, iterations and the ratio to bare transforms against the grid, a line for each surface."""
     fig, axes = panels(len(LABELS))
+    surfaces = list(zip(_surfaces(dataset).items(), cycle(COLORS), strict=False))
+    ways = list(zip(_ways(dataset).items(), cycle(LINES), strict=False))
     for ax, (variable, title) in zip(axes, LABELS.items(), strict=True):
-        # the number of iterations does not depend on the threads
-        ways = list(_ways(dataset).items())[: 1 if variable == "iterations" else None]
-        lines = product(_surfaces(dataset).items(), zip(ways, cycle(LINES), strict=False))
-        for number, ((name, surface), ((way, chosen), line)) in enumerate(lines):
-            color = COLORS[number // len(ways) % len(COLORS)]
+        for ((name, surface), color), ((way, chosen), line) in product(surfaces, ways):
+            if variable == "iterations" and chosen["threads"] != dataset["threads"].values[0]:
+                continue  # it does not depend on the threads
             curve = dataset[variable].sel(surface | chosen)
             label = f"{name}{way}"
             ax.plot(dataset["grid"], curve, line, color=color, marker="o", label=label)
@@ -180,7 +180,7 @@ def _speed_caption(dataset: xr.Dataset) -> str:
     device = thread_count(finest["threads"]) if on_cpu else "a GPU"
     facts = [
         f"{name}: {int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s, "
-        f"{percent(part['contact_fraction'])} in contact, {float(part['memory']):.0f} fields of memory"
+        f"{percent(part['contact_fraction'])} in contact, {float(part['memory']):.0f} fields of host memory"
         for name, part in _each(finest)
     ]
     return (

@@ -43,6 +43,13 @@ def test_of_three_numbers_of_threads_the_first_and_the_last_are_compared() -> No
     assert "is 2.5 to 2.5 times as fast on 4 threads as on 1 thread" in said
 
 
+def test_iterations_are_drawn_on_each_device() -> None:
+    both = xr.concat([speed(), speed("gpu")], "device")
+    (drawn,) = load_drawing("speed").figure(both)
+    labels = {line.get_label() for line in drawn.figure.axes[1].lines}
+    assert {"rough, cpu, 1 thread", "rough, gpu"} <= labels
+
+
 def test_the_speed_is_said_from_the_coarsest_grid_to_the_finest() -> None:
     [said] = findings("speed", speed())
     # 27 over 25 of the first surface is the largest growth

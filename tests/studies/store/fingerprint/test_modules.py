@@ -54,6 +54,9 @@ HOW = {
     "in a function": "def f():\n    import other_of_study\nf()",
     "by a computed name": "import importlib\nimportlib.import_module('other_' + 'of_study')",
     "and deleted": "import other_of_study, sys\ndel sys.modules['other_of_study']",
+    "beside a package without a file, as six.moves is": "import other_of_study, sys\nfrom importlib.machinery "
+    "import ModuleSpec\nfrom importlib.util import module_from_spec\nname = __name__ + '.moves'\n"
+    "sys.modules[name] = module_from_spec(ModuleSpec(name, None, is_package=True))",
 }
 
 

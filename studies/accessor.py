@@ -55,7 +55,9 @@ class StudyAccessor:
 
         Least squares through the logarithms; points where the error is zero or missing are left out.
         """
-        one_of("axis", axis, self.axes)
+        one_of(
+            "axis", axis, [name for name in self.axes if self._dataset[name].dtype.kind in "iuf"]
+        )
         for name, value in at.items():
             one_of("order", name, [other for other in self.axes if other != axis])
             if value not in self._dataset[name].values:
@@ -121,7 +123,8 @@ class StudyAccessor:
         """Return a table of all good points with their cost and the absolute error."""
         both = xr.Dataset({error: abs(self._variable(error)), "cost": self.cost})
         both = both.where(self._dataset["case_status"] == CaseStatus.OK)
-        table = both.to_dataframe(dim_order=list(self.axes)).reset_index()
+        order = [*self.axes, *(dim for dim in both.dims if dim not in self.axes)]
+        table = both.to_dataframe(dim_order=order).reset_index()
         # points of one case stand once
         return table.dropna(subset=[error, "cost"]).drop_duplicates([error, "cost"])
 

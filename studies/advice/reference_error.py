@@ -55,11 +55,10 @@ def pressure_error(case: ReferencedCase, answer: Answer) -> Mapping[str, xr.Vari
 
 def against(study: Study, axis: str, value: Value) -> Study:
     """Return the study of a scene with errors against the value of an axis, at which it has none."""
-    index = next(entry.values for entry in study.axes if entry.name == axis).index(value)
     return replace(
         study,
         case_at=_WithReference(study.case_at, axis, value),
-        attributes={**study.attributes, "reference": f"{axis}={index}"},
+        attributes={**study.attributes, "reference": f"{axis}={value}"},
     )
 
 

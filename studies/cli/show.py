@@ -1,5 +1,6 @@
 """The commands on stored files: ``contactstudy show FILE.nc`` and ``contactstudy compare A.nc B.nc``."""
 
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +11,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.imports import import_for
 from contactstudy.domain.units import display_unit_of
 from studies.cli.options import PLOT, figures_option, names_in, out_option, refuse
+from studies.model.outcome import is_time
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,9 +63,9 @@ def show(
         click.echo(_csv(dataset), nl=False)
         return
     folder = open_folder(out or file.parent)
-    is_study, at_rest = "case_status" in dataset, "gap" in dataset and "time" not in dataset.dims
+    is_study = "case_status" in dataset
     if "vtk" in chosen:
-        if not at_rest:
+        if is_study or "gap" not in dataset or "time" in dataset.dims:
             raise InvalidInput(
                 "--format has vtk, which is for a dry contact at rest: leave it out for other files."
             )
@@ -122,7 +124,7 @@ def _csv(dataset: "xr.Dataset") -> str:
     names.sort(key=_column_order)
     flat = dataset[names].assign({name: _with_flag_meanings(dataset[name]) for name in names})
     if "contended" not in flat or (flat["contended"] == "not_timed").all():
-        flat = flat.drop_vars([name for name in names if _is_time(name)])
+        flat = flat.drop_vars([name for name in names if is_time(name)])
     flat = flat.reset_coords(drop=True)
     if axes:
         table = flat.to_dataframe(dim_order=axes).reset_index()
@@ -144,11 +146,6 @@ def _column_order(name: str) -> int:
     """Return the position of a column among :data:`SORTED_LAST`, 0 for any other."""
     places = [place for place, word in enumerate(SORTED_LAST, start=1) if word in name]
     return max(places, default=0)
-
-
-def _is_time(name: str) -> bool:
-    """Return whether a column has times of a case, which depend on the machine."""
-    return name == "contended" or name.startswith(("setup_time", "solve_time", "wall_time"))
 
 
 def _header(dataset: "xr.Dataset", name: str) -> tuple[str, float]:
@@ -180,6 +177,11 @@ def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
     """Write pressure and gap over the cells as a rectilinear grid, and stress as points in depth; return the file."""
     write = import_for("--format vtk", "pyevtk.hl").gridToVTK
     edges = [_edges(dataset[axis].values) for axis in ("x", "y")]
+    if (
+        len(edges[1]) == 2
+    ):  # a cell alone is as long as the scene's grid, or square where that is not known
+        grid = tomllib.loads(str(dataset.attrs.get("scene", ""))).get("grid", {})
+        edges[1] *= grid.get("extent", (0.0, np.diff(edges[0])[0]))[1]
     # its cells lie between edges: one thin layer, so that the map is seen from above
     shown = [name for name in ("pressure", "gap", "displacement") if name in dataset]
     cells = {name: np.ascontiguousarray(dataset[name].values[:, :, None]) for name in shown}
@@ -199,10 +201,8 @@ def _vtk(dataset: "xr.Dataset", stem: Path) -> str:
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:
-    """Return the edges of cells with these centres [m]."""
-    if len(centres) == 1:
-        return np.array([-0.5, 0.5]) * (abs(float(centres[0])) or 1e-6)
-    step = float(centres[-1] - centres[0]) / (len(centres) - 1)
+    """Return the edges of cells with these centres [m]; of a single one those of a cell of length 1."""
+    step = float(centres[-1] - centres[0]) / (len(centres) - 1) if len(centres) > 1 else 1.0
     return np.asarray(centres[0] + step * (np.arange(len(centres) + 1) - 0.5))
 
 
@@ -222,7 +222,8 @@ def compare(context: click.Context, /, first: Path, second: Path, out: Path | No
     from studies.store.netcdf import open_folder, read_any
 
     a, b = read_any(first), read_any(second)
-    if "pressure" in a and "pressure" in b:
+    of_studies = {"case_status" in a, "case_status" in b}
+    if of_studies == {False} and "pressure" in a and "pressure" in b:
         comparison = cs.compare(a, b)
         for line in str(comparison).splitlines():
             click.echo(line)
@@ -231,7 +232,7 @@ def compare(context: click.Context, /, first: Path, second: Path, out: Path | No
             with replacing(open_folder(out) / name) as partial:
                 comparison.plot().savefig(partial)
             click.echo(f"wrote {out / name}")
-    elif "case_status" in a and "case_status" in b:
+    elif of_studies == {True}:
         refuse(context, "two solutions, and not for two runs of a study", "out")
         for line in changes(a, b):
             click.echo(line)

@@ -54,11 +54,6 @@ class CaseOnDevice:
     case: Case
     device: Device
 
-    @property
-    def threads(self) -> int:
-        """Number of threads of the processor that a solve uses."""
-        return self.device.threads if isinstance(self.device, cs.Cpu) else 1
-
     def prepare(self) -> cs.Problem:
         """Return the problem: influence coefficients, transforms, gap."""
         return self.case.prepare()

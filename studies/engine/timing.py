@@ -18,7 +18,7 @@ def take_times(results: Results, settings: RunSettings, stop: Stop) -> None:
     journal, cases = results.journal, results.request.cases
     counts = results.missing_timed_runs()
     if results.options.old_times == "dropped":
-        journal.drop_times()
+        journal.drop_times(counts)
     if not counts:
         return
     # what processes need is imported where there are some
@@ -29,17 +29,16 @@ def take_times(results: Results, settings: RunSettings, stop: Stop) -> None:
     longest = {type(cases[name]): name for name in sorted(expected, key=expected.__getitem__)
                if expected[name] < MAX_WARM_UP}  # fmt: skip
     # every case once, then every case again
-    turns = sorted(
-        (turn, index) for index, name in enumerate(counts) for turn in range(counts[name])
-    )
-    names, without_times = list(counts), set()
+    repeats = max(counts.values())
+    runs = [name for repeat in range(repeats) for name, count in counts.items() if repeat < count]
+    without_times = set()
     with (
         SupervisedProcess(pickled_settings(settings)) as process,
-        progress_of(results.study.name, "timing", len(turns), "run", results.log) as progress,
+        progress_of(results.study.name, "timing", len(runs), "run", results.log) as progress,
     ):
         for counted, name in (
             *((False, name) for name in longest.values()),
-            *((True, names[index]) for _, index in turns),
+            *((True, name) for name in runs),
         ):
             if name in without_times:
                 continue

@@ -88,10 +88,11 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     if failed.size:
         first = dataset["error"].values.ravel()[failed.min()]
         yield f"{failed.size} of {places.size} cases failed, the first with {first}"
-    if "solver_status" in dataset and dataset["solver_status"].shape == statuses.shape:
-        ended = dataset["solver_status"].values.ravel()[places]
-        solves, meanings = np.isfinite(ended).sum(), dataset["solver_status"].attrs["flag_meanings"]
-        for number, meaning in enumerate(str(meanings).upper().split()):
+    status = dataset.get("solver_status")
+    if status is not None and "flag_meanings" in status.attrs and status.shape == statuses.shape:
+        ended = status.values.ravel()[places]
+        solves = np.isfinite(ended).sum()
+        for number, meaning in enumerate(str(status.attrs["flag_meanings"]).upper().split()):
             if number and (count := np.count_nonzero(ended == number)):
                 yield f"{count} of {solves} solves ended with {meaning}; see 'solver_status'"
     if "accuracy_met" in dataset and dataset["accuracy_met"].shape == statuses.shape:
@@ -102,6 +103,8 @@ def summary_messages(dataset: xr.Dataset) -> Iterator[str]:
     for name, bound in dataset.data_vars.items():
         value = dataset.get(str(name).removesuffix("_bound"))
         if value is None or value.name == name or bound.shape != statuses.shape:
+            continue
+        if not {value.dtype.kind, bound.dtype.kind} <= set("iuf"):
             continue
         has_value, has_bound = (np.isfinite(of.values.ravel()[places]) for of in (value, bound))
         # where no case has a bound, the answer gives the reason
@@ -162,8 +165,6 @@ class TimedRun:
         Wall time of set-up and solve [s].
     setup_cpu, solve_cpu
         CPU time of set-up and solve [s].
-    threads
-        Threads of the case.
     calibration_time
         Wall time [s] of a fixed piece of work beside the run, the longer of before and after.
     """
@@ -172,8 +173,12 @@ class TimedRun:
     solve: float
     setup_cpu: float
     solve_cpu: float
-    threads: int
     calibration_time: float = 0.0
+
+
+def is_time(name: str) -> bool:
+    """Return whether a variable has times of a case, which depend on the machine."""
+    return name == "contended" or name.startswith(("setup_time", "solve_time", "wall_time"))
 
 
 def is_contended(samples: Sequence[TimedRun], calibration_time: float = np.inf) -> bool:

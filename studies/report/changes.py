@@ -6,10 +6,12 @@ import numpy as np
 import xarray as xr
 
 from contactstudy import InvalidInput
+from studies.model.outcome import is_time
 
-# Times differ between runs; numbers of the solver change within its tolerance.
 STATUSES = ("case_status", "solver_status")
-LEFT_OUT = ("_time", "residual", "iterations", "convolutions", "_estimate_residual", "_bound")
+# Numbers of the solver, and ends of names of others, that change within its tolerance.
+OF_SOLVER = ("residual", "iterations", "linear_iterations", "outer_iterations", "convolutions")
+LEFT_OUT_ENDS = ("_estimate_residual", "_bound")
 
 
 def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
@@ -38,7 +40,7 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         is_measure = all(
             run[name].dtype.kind in "biuf" and set(axes) <= set(run[name].dims) for run in runs
         )
-        if not is_measure or any(part in name for part in LEFT_OUT):
+        if not is_measure or is_time(name) or name in OF_SOLVER or name.endswith(LEFT_OUT_ENDS):
             continue
         if len(runs) == 1:
             sentences.append(f"{name} is in the {'first' if name in a else 'second'} run alone")
@@ -59,7 +61,7 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
             change = np.abs(after - before)
         if not np.nan_to_num(change).any():
             continue
-        scale = float(np.nanmax(np.abs(before)))
+        scale = float(np.abs(before[np.isfinite(before)]).max(initial=0.0))
         index = np.unravel_index(int(np.nanargmax(change)), change.shape)
         at = {dim: a[dim].values[k] for dim, k in zip(dims, index, strict=True)}
         x, y = float(before[index]), float(after[index])

@@ -28,7 +28,7 @@ from studies.store.records import (
     without_garbage_collection,
 )
 
-FORMAT = 7
+FORMAT = 8
 # errors that a line may raise which no version has written
 MALFORMED_LINE = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError)
 # Seconds after which lines are synced to the disk, which takes 0.3 ms; shorter cases are synced together.
@@ -176,9 +176,9 @@ class Journal:
         about = {"time": key, "program": self.records[key].stamp, "machine": self._machine}
         self._write(about | line)
 
-    def drop_times(self) -> None:
-        """Make all timed runs so far invalid."""
-        self._write({"retime": True})
+    def drop_times(self, keys: Iterable[str]) -> None:
+        """Make all timed runs of some cases on this machine invalid."""
+        self._write({"retime": list(keys), "machine": self._machine})
 
     def samples_of(self, key: str) -> list[TimedRun]:
         """Return the timed runs of the present record of a case."""
@@ -336,7 +336,7 @@ class Journal:
                     key, status, line["seconds"], line["exact"], stamp, state, raw
                 )
                 self.interrupted = None if self.interrupted == key else self.interrupted
-            case {"time": _, "machine": machine} if machine != self._machine:
+            case {"machine": machine} if machine != self._machine:
                 pass
             case {"time": key, "program": stamp, "sample": sample}:
                 timed_run = TimedRun(**sample)
@@ -344,10 +344,11 @@ class Journal:
                 self.times.update(raw)
             case {"time": key, "program": stamp, "reason": why}:
                 self.untimed[key, stamp] = why
-            case {"retime": True}:
+            case {"retime": list(keys)}:
                 self.times.update(raw)
-                self.samples.clear()
-                self.untimed.clear()
+                dropped = set(keys)
+                self.samples = {of: t for of, t in self.samples.items() if of[0] not in dropped}
+                self.untimed = {of: t for of, t in self.untimed.items() if of[0] not in dropped}
             case {"begin": key}:
                 self.interrupted = key
             case {"program": stamp, "part": part, "state": state, "loaded": loaded}:

@@ -64,6 +64,12 @@ def test_the_front_and_the_cheapest_are_those_by_hand(dataset: xr.Dataset) -> No
         assert (best["mode"], best["grid"]) == cheapest
 
 
+def test_an_error_along_a_dimension_of_its_own_has_a_front(dataset: xr.Dataset) -> None:
+    dataset["profile"] = dataset["profile"] + dataset["x"] + 1.0
+    cheapest = dataset.study.cheapest("profile", 1.0)
+    assert (cheapest["mode"], cheapest["grid"], cheapest["x"]) == ("a", 16, 0.0)
+
+
 def test_a_failed_case_is_no_setting(dataset: xr.Dataset) -> None:
     dataset["case_status"][0, 0] = CaseStatus.FAILED
     front = dataset.study.pareto("error_max")
@@ -95,3 +101,5 @@ def test_what_is_not_there_is_refused_with_a_remedy(dataset: xr.Dataset) -> None
         dataset.study.order("error_max", "grid", mode="c")
     with pytest.raises(InvalidInput, match="variable is 'profile'"):
         dataset.study.table(["profile"])
+    with pytest.raises(InvalidInput, match="axis is 'mode'"):
+        dataset.study.order("error_max", "mode", grid=16)

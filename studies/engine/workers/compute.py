@@ -98,7 +98,7 @@ def time_once(case: Computation) -> TimedRun:
     case.run(prepared)
     finished, finished_cpu = perf_counter(), process_time()
     times = ready - wall, finished - ready, ready_cpu - cpu, finished_cpu - ready_cpu
-    return TimedRun(*times, getattr(case, "threads", 1), max(before, _reference_time()))
+    return TimedRun(*times, max(before, _reference_time()))
 
 
 def _reference_time() -> float:
@@ -114,7 +114,7 @@ def _reference_time() -> float:
 def timed_out(limit: float | None, stage: str, seconds: float) -> Outcome:
     """Return the outcome of a case that took longer than ``limit`` [s]."""
     # a timed run has a limit of its own
-    remedy = "" if stage == "timing" else "; give more with --time-limit"
+    remedy = "" if stage == "timing" else "; give more with --time-limit and --retry timeout"
     sentence = f"TimeLimitError: not done after {limit:g} s{remedy}"
     return Outcome(CaseStatus.TIMEOUT, {}, Failure("TimeLimitError", sentence, stage), seconds)
 

@@ -21,15 +21,16 @@ NOT_NESTED = " No error of the pressure in L1: the grids differ in extent, or do
 def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigure]:
     """Draw the relative errors of some measures against the sweep's reference, and over the times of its cases.
 
-    The attribute ``reference`` of the dataset names an axis and the place on it, such as ``padding=2``; without it
-    nothing is drawn. Of the other axes the largest error counts.
+    The attribute ``reference`` of the dataset names an axis and the value on it, such as ``load_per_length=10000.0``;
+    without it nothing is drawn. Of the other axes the largest error counts, and the median time.
     """
-    axis, _, place = str(dataset.attrs.get("reference", "")).partition("=")
+    axis, _, value = str(dataset.attrs.get("reference", "")).partition("=")
     if axis not in dataset["case_status"].dims or dataset.sizes[axis] < 2:
         return ()
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
-    true = good.isel({axis: int(place)})
-    compared = good.isel({axis: [k for k in range(dataset.sizes[axis]) if k != int(place)]})
+    is_reference = np.array([str(other) == value for other in dataset[axis].values.tolist()])
+    true = good.isel({axis: int(is_reference.argmax())})
+    compared = good.isel({axis: ~is_reference})
     other_axes = [name for name in dataset["case_status"].dims if name != axis]
     # the datum of an approach, for one, may differ between paddings
     bounded = [name for name in names if np.isfinite(true.get(f"{name}_bound", np.inf)).all()]
@@ -114,5 +115,6 @@ def _front(
     return captioned(
         "front",
         fig,
-        f"Relative error of the {name} against {reference}, over the time of a case; the line joins the Pareto front.",
+        f"Relative error of the {name} against {reference}, over the time of a case; of several cases at one value the "
+        "largest error and the median time. The line joins the Pareto front.",
     )

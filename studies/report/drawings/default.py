@@ -18,7 +18,7 @@ from contactstudy import InvalidInput
 from contactstudy.domain.units import display_unit_of
 from studies.model.axis import is_geometric, one_of
 from studies.model.drawing import CaptionedFigure
-from studies.model.outcome import CaseStatus
+from studies.model.outcome import CaseStatus, is_time
 from studies.report.drawings import against_reference
 from studies.report.style import COLORS, captioned, panels, percent, write_powers
 
@@ -129,10 +129,15 @@ def _constants(dataset: xr.Dataset, axes: Sequence[str]) -> str:
     for table, key in (("load", "total"), ("load", "per_length"), ("rolling", "speed")):
         entries = scene.get(table)
         constants[f"{table} {key}"] = entries.get(key) if isinstance(entries, dict) else None
+    notes = str(
+        dataset.attrs.get("notes", "")
+    )  # they name the fields that change along the axis of another
     return ", ".join(
         f"{name.replace('_', ' ')} {value}"
         for name, value in constants.items()
-        if isinstance(value, str | float | int) and name.replace(" ", "_") not in axes
+        if isinstance(value, str | float | int)
+        and not {name.replace(" ", "_"), name.split()[0], f"{name.split()[0]}_case"} & set(axes)
+        and f"{name.replace(' ', '.')} = " not in notes
     )
 
 
@@ -165,7 +170,7 @@ def _measures(dataset: xr.Dataset) -> list[str]:
         for name in _numbers(dataset)
         if "_bound" not in name and "_estimate" not in name and name not in RECORDED
     ]
-    times = [name for name in present if "_time" in name]
+    times = [name for name in present if is_time(name)]
     measures = [name for name in present if name not in times]
     return [name for name in measures if _changes(dataset[name])] or measures or times
 
@@ -250,7 +255,9 @@ def _family(ax: Axes, x: Any, lines: xr.DataArray, axis: str, line_style: str) -
     if _is_sample(axis) and values.size > 1:
         mean, std = lines.mean(axis), lines.std(axis, ddof=1)
         ax.fill_between(x, mean - std, mean + std, color=COLORS[0], alpha=0.2, lw=0)
-        text = f"mean of {values.size}, ± standard deviation"
+        counts = lines.notnull().sum(axis)
+        several = f"{int(counts.min())} to " * (int(counts.min()) < values.size)
+        text = f"mean of {several}{values.size}, ± standard deviation"
         ax.plot(x, mean, color=COLORS[0], label=text, **marked)
         return
     if values.size > MAX_LINES and _is_numeric(values):

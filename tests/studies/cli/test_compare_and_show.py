@@ -1,6 +1,7 @@
 import csv
 import shlex
 import signal
+import tomllib
 from io import StringIO
 from pathlib import Path
 
@@ -10,7 +11,6 @@ import xarray as xr
 
 import contactstudy as cs
 from contactstudy.solvers.solve import ReportingSolver
-from studies.cli.show import _edges
 from tests.studies.cli.conftest import ended, said
 from tests.studies.scene_study.conftest import ROUGH, SMOOTH
 
@@ -69,6 +69,9 @@ def test_two_runs_of_a_study_are_compared(folder: Path) -> None:
     changed = folder / "changed.nc"
     dataset = xr.load_dataset(study)
     assert "no measure differs" in said("compare", study, study)
+    named = folder / "named.nc"  # as a solution names its field
+    dataset.rename(mean_pressure="pressure").to_netcdf(named)
+    assert "no measure differs" in said("compare", named, named)
     dataset["peak_pressure"][0, 1] *= 1.5
     dataset.to_netcdf(changed)
     text = said("compare", study, changed)
@@ -87,6 +90,11 @@ def test_a_solution_is_drawn_in_every_format(folder: Path, tmp_path: Path, name:
     text = (tmp_path / f"{name}.vtr").read_bytes()
     assert b"RectilinearGrid" in text
     assert b"pressure" in text
+    # the edges of the cells, in order: x, y, z; each block of bytes after its size
+    scene = tomllib.loads(xr.load_dataset(folder / "out" / f"{name}.nc").attrs["scene"])
+    half = np.array(scene["grid"]["extent"]) / 2
+    for edge in (*half, *-half):
+        assert edge.tobytes() in text
 
 
 @pytest.mark.parametrize(
@@ -104,10 +112,6 @@ def test_what_solve_wrote_is_drawn(lines: str, tmp_path: Path) -> None:
     said("solve", tmp_path / "one.toml", "--out", tmp_path)
     said("show", tmp_path / "one.nc", "--out", tmp_path / "shown")
     assert (tmp_path / "shown" / "one.png").is_file()
-
-
-def test_a_row_of_cells_is_drawn_a_micrometre_long() -> None:
-    np.testing.assert_allclose(_edges(np.array([0.0])), [-5e-7, 5e-7])
 
 
 def test_a_scene_is_solved_and_swept_into_one_folder(folder: Path) -> None:

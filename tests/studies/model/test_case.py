@@ -64,6 +64,8 @@ def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() ->
         peak_pressure_bound=[0.1, inf, inf],
         approach=[1.0, 2.0, 3.0],
         approach_bound=[inf, inf, inf],  # of which the bound is never known
+        kind=["a", "b", "c"],
+        kind_bound=["d", "e", "f"],  # text of the study's own
     )
     assert list(summary_messages(dataset)) == [
         "1 of 3 cases miss the requested accuracy; see 'accuracy_met' and their bounds",
@@ -74,7 +76,7 @@ def test_a_run_says_which_cases_miss_their_accuracy_and_which_have_no_bound() ->
 def sample(wall: float, cpu: float | None = None, calibration_time: float = 0.0) -> TimedRun:
     """A quarter of it to set up."""
     cpu = wall if cpu is None else cpu
-    return TimedRun(wall / 4, 3 * wall / 4, cpu / 4, 3 * cpu / 4, 1, calibration_time)
+    return TimedRun(wall / 4, 3 * wall / 4, cpu / 4, 3 * cpu / 4, calibration_time)
 
 
 @pytest.mark.cases(100)

@@ -56,12 +56,16 @@ def test_a_status_that_differs_is_counted_and_a_number_from_nothing_is_endless()
     after = stored()
     after["solver_status"][0, :2] = 3
     after["case_status"][1, 2] = 2
-    before = stored(width=np.zeros((2, 3)))
+    before = stored(width=np.zeros((2, 3)), contact_time=np.array([[np.inf, 2, 2], [2, 2, 2]]))
+    after["contact_time"] = before["contact_time"].copy()
+    after["contact_time"][0, 2] = 3
     said = changes(before, after)
-    assert said[1:4] == [
+    assert said[1:5] == [
         "case_status differs at 1 of 6 points",
         "solver_status differs at 2 of 6 points",
         "width: from 0 to 1 at padding exact, grid 16, inf of the largest value",
+        # beside an infinite number, over the largest finite one
+        "contact_time: from 2 to 3 at padding exact, grid 64, 0.5 of the largest value",
     ]
 
 

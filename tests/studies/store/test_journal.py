@@ -26,7 +26,7 @@ from studies.store.records import (
 
 CONTEXT = {"code": "1"}
 
-SAMPLE = TimedRun(1.0, 2.0, 0.5, 1.5, 1, 0.1)
+SAMPLE = TimedRun(1.0, 2.0, 0.5, 1.5, 0.1)
 
 
 def identity(name: str, **more: str) -> CaseIdentity:
@@ -96,11 +96,12 @@ def test_a_case_of_which_anything_loaded_has_changed_is_of_another_program(tmp_p
         assert found.reason_to_recompute(identity("b")) == f"{name.removeprefix('module ')} changed"
 
 
-def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:
+def test_times_are_of_one_machine_until_they_are_dropped(tmp_path: Path) -> None:
     with opened(tmp_path) as journal:
         journal.start("now", {})
-        journal.add(identity("a"), outcome())
-        journal.add(identity("b"), outcome())
+        for name in "abc":
+            journal.add(identity(name), outcome())
+        journal.add_timed_run("c", SAMPLE)
         journal.add_timed_run("a", SAMPLE)
         journal.add_timed_run("a", replace(SAMPLE, solve=3.0))
         journal.add_timing_failure("b", "too short")
@@ -109,14 +110,17 @@ def test_times_are_of_one_machine_and_of_the_last_epoch(tmp_path: Path) -> None:
     assert found.reason_without_times("b") == "too short"
     elsewhere = opened(tmp_path, machine="there")
     assert (elsewhere.samples, elsewhere.untimed) == ({}, {})
-    assert set(elsewhere.records) == {"a", "b"}
+    assert set(elsewhere.records) == {"a", "b", "c"}
+    with opened(tmp_path, machine="there") as journal:
+        journal.drop_times("abc")
     with opened(tmp_path) as journal:
         journal.start("now", {})
-        journal.drop_times()
-        assert (journal.samples, journal.untimed) == ({}, {})
+        journal.drop_times("ab")
+        assert (journal.samples_of("a"), journal.untimed) == ([], {})
         journal.add_timed_run("a", replace(SAMPLE, solve=4.0))
     again = opened(tmp_path)
     assert again.samples_of("a") == [replace(SAMPLE, solve=4.0)]
+    assert again.samples_of("c") == [SAMPLE]
     assert again.untimed == {}
 
 

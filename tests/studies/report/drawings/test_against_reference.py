@@ -21,7 +21,7 @@ def axes_text() -> xr.Dataset:
         "case_status": (axes, np.full((3, 2), CaseStatus.OK)),
     }
     coords = {"padding": ["exact", "duplicated", "circular"], "load": [1.0, 2.0]}
-    return xr.Dataset(data, coords, {"reference": "padding=0"})
+    return xr.Dataset(data, coords, {"reference": "padding=exact"})
 
 
 def test_errors_are_the_largest_of_the_other_axes_beside_the_bound_of_the_reference() -> None:

@@ -137,13 +137,6 @@ def test_image_error_is_one_eighth_of_the_squared_ratio() -> None:
     np.testing.assert_array_equal(image_error(2.0, [4.0, 8.0]), [1 / 32, 1 / 128])
 
 
-@pytest.mark.parametrize("field", ["load_per_length", "radius", "contact_modulus"])
-def test_hertz_line_refuses_what_is_not_above_zero(field: str) -> None:
-    good = {"load_per_length": 1.0, "radius": 1.0, "contact_modulus": 1.0}
-    with pytest.raises(cs.InvalidInput, match=rf"^HertzLine\.{field} is -1\.0: "):
-        cs.analytic.HertzLine(**(good | {field: -1.0}))
-
-
 @pytest.mark.parametrize(
     ("load", "viscosity", "regime"),
     [

@@ -189,14 +189,6 @@ def test_a_name_that_is_not_there_is_an_attribute_error() -> None:
         cs.solvee  # noqa: B018
 
 
-@pytest.mark.parametrize("problem", [3, None, "rough.toml"])
-def test_what_is_no_problem_is_refused_with_what_to_give(problem: object) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"^solve\.scene is .*: give a Scene, or scene\.problem"
-    ):
-        cs.solve(problem)  # type: ignore[arg-type]
-
-
 def test_a_precision_is_named_by_a_word(line_contact: LineContact) -> None:
     problem = line_contact.scene.problem(line_contact.grid(16, 1.2), cs.ExactPeriodicity())
     by_word = cs.solve(problem, precision="single", tolerance=1e-4)

@@ -252,11 +252,3 @@ def test_a_graphics_processor_solves_with_the_arrays_of_its_library(
     large = problem(line_contact, (256, 64), "smooth")
     with pytest.raises(cs.InvalidInput, match=r"^solve\.device is Gpu\(\): .* has 0\.001 GB left"):
         cs.solve(large, device=cs.Gpu())
-
-
-@pytest.mark.parametrize("threads", [0, -1, 1.5, True, None])
-def test_zero_threads_are_refused(threads: object) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"^Cpu\.threads is .*: it must be a whole number of at least 1"
-    ):
-        cs.Cpu(threads)  # type: ignore[arg-type]

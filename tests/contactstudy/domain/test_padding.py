@@ -116,10 +116,3 @@ def test_exact_periodicity_is_what_superposition_tends_to(
         # of the last images the sums of the coefficients lose no digits
         bound = logarithm * GRID.extent[0] ** 2 / (reach / 2) ** 2 + 1e-13
         assert np.abs(shifted - exact).max() < bound
-
-
-@pytest.mark.parametrize("images", [-1, 1.5, True, None, "6"])
-def test_images_are_a_whole_number_from_zero_on(images: object) -> None:
-    for kind in (cs.Superposition, cs.CircularSuperposition):
-        with pytest.raises(cs.InvalidInput, match=r"Superposition\.images is .*at least 0\.$"):
-            kind(images=images)  # type: ignore[arg-type]

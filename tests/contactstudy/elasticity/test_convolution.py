@@ -51,12 +51,6 @@ def test_axes_choose_by_themselves(across: cs.Padding, along: cs.Padding) -> Non
     assert_allclose(straight, sideways, rtol=0, atol=4e-15 * np.abs(straight).max())
 
 
-@pytest.mark.parametrize("padding", [None, "exact", (cs.ZeroPadding(),), (cs.ZeroPadding(), 6)])
-def test_what_is_no_padding_is_refused(padding: object) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^padding is .*\(across, along\)\.$"):
-        operator((8, 6), padding)  # type: ignore[arg-type]
-
-
 def test_one_cell_along_the_length_is_plane_strain() -> None:
     """The line load's logarithm, averaged over a strip (Johnson 1985, sect. 2.3)."""
     nx, dx = 9, 0.25

@@ -324,23 +324,6 @@ def test_evolve_says_what_is_wrong(named: dict[str, object], match: str) -> None
         ended(cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)), **named)
 
 
-@pytest.mark.parametrize(
-    ("times", "loads", "match"),
-    [
-        ((0.0, 1.0), (1.0,), "per_length has 1 loads"),
-        ((1.0, 0.0), (1.0, 1.0), r"times\[1\]"),
-        ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), r"times\[2\]"),
-        ((0.0, 1.0), (0.0, 0.0), "is 0 throughout"),
-        ((), (), "times"),
-    ],
-)
-def test_a_load_history_says_what_is_wrong(
-    times: tuple[float, ...], loads: tuple[float, ...], match: str
-) -> None:
-    with pytest.raises(cs.InvalidInput, match=match):
-        cs.LoadHistory(times, loads)
-
-
 def test_before_the_first_load_the_bodies_just_touch() -> None:
     found = ended(cs.LoadHistory((0.0, 1.0), (0.0, LOAD)), times=[0.0, 1.0])
     assert found.times.tolist() == [0.0, 1.0]

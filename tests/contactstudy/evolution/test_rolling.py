@@ -1,6 +1,5 @@
 from dataclasses import dataclass, replace
 from math import inf, pi
-from typing import Any
 
 import numpy as np
 import pytest
@@ -221,29 +220,6 @@ def test_what_does_not_roll_steadily_is_refused(changes: dict[str, object], matc
             cs.Grid((16, 1), (0.6, 1.0)),
             EXACT,
         )
-
-
-@pytest.mark.parametrize(
-    ("settings", "match"),
-    [
-        ({"speed": 1.0, "passes": 2}, r"^Rolling\.speed is 1\.0 with passes"),
-        ({"speed": 1.0, "distance": 0.1}, r"^Rolling\.distance is 0\.1 without passes"),
-        ({"speed": 1.0, "steady": 1e-3}, r"^Rolling\.steady is 0\.001 without passes"),
-        (
-            {"speed": 1.0, "pressure": cs.RollingPressure.ELASTIC},
-            r"^Rolling\.pressure is .* without passes",
-        ),
-        (
-            {"passes": 1, "pressure": "elastic"},
-            r"^Rolling\.pressure is 'elastic': give RollingPressure\.SOLVED",
-        ),
-    ],
-)
-def test_a_setting_of_passes_without_effect_is_refused(
-    settings: dict[str, Any], match: str
-) -> None:
-    with pytest.raises(cs.InvalidInput, match=match):
-        cs.Rolling(**settings)
 
 
 def test_a_rolling_scene_has_no_single_problem_and_no_history() -> None:

@@ -186,14 +186,3 @@ def test_the_edge_of_a_finite_roller_wears_away() -> None:
     of_cells = errors["l1"].by_cause["discretisation"]
     assert of_cells < errors["peak_pressure"].by_cause["discretisation"] == inf
     assert "sharp edge" in errors["peak_pressure"].reason
-
-
-@pytest.mark.parametrize(
-    ("arguments", "field"),
-    [
-        ((-1.0, 1.0), "coefficient"), ((1.0, -1.0), "speed"), ((1.0, inf), "speed"), ((1.0, 1.0, 2), "body"),
-    ],
-)  # fmt: skip
-def test_wear_says_what_is_wrong(arguments: tuple[float, ...], field: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=rf"^Wear\.{field} is .*: give .*\.$"):
-        cs.Wear(*arguments)  # type: ignore[arg-type]

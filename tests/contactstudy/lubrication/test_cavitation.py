@@ -41,9 +41,3 @@ def test_plain_cavitation_makes_lubricant_where_the_film_forms_again(
     assert conserving.flux_spread < 1e-6
     assert full.flux_spread > 1
     assert full.film_fraction.min() == 1
-
-
-def test_another_law_is_refused() -> None:
-    oil = cs.Lubricant(0.04, 2e-8)
-    with pytest.raises(cs.InvalidInput, match="give ElrodAdams"):
-        cs.Lubrication(oil, 1.0, cavitation="plain")  # type: ignore[arg-type]

@@ -28,30 +28,6 @@ def test_an_effect_that_is_not_known_with_a_film_is_refused(
         replace(DRY, **{"lubrication": MOTION, **changed})  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: cs.Lubricant(0.0, 2e-8), "Lubricant.viscosity is 0.0: give a viscosity above 0"),
-        (lambda: cs.Lubricant(0.04, -1e-8), "Lubricant.pressure_viscosity is -1e-08"),
-        (
-            lambda: cs.Lubricant(0.04, 2e-8, viscosity_law=cs.Barus),  # type: ignore[arg-type]
-            "give a law, such as Roelands",
-        ),
-        (
-            lambda: cs.Lubrication(OIL, cs.LoadHistory((0, 1), (1e3, 1e4))),  # type: ignore[arg-type]
-            "give a speed above 0 m/s, or a SpeedHistory",
-        ),
-        (lambda: cs.Lubrication(OIL, 0.0), "leave Scene.lubrication out for the dry contact"),
-        (lambda: cs.Lubrication(None, 1.0), "give a Lubricant"),  # type: ignore[arg-type]
-        (lambda: cs.Roelands(exponent=1.2), "Roelands.exponent is 1.2"),
-        (lambda: cs.Eyring(0.0), "Eyring.reference is 0.0"),
-    ],
-)
-def test_bad_values_are_named_with_a_remedy(make: object, message: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=message):
-        make()  # type: ignore[operator]
-
-
 def test_a_dry_scene_is_sent_to_the_dry_solver_and_a_lubricated_one_to_this() -> None:
     with pytest.raises(cs.InvalidInput, match=r"or call contactstudy\.solve"):
         solve_lubricated(DRY)

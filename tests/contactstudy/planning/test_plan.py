@@ -244,12 +244,6 @@ def test_a_plan_of_adhesion_resolves_the_waves_of_the_surfaces(line_contact: Lin
     assert 8 < 4e-6 / planned.grid.cell_size[0] < 50
 
 
-def test_what_memory_does_not_hold_is_refused_before_it_is_made(line_contact: LineContact) -> None:
-    grid = cs.Grid((2**22, 2**22), (1e-3, 1e-3))
-    with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells is .* GB and this machine has "):
-        line_contact.scene.problem(grid, cs.ExactPeriodicity())
-
-
 def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     line_contact: LineContact,
 ) -> None:
@@ -273,13 +267,6 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     without = replace(flat, shapes=(cs.MeasuredSurface(heights),))
     with pytest.raises(cs.NotDefined, match="MeasuredSurface with its extent"):
         cs.solve(without)
-
-
-def test_a_device_that_is_none_is_refused(line_contact: LineContact) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"^plan\.device is 2: give Cpu\(threads=2\) or Gpu\(\)"
-    ):
-        cs.plan(line_contact.scene, device=2)  # type: ignore[arg-type]
 
 
 def test_a_plan_for_two_threads_has_the_grid_of_one_for_one(line_contact: LineContact) -> None:

@@ -105,12 +105,6 @@ def test_a_hardness_below_the_mean_pressure_has_a_status(line_contact: LineConta
     assert np.isfinite(solution.gap).all()
 
 
-@pytest.mark.parametrize("hardness", [0.0, -1.0, float("nan"), "hard"])
-def test_an_invalid_hardness_is_refused(hardness: object, line_contact: LineContact) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Scene\.hardness is "):
-        replace(line_contact.scene, hardness=hardness)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize("precision", cs.Precision)
 def test_cells_that_yield_are_at_the_hardness_to_the_last_bit(
     precision: cs.Precision, line_contact: LineContact

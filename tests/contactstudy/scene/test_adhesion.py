@@ -20,20 +20,6 @@ LINE = cs.ExactPeriodicity()
 
 
 @pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"work": 0.0}, r"^Adhesion\.work is 0\.0: give a work above 0 J/m\^2\.$"),
-        ({"work": 1.0, "range": -1.0}, r"^Adhesion\.range is -1\.0: give a range above 0 m"),
-        ({"work": 1.0, "law": "dugdal"}, r"^Adhesion\.law is 'dugdal': did you mean 'dugdale'"),
-        ({"work": 1.0, "branch": "afar"}, r"^Adhesion\.branch is 'afar': did you mean 'from afar'"),
-    ],
-)
-def test_values_of_adhesion_are_checked_by_name(values: Any, message: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=message):
-        cs.Adhesion(**values)
-
-
-@pytest.mark.parametrize(
     ("effect", "message"),
     [
         ({"friction": cs.Sliding(0.1)}, r"^Adhesion\.range is None together with Scene\.friction"),

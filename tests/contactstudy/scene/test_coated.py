@@ -224,20 +224,3 @@ def test_a_contact_is_about_as_wide_as_its_compliance_says(
     solution = cs.solve(scene.problem(grid, cs.ExactPeriodicity()))
     wide = np.count_nonzero(solution.pressure) * grid.cell_size[0] / (2 * half_width)
     assert wide == pytest.approx(1, abs=within)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "named"),
-    [
-        ({"thickness": 0.0}, "CoatedHalfSpace.thickness"),
-        ({"thickness": -1e-6}, "CoatedHalfSpace.thickness"),
-        ({"thickness": inf}, "CoatedHalfSpace.thickness"),
-        ({"coating": RIGID}, "CoatedHalfSpace.coating"),
-        ({"coating": 2e11}, "CoatedHalfSpace.coating"),
-        ({"substrate": "steel"}, "CoatedHalfSpace.substrate"),
-        ({"substrate": replace(STEEL, youngs_modulus=1e3)}, "CoatedHalfSpace.coating"),
-    ],
-)
-def test_a_coat_that_cannot_be_says_so(wrong: dict[str, object], named: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=named):
-        replace(cs.CoatedHalfSpace(DLC, 2e-6, STEEL), **wrong)

@@ -285,21 +285,6 @@ def test_what_is_not_defined_together_says_so(
         scene(friction, **other)
 
 
-@pytest.mark.parametrize("wrong", [-0.1, 1.0, 3.0, float("nan"), "0.3", True])
-def test_a_coefficient_that_cannot_be_says_so(wrong: object) -> None:
-    for kind in (lambda one: cs.Sliding(one), lambda one: cs.PartialSlip(one, 1.0)):
-        with pytest.raises(cs.InvalidInput, match="coefficient"):
-            kind(wrong)
-
-
-def test_without_a_coefficient_bodies_may_slide_and_none_holds() -> None:
-    assert cs.Sliding(0.0).coefficient == 0
-    with pytest.raises(
-        cs.InvalidInput, match=r"give a coefficient of friction above 0, and below 1"
-    ):
-        cs.PartialSlip(0.0, 1.0)
-
-
 def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None:
     coated = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
     one = scene(cs.Sliding(0.2), solids=(coated, coated), shapes=ROUGH, hardness=3e9)

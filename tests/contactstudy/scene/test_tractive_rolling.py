@@ -311,23 +311,6 @@ def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ({}, "neither"),
-        ({"longitudinal": 1e-3, "tangential": 1e3}, "both"),
-        ({"longitudinal": "much"}, "longitudinal"),
-        ({"longitudinal": 1e-3, "speed": 0.0}, "speed"),
-        ({"longitudinal": 1e-3, "spin": float("nan")}, "spin"),
-        ({"longitudinal": 1e-3, "coefficient": 0.0}, "coefficient"),
-        ({"longitudinal": 1e-3, "coefficient": 1.0}, "coefficient"),
-    ],
-)
-def test_values_that_cannot_be_say_so(given: dict[str, object], said: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=said):
-        cs.TractiveRolling(**{"coefficient": MU, **given})
-
-
-@pytest.mark.parametrize(
     ("other", "said"),
     [
         ({"load": cs.SineLoad(1e5, 1e4, 1e4)}, "rolls by .* of its widths"),

@@ -32,9 +32,3 @@ def test_between_cells_measured_heights_are_cubic_splines() -> None:
     factor = (23 * np.cos(t / 2) + np.cos(3 * t / 2)) / 24 / ((2 + np.cos(t)) / 3)
     expected = factor * np.cos(t * (np.arange(16) - 0.5))
     assert moved == pytest.approx(expected[:, None] * np.ones(3), abs=1e-13)
-
-
-@pytest.mark.parametrize("shape", [cs.Cylinder(1.0), cs.Sphere(1.0), cs.FiniteLength(1.0), None])
-def test_what_shapes_the_roller_does_not_move(shape: Any) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^MovingShape\.shape is .*: give heights that"):
-        MovingShape(shape)

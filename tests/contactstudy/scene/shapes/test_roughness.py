@@ -1,4 +1,3 @@
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -37,20 +36,6 @@ def test_spectrum_falls_with_the_hurst_exponent() -> None:
     k = np.arange(4, 60)
     rate = np.polyfit(np.log(k), np.log(np.mean(powers, axis=0)), 1)[0]
     assert rate == pytest.approx(-2 * 1.8, abs=0.2)
-
-
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("rms", -1e-9), ("rms", np.nan), ("hurst", 0.0), ("hurst", 1.0), ("cut_off", 0.0), ("roll_off", 1e-6),
-        ("seed", -1), ("peklenik", 0.0), ("peklenik", np.inf), ("extent", 1e-3), (r"extent\[0\]", (0.0, 1e-3)),
-        (r"extent\[1\]", (1e-3, np.nan)),
-    ],
-)  # fmt: skip
-def test_a_surface_that_cannot_be_is_refused(field: str, value: object) -> None:
-    with pytest.raises(cs.InvalidInput, match=rf"^Roughness\.{field} is "):
-        replace(ROUGH, **{field.partition("\\")[0]: value})  # type: ignore[arg-type]
 
 
 def test_a_surface_without_room_for_a_wave_is_refused() -> None:
@@ -120,22 +105,6 @@ def test_a_period_of_two_lengths_shows_the_surface_twice() -> None:
     twice = own.gap(cs.Grid(cells=(64, 64), extent=(2e-4, 2e-4)))
     np.testing.assert_allclose(twice[:, :32], twice[:, 32:], rtol=0, atol=1e-12 * 2e-7)
     np.testing.assert_allclose(twice.std(), 2e-7, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: replace(ROUGH, cut_off=1e-40).gap(grid(16, 8)), "Roughness.cut_off is 1e-40: give .* 1e.09 waves"),
-        (lambda: replace(ROUGH, extent=(2e-4, 7e-5)).gap(grid(16, 8)), r"Roughness.extent\[1\] is 7e-05: give a length"),
-        (lambda: RmsSlope(-0.1), "RmsSlope.slope is -0.1: give a slope"),
-    ],
-    ids=["more waves than any memory holds", "no part of the period", "negative"],
-)  # fmt: skip
-def test_a_surface_that_a_grid_cannot_show_is_refused(
-    make: Callable[[], object], said: str
-) -> None:
-    with pytest.raises(cs.InvalidInput, match=f"^{said}"):
-        make()
 
 
 def test_a_seed_keeps_its_surface() -> None:

@@ -67,30 +67,3 @@ def test_grooves_run_along_or_across_the_length() -> None:
     offset = (grid(40, 50).y + 6.25e-5) % 1.25e-4 - 6.25e-5
     expected = np.where(np.abs(offset) < 2e-5, 1e-6 * (1 + np.cos(2 * np.pi * offset / 4e-5)), 0.0)
     np.testing.assert_allclose(depths[0], expected, rtol=0, atol=1e-18)
-
-
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: replace(DIMPLE, depth=-1e-6), r"Dimple\.depth"),
-        (lambda: replace(DIMPLE, diameter=0.0), r"Dimple\.diameter"),
-        (lambda: replace(DIMPLE, profile=cs.Cosine), r"Dimple\.profile"),
-        (lambda: replace(GROOVE, profile="cosine"), r"Groove\.profile"),
-        (lambda: replace(GROOVE, depth=np.nan), r"Groove\.depth"),
-        (lambda: replace(GROOVE, width=-1.0), r"Groove\.width"),
-        (lambda: replace(DIMPLES, feature=1e-6), r"Texture\.feature"),
-        (lambda: replace(DIMPLES, pitch=1e-4), r"Texture\.pitch"),
-        (lambda: replace(DIMPLES, pitch=(0.0, 1e-4)), r"Texture\.pitch\[0\]"),
-        (lambda: replace(DIMPLES, pitch=(1e-4, np.inf)), r"Texture\.pitch"),
-        (lambda: replace(DIMPLES, pitch=(0.9e-4, 2e-4)), r"Texture\.pitch"),
-        (lambda: cs.Texture(GROOVE, (1e-4, 1e-4)), r"Texture\.pitch"),
-        (lambda: cs.Texture.of_density(DIMPLE, 1.0, 2e-4), "Texture area_density"),
-        (lambda: cs.Texture.of_density(DIMPLE, 0.1), "Texture along"),
-        (lambda: cs.Texture.of_density(GROOVE, 0.1, 2e-4), "Texture along"),
-        (lambda: replace(DIMPLES, pitch=(2e-4, 2e-4)).gap(grid(8, 8)), r"Texture\.pitch\[1\]"),
-    ],
-)
-def test_a_texture_that_cannot_be_is_refused(make: object, message: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=rf"^{message} is .*: give "):
-        make()  # type: ignore[operator]

@@ -2,7 +2,6 @@ import os
 import pickle
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -128,33 +127,6 @@ def test_labelled_heights_bring_their_sizes() -> None:
     assert cs.MeasuredSurface(labelled).extent == pytest.approx(GRID.extent, rel=1e-12)
     with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.extent is .*: leave it out"):
         cs.MeasuredSurface(labelled, extent=(1.0, 1.0))
-
-
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: cs.MeasuredSurface(HEIGHTS, extent=1.0), r"MeasuredSurface\.extent"),
-        (lambda: cs.MeasuredSurface(HEIGHTS, extent=(0.0, 1.0)), r"MeasuredSurface\.extent\[0\]"),
-        (lambda: cs.MeasuredSurface(HEIGHTS, trend="plane"), r"MeasuredSurface\.trend"),
-        (lambda: cs.MeasuredSurface(HEIGHTS, seam=cs.Tapered), r"MeasuredSurface\.seam"),
-        (lambda: cs.MeasuredSurface(HEIGHTS, missing=0.0), r"MeasuredSurface\.missing"),
-        (lambda: cs.MeasuredSurface(HEIGHTS, (1e-4, 1e-4)).gap(GRID), r"MeasuredSurface\.extent"),
-        (lambda: cs.MeasuredSurface(HEIGHTS, (1.0, 3e-5)).gap(GRID), "MeasuredSurface period"),
-    ],
-)
-def test_a_surface_that_cannot_be_is_refused(make: Any, message: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=rf"^{message} is .*: give "):
-        make()
-
-
-def test_points_that_are_not_the_grids_cells_need_sizes() -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"^MeasuredSurface\.extent is None, and its \(24, 8\) points are not"
-    ):
-        cs.MeasuredSurface(HEIGHTS[:, :8]).gap(GRID)
-    with pytest.raises(cs.InvalidInput, match=r"\(24, 8\) points are not"):
-        cs.MeasuredSurface(np.zeros((24, 8))).gap(GRID)
 
 
 @pytest.mark.skipif(

@@ -32,17 +32,6 @@ def test_masked_points_and_infinite_ones_are_missing() -> None:
     assert np.isnan(measurement(np.array([[np.inf, 1.0, -np.inf]]))[0]).sum() == 2
 
 
-@pytest.mark.cases(100)
-@pytest.mark.parametrize(
-    "heights",
-    [1.0, [1.0, 2.0], np.zeros((2, 2, 2)), np.zeros((0, 3)), [["a"]], [[1, 2], [3]], None,
-     np.ones((2, 2), dtype=bool), np.ones((2, 2), dtype=complex), xr.DataArray([1.0])],
-)  # fmt: skip
-def test_what_is_no_plane_field_of_numbers_is_refused(heights: object) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^MeasuredSurface\.heights has .*: give an array"):
-        measurement(heights)
-
-
 @pytest.mark.parametrize("names", [("width", "length"), ("x", "y"), ("row", "column")])
 def test_coordinates_give_the_sizes(names: tuple[str, str]) -> None:
     """Of as many cells as there are points, wherever the coordinates start."""
@@ -61,27 +50,6 @@ def test_coordinates_that_fall_are_turned_to_rise() -> None:
     x, y = np.arange(6), np.arange(4)
     falling = labelled(width=x, length=y).isel(length=slice(None, None, -1))
     np.testing.assert_array_equal(measurement(falling)[0], HEIGHTS)
-
-
-@pytest.mark.parametrize(
-    ("heights", "message"),
-    [
-        (labelled(width=np.arange(6)), "coordinates for 1 of its dimensions"),
-        (labelled(width=np.arange(6) ** 2, length=np.arange(4)), "width has coordinates that are not"),
-        (labelled(width=np.zeros(6), length=np.arange(4)), "width has coordinates that are not"),
-        (labelled().assign_attrs(units="nm"), "heights has the units 'nm': convert to m"),
-    ],
-)  # fmt: skip
-def test_labels_without_sizes_in_metres_are_refused(heights: xr.DataArray, message: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=message):
-        measurement(heights)
-
-
-def test_coordinates_in_other_units_are_refused() -> None:
-    array = labelled(width=np.arange(6), length=np.arange(4))
-    array["length"].attrs["units"] = "um"
-    with pytest.raises(cs.InvalidInput, match=r"heights\.length has the units 'um': convert to m"):
-        measurement(array)
 
 
 @pytest.fixture

@@ -34,9 +34,3 @@ def test_missing_points_are_refused_with_their_count() -> None:
     ):
         cs.MeasuredSurface(heights, missing=cs.HarmonicFill(up_to=0.05))
     assert cs.MeasuredSurface(heights, missing=cs.HarmonicFill())
-
-
-@pytest.mark.parametrize("fraction", [0.0, 1.0, np.nan])
-def test_a_fraction_that_cannot_be_is_refused(fraction: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^HarmonicFill\.up_to is .*: give a fraction"):
-        cs.HarmonicFill(fraction)

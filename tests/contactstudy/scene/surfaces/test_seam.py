@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 import contactstudy as cs
 
@@ -22,12 +21,6 @@ def test_tapered_keeps_the_middle_and_meets_the_mean_at_the_ends() -> None:
     end = np.sin(np.pi / 2 * 0.5 / 10) ** 2
     np.testing.assert_allclose(closed[:, 0] - mean, end * (HEIGHTS[:, 0] - mean), rtol=1e-9)
     np.testing.assert_allclose(closed[:, -1] - mean, end * (HEIGHTS[:, -1] - mean), rtol=1e-9)
-
-
-@pytest.mark.parametrize("fraction", [0.0, 1.1, np.nan])
-def test_a_taper_that_cannot_be_is_refused(fraction: float) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Tapered\.fraction is .*: give a fraction"):
-        cs.Tapered(fraction)
 
 
 def test_a_seam_across_closes_the_width_as_a_seam_along_closes_the_length() -> None:

@@ -1,0 +1,264 @@
+"""Each value that is refused where it is given, and how the sentence begins that says so; ``*`` stands for any words."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import contactstudy as cs
+from tests.conftest import STEEL
+
+RIGID = cs.HalfSpace(inf, 0.3)
+EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
+SMOOTH = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
+GRID = cs.Grid((16, 8), (2e-4, 1e-4))
+HEIGHTS = np.random.default_rng(0).standard_normal(GRID.cells) * 1e-7
+COATED = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
+ROUGH = cs.Roughness(rms=2e-7, hurst=0.8, roll_off=5e-5, cut_off=1e-5)
+DIMPLE, GROOVE = cs.Dimple(5e-6, 1e-4), cs.Groove(2e-6, 4e-5)
+DIMPLES = cs.Texture(DIMPLE, (2e-4, 2.5e-4))
+OIL = cs.Lubricant(0.04, 2e-8)
+STRESS = cs.SubsurfaceStress((1e-4,))
+
+
+def refused(make: Callable[[], object], said: str) -> None:
+    with pytest.raises(cs.InvalidInput, match="^" + ".*".join(map(re.escape, said.split("*")))):
+        make()
+
+
+def field(of: Any, name: str) -> Callable[[Any], object]:
+    """A value with another field."""
+    return lambda one: replace(of, **{name: one})
+
+
+def labelled(**coordinates: Any) -> xr.DataArray:
+    return xr.DataArray(np.zeros((6, 4)), dims=("width", "length"), coords=coordinates)
+
+
+def relaxing(pairs: Any) -> cs.Body:
+    return cs.ViscoelasticHalfSpace(1e9, 0.3, pairs)
+
+
+def measured(extent: Any) -> np.ndarray:
+    return cs.MeasuredSurface(HEIGHTS, extent).gap(GRID)
+
+
+def film(**named: Any) -> cs.Lubrication:
+    return cs.Lubrication(**{"lubricant": OIL, "mean_speed": 1.0} | named)
+
+
+def solved(**named: Any) -> cs.Contact:
+    return cs.solve(SMOOTH, GRID, EXACT, **named)
+
+
+VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
+    ("Cylinder.radius is *: give a radius above 0 m.", cs.Cylinder, [-0.01, 0.0, nan, inf, "10 mm", None, 10**400]),
+    ("HalfSpace.youngs_modulus is ", lambda one: cs.HalfSpace(one, 0.3), [0.0, -1.0]),
+    ("ViscoelasticHalfSpace.relaxation[0] is *: give pairs of a modulus", relaxing, [((1e9, 1.0, 2.0),)]),
+    ("ViscoelasticHalfSpace.relaxation[1] is", relaxing, [((1e9, 1.0), (1e9,))]),
+    ("ViscoelasticHalfSpace.relaxation[1][0] is *: give a modulus above 0 Pa", relaxing, [((1e9, 1.0), (0.0, 1.0))]),
+    ("ViscoelasticHalfSpace.relaxation[1][1] is *: give a time above 0 s", relaxing, [((1e9, 1.0), (1e9, 0.0))]),
+    ("ViscoelasticHalfSpace.relaxation is *: give pairs", relaxing, [1e9]),
+    ("CoatedHalfSpace.thickness", field(COATED, "thickness"), [0.0, -1e-6, inf]),
+    ("CoatedHalfSpace.coating", field(COATED, "coating"), [RIGID, 2e11]),
+    ("CoatedHalfSpace.substrate", field(COATED, "substrate"), ["steel"]),
+    ("CoatedHalfSpace.coating", field(COATED, "substrate"), [replace(STEEL, youngs_modulus=1e3)]),
+    # loads
+    (
+        "LineLoad.per_length is *: give a load above 0 N/m",
+        lambda one: replace(SMOOTH, load=cs.LineLoad(one)), [0.0, -0.0, -1.0, nan, inf, 10**400, None],
+    ),
+    ("Scene.load is a TotalLoad* give TotalLoad.length", field(SMOOTH, "load"), [cs.TotalLoad(100.0)]),
+    ("TotalLoad.length is None", lambda one: cs.TotalLoad(one).largest, [100.0]),
+    ("LoadHistory.per_length has 1 loads", lambda one: cs.LoadHistory((0.0, 1.0), one), [(1.0,)]),
+    ("LoadHistory.per_length is 0 throughout", lambda one: cs.LoadHistory((0.0, 1.0), one), [(0.0, 0.0)]),
+    ("LoadHistory.times[1]", lambda one: cs.LoadHistory(one, (1.0, 1.0)), [(1.0, 0.0)]),
+    ("LoadHistory.times[2]", lambda one: cs.LoadHistory(one, (1.0, 1.0, 1.0)), [(0.0, 0.0, 0.0)]),
+    ("LoadHistory.times", lambda one: cs.LoadHistory(one, ()), [()]),
+    # what a scene holds
+    ("Scene.hardness is ", field(SMOOTH, "hardness"), [0.0, -1.0, nan, "hard"]),
+    ("Scene.solids", field(SMOOTH, "solids"), [(STEEL,), STEEL, (STEEL, 210e9), ()]),
+    ("Scene.solids*all rigid", field(SMOOTH, "solids"), [(RIGID, RIGID)]),
+    ("Scene.shapes[0] is *: give a shape", field(SMOOTH, "shapes"), [(0.01,), (cs.Cylinder,), (None,)]),
+    ("Scene.outputs[0] is *: give an output", field(SMOOTH, "outputs"), [(0.01,), (cs.SubsurfaceStress,), (None,)]),
+    ("Scene.outputs[1] is *: give one", field(SMOOTH, "outputs"), [(cs.SubsurfaceStress(), STRESS)]),
+    (
+        "*body is 1, a rigid body: give 0",
+        field(replace(SMOOTH, solids=(STEEL, RIGID)), "outputs"), [(replace(STRESS, body=1),)],
+    ),
+    ("SubsurfaceStress.depths", cs.SubsurfaceStress, [(), 1e-4, None, (-1e-5,), (1e-4, nan), ("1 mm",)]),
+    ('SubsurfaceStress.depths is *or "auto"', cs.SubsurfaceStress, ["deep"]),
+    ("SubsurfaceStress.body is *: give 0 or 1", field(STRESS, "body"), [2, -1, True, 0.5]),
+    # shapes
+    ("Crown.radius is *: give ", cs.Crown, [0.0, nan]),
+    ("Crown.length is *: give ", lambda one: cs.Crown(1.0, length=one), [0.0]),
+    ("Crown end_drop is *: give ", lambda one: cs.Crown.of_drop(one, 0.01), [-1e-6]),
+    ("Crown length is *: give ", lambda one: cs.Crown.of_drop(1e-6, one), [0.0]),
+    ("LundbergProfile.amplitude is *: give ", lambda one: cs.LundbergProfile(one, 1e-6, 0.01), [-1e-7]),
+    ("LundbergProfile.end_drop is *: give ", lambda one: cs.LundbergProfile(1e-7, one, 0.01), [-1e-6]),
+    ("LundbergProfile.length is *: give ", lambda one: cs.LundbergProfile(1e-7, 1e-6, one), [0.0]),
+    (
+        "LundbergProfile.length is *: give ",
+        lambda one: cs.LundbergProfile.for_load(1e5, contact_modulus=1e11, radius=0.01, length=one), [1e-5],
+    ),
+    ("LundbergProfile.straight is 0.01", lambda one: cs.LundbergProfile(1e-6, 1e-6, 0.01, straight=one), [0.01]),
+    ("FiniteLength.length is *: give the roller's", cs.FiniteLength, [0.0, -1.0, nan, inf]),
+    ("Tilt.angle is *between -0.1 and 0.1 rad", cs.Tilt, [0.2, -inf, "1 mrad"]),
+    (
+        "MovingShape.shape is *: give heights that",
+        cs.MovingShape, [cs.Cylinder(1.0), cs.Sphere(1.0), cs.FiniteLength(1.0), None],
+    ),
+    ("Waviness.across", lambda one: cs.Waviness(0.01, across=one), [0.0]),
+    ("Waviness.along", lambda one: cs.Waviness(0.01, along=one), [0.0]),
+    ("Waviness.along", lambda one: cs.Waviness(0.01, along=one).gap(GRID), [3e-5]),
+    *((f"Roughness.{name} is ", field(ROUGH, name), bad) for name, bad in {
+        "rms": [-1e-9, nan], "hurst": [0.0, 1.0], "cut_off": [0.0], "roll_off": [1e-6], "seed": [-1],
+        "peklenik": [0.0, inf], "extent": [1e-3],
+    }.items()),
+    ("Roughness.extent[0] is ", field(ROUGH, "extent"), [(0.0, 1e-3)]),
+    ("Roughness.extent[1] is ", field(ROUGH, "extent"), [(1e-3, nan)]),
+    ("Roughness.extent[1] is 7e-05: give a length", lambda one: replace(ROUGH, extent=one).gap(GRID), [(2e-4, 7e-5)]),
+    ("Roughness.cut_off is 1e-40: give * waves", lambda one: replace(ROUGH, cut_off=one).gap(GRID), [1e-40]),
+    ("RmsSlope.slope is -0.1: give a slope", cs.RmsSlope, [-0.1]),
+    ("Dimple.depth is *: give ", field(DIMPLE, "depth"), [-1e-6]),
+    ("Dimple.diameter is *: give ", field(DIMPLE, "diameter"), [0.0]),
+    ("Dimple.profile is *: give ", field(DIMPLE, "profile"), [cs.Cosine]),
+    ("Groove.profile is *: give ", field(GROOVE, "profile"), ["cosine"]),
+    ("Groove.depth is *: give ", field(GROOVE, "depth"), [nan]),
+    ("Groove.width is *: give ", field(GROOVE, "width"), [-1.0]),
+    ("Texture.feature is *: give ", field(DIMPLES, "feature"), [1e-6]),
+    ("Texture.pitch is *: give ", field(DIMPLES, "pitch"), [1e-4, (1e-4, inf), (0.9e-4, 2e-4)]),
+    ("Texture.pitch[0] is *: give ", field(DIMPLES, "pitch"), [(0.0, 1e-4)]),
+    ("Texture.pitch[1] is *: give ", lambda one: replace(DIMPLES, pitch=one).gap(GRID), [(2e-4, 1.5e-4)]),
+    ("Texture.pitch is *: give ", lambda one: cs.Texture(GROOVE, one), [(1e-4, 1e-4)]),
+    ("Texture area_density is *: give ", lambda one: cs.Texture.of_density(DIMPLE, one, 2e-4), [1.0]),
+    ("Texture along is *: give ", lambda one: cs.Texture.of_density(DIMPLE, 0.1, one), [None]),
+    ("Texture along is *: give ", lambda one: cs.Texture.of_density(GROOVE, 0.1, one), [2e-4]),
+    # measured surfaces
+    ("MeasuredSurface.extent is *: give ", measured, [1.0, (1e-4, 1e-4)]),
+    ("MeasuredSurface.extent[0] is *: give ", measured, [(0.0, 1.0)]),
+    ("MeasuredSurface period is *: give ", measured, [(1.0, 3e-5)]),
+    ("MeasuredSurface.trend is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, trend=one), ["plane"]),
+    ("MeasuredSurface.seam is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, seam=one), [cs.Tapered]),
+    ("MeasuredSurface.missing is *: give ", lambda one: cs.MeasuredSurface(HEIGHTS, missing=one), [0.0]),
+    (
+        "MeasuredSurface.extent is None, and its (16, 4) points are not",
+        lambda one: cs.MeasuredSurface(one).gap(GRID), [HEIGHTS[:, :4], np.zeros((16, 4))],
+    ),
+    ("MeasuredSurface.heights has *: give an array", cs.MeasuredSurface, [
+        1.0, [1.0, 2.0], np.zeros((2, 2, 2)), np.zeros((0, 3)), [["a"]], [[1, 2], [3]], None,
+        np.ones((2, 2), dtype=bool), np.ones((2, 2), dtype=complex), xr.DataArray([1.0]),
+    ]),
+    ("*coordinates for 1 of its dimensions", cs.MeasuredSurface, [labelled(width=np.arange(6))]),
+    ("*width has coordinates that are not", cs.MeasuredSurface, [
+        labelled(width=np.arange(6) ** 2, length=np.arange(4)), labelled(width=np.zeros(6), length=np.arange(4)),
+    ]),
+    ("*heights has the units 'nm': convert to m", cs.MeasuredSurface, [labelled().assign_attrs(units="nm")]),
+    ("*heights.length has the units 'um': convert to m", cs.MeasuredSurface, [
+        labelled(width=np.arange(6), length=("length", np.arange(4), {"units": "um"})),
+    ]),
+    ("HarmonicFill.up_to is *: give a fraction", cs.HarmonicFill, [0.0, 1.0, nan]),
+    ("Tapered.fraction is *: give a fraction", cs.Tapered, [0.0, 1.1, nan]),
+    # adhesion, friction, wear and rolling
+    ("Adhesion.work is 0.0: give a work above 0 J/m^2.", cs.Adhesion, [0.0]),
+    ("Adhesion.range is -1.0: give a range above 0 m", lambda one: cs.Adhesion(1.0, range=one), [-1.0]),
+    ("Adhesion.law is 'dugdal': did you mean 'dugdale'", lambda one: cs.Adhesion(1.0, law=one), ["dugdal"]),
+    ("Adhesion.branch is 'afar': did you mean 'from afar'", lambda one: cs.Adhesion(1.0, branch=one), ["afar"]),
+    ("Sliding.coefficient", cs.Sliding, [-0.1, 1.0, 3.0, nan, "0.3", True]),
+    ("PartialSlip.coefficient", lambda one: cs.PartialSlip(one, 1.0), [-0.1, 1.0, 3.0, nan, "0.3", True]),
+    ("PartialSlip.coefficient is *friction above 0, and below 1", lambda one: cs.PartialSlip(one, 1.0), [0.0]),
+    *((f"TractiveRolling{said}", lambda one: cs.TractiveRolling(**{"coefficient": 0.3} | one), bad) for said, bad in (
+        ("*neither", [{}]), ("*both", [{"longitudinal": 1e-3, "tangential": 1e3}]),
+        (".longitudinal", [{"longitudinal": "much"}]), (".speed", [{"longitudinal": 1e-3, "speed": 0.0}]),
+        (".spin", [{"longitudinal": 1e-3, "spin": nan}]),
+        (".coefficient", [{"longitudinal": 1e-3, "coefficient": one} for one in (0.0, 1.0)]),
+    )),
+    *((f"Fretting{said}", lambda one: cs.Fretting(**{"coefficient": 0.3} | one), bad) for said, bad in (
+        ("*give one of them", [{"forces": (0.1,), "displacements": (1.0,)}, {}]),
+        ("*give times", [{"displacements": (1.0,)}]), (".forces", [{"forces": ()}, {"forces": (0.1, nan)}]),
+        ("*give one time for each", [{"forces": (0.0, 0.1), "times": (0.0,)}]),
+        (".times[1] is 0.0", [{"forces": (0.0, 0.1), "times": (1.0, 0.0)}]),
+        (".coefficient", [{"coefficient": 0.0, "forces": (0.1,)}]),
+    )),
+    ("Fretting*steps", lambda one: cs.Fretting.cycle(0.3, 0.1, steps=one), [0]),
+    ("Wear.coefficient is *: give ", lambda one: cs.Wear(one, 1.0), [-1.0]),
+    ("Wear.speed is *: give ", lambda one: cs.Wear(1.0, one), [-1.0, inf]),
+    ("Wear.body is *: give ", lambda one: cs.Wear(1.0, 1.0, one), [2]),
+    *((f"Rolling.{said}", lambda one: cs.Rolling(**one), [bad]) for said, bad in (
+        ("speed is 1.0 with passes", {"speed": 1.0, "passes": 2}), ("passes is 0", {"passes": 0}),
+        ("distance is 0.1 without passes", {"speed": 1.0, "distance": 0.1}),
+        ("steady is 0.001 without passes", {"speed": 1.0, "steady": 1e-3}),
+        ("pressure is * without passes", {"speed": 1.0, "pressure": cs.RollingPressure.ELASTIC}),
+        ("pressure is 'elastic': give RollingPressure.SOLVED", {"passes": 1, "pressure": "elastic"}),
+    )),
+    # lubricants and films
+    ("Lubricant.viscosity is 0.0: give a viscosity above 0", field(OIL, "viscosity"), [0.0]),
+    ("Lubricant.pressure_viscosity is -1e-08", field(OIL, "pressure_viscosity"), [-1e-8]),
+    ("Lubricant.viscosity_law is *give a law, such as Roelands", field(OIL, "viscosity_law"), [cs.Barus]),
+    ("Roelands.exponent is 1.2", lambda one: cs.Roelands(exponent=one), [1.2]),
+    ("Eyring.reference is 0.0", cs.Eyring, [0.0]),
+    (
+        "Lubrication.mean_speed is *give a speed above 0 m/s, or a SpeedHistory",
+        lambda one: film(mean_speed=one), [cs.LoadHistory((0, 1), (1e3, 1e4))],
+    ),
+    ("*leave Scene.lubrication out for the dry contact", lambda one: film(mean_speed=one), [0.0]),
+    ("Lubrication.lubricant is *give a Lubricant", lambda one: film(lubricant=one), [None]),
+    ("Lubrication.cavitation is *give ElrodAdams", lambda one: film(cavitation=one), ["plain"]),
+    ("Lubrication.thermal is 3", lambda one: film(thermal=one), [3]),
+    (
+        "Lubricant.viscosity is 6e-05",
+        lambda one: film(lubricant=cs.Lubricant(one, 1e-8), thermal=cs.FilmHeat()), [6e-5],
+    ),
+    ("FilmHeat.conductivity is 0", lambda one: cs.FilmHeat(conductivity=one), [0]),
+    ("FilmHeat.supply_temperature is 60", lambda one: cs.FilmHeat(supply_temperature=one), [60]),
+    ("Boundary.film is 0.0", cs.Boundary, [0.0]),
+    (
+        "Lubrication.boundary is supported with ElrodAdams",
+        lambda one: film(boundary=cs.Boundary(5e-9), cavitation=one), [cs.ReynoldsCavitation()],
+    ),
+    # where and how it is solved
+    ("Superposition.images is *at least 0.", cs.Superposition, [-1, 1.5, True, None, "6"]),
+    ("CircularSuperposition.images is *at least 0.", cs.CircularSuperposition, [-1, 1.5, True, None, "6"]),
+    ("Cpu.threads is *: it must be a whole number of at least 1", cs.Cpu, [0, -1, 1.5, True, None]),
+    (
+        "padding is *(across, along).",
+        lambda one: cs.convolution(1.0, GRID, one, 1.0), [None, "exact", (FREE,), (FREE, 6)],
+    ),
+    ("grid is (8, 8): give a Grid.", lambda one: SMOOTH.problem(one, EXACT), [(8, 8)]),
+    (
+        "Grid.cells is * GB and this machine has ",
+        lambda one: SMOOTH.problem(cs.Grid(one, (1e-3, 1e-3)), EXACT), [(2**22, 2**22)],
+    ),
+    ("pressure has the shape (8, 16): give it (16, 8).", SMOOTH.problem(GRID, EXACT).operator, [np.ones((8, 16))]),
+    ("solve.scene is *: give a Scene, or scene.problem", cs.solve, [3, None, "rough.toml"]),
+    ("solve.tolerance is ", lambda one: solved(tolerance=one), [0.0, -1e-8, nan, "tight"]),
+    ("solve.max_iterations is -1", lambda one: solved(max_iterations=one), [-1]),
+    ("solve.device is 2: give Cpu(threads=2) or Gpu()", lambda one: solved(device=one), [2]),
+    ("solve.folder is given, and a static contact has", lambda one: solved(folder=one), ["frames"]),
+    *((f"solve.start {said}", lambda one: solved(start=one), [bad]) for said, bad in (
+        ("has the shape (8, 16): give it (16, 8).", np.ones((8, 16))),
+        ("is not finite in 128 cells: it must be at least 0 Pa", np.full((16, 8), nan)),
+        ("is below 0 Pa in 128 cells: it must be at least 0 Pa", np.full((16, 8), -1.0)),
+        ("is at most 0 Pa: give a pressure that carries some load", np.zeros((16, 8))),
+        ("is at most 4.941e-324 Pa: give a pressure", np.full((16, 8), 5e-324)),
+        ("is no array of numbers: give a pressure in Pa", "so"),
+    )),
+    ("plan.device is 2: give Cpu(threads=2) or Gpu()", lambda one: cs.plan(SMOOTH, device=one), [2]),
+    ("HertzLine.load_per_length is -1.0: ", lambda one: cs.analytic.HertzLine(one, 1.0, 1.0), [-1.0]),
+    ("HertzLine.radius is -1.0: ", lambda one: cs.analytic.HertzLine(1.0, one, 1.0), [-1.0]),
+    ("HertzLine.contact_modulus is -1.0: ", lambda one: cs.analytic.HertzLine(1.0, 1.0, one), [-1.0]),
+]  # fmt: skip
+
+
+@pytest.mark.cases(len(VALUES))
+@pytest.mark.parametrize(("said", "make", "values"), VALUES)
+def test_a_value_is_refused_in_a_sentence(
+    said: str, make: Callable[[Any], object], values: list[Any]
+) -> None:
+    for value in values:
+        refused(lambda value=value: make(value), said)

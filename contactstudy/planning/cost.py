@@ -8,7 +8,7 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from contactstudy.domain.device import ONE_THREAD, Device, using
+from contactstudy.domain.device import ONE_THREAD, Device
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import (
     CircularSuperposition,
@@ -18,7 +18,7 @@ from contactstudy.domain.grid import (
     Superposition,
     across_and_along,
 )
-from contactstudy.elasticity.convolution import Convolution, padded_cells
+from contactstudy.elasticity.convolution import padded_cells
 from contactstudy.problem.memory import solve_bytes
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import LineLoad
@@ -43,9 +43,9 @@ class TimingConstants:
     stress_cells
         Most cells (across, along) on which stress is timed.
     large_sample
-        Largest number of cells along an axis of the convolution that is timed on a device.
+        Largest number of cells along an axis of the solve that is timed on a device.
     min_total_seconds
-        Time for which quick solves and convolutions are repeated, since the first fills caches and other processes
+        Time for which quick solves are repeated, since the first fills caches and other processes
         interrupt.
     min_seconds
         Smallest time that is recorded.
@@ -66,6 +66,7 @@ class TimingConstants:
 
 
 CONSTANTS = TimingConstants()
+SAMPLE_EXTENT = 2.4, 2.4
 
 
 @dataclass(frozen=True)
@@ -200,17 +201,22 @@ def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...
     A padding that counts images is timed with few and with many of them, any other once.
     """
     across, along = across_and_along(padding)
-    sample = Grid(
-        (CONSTANTS.sample_cells, 1 if grid.cells[1] == 1 else CONSTANTS.sample_cells), (2.4, 2.4)
-    )
-    # the modulus is 1, and the grid is 3.4 half-widths wide
-    elastic = HalfSpace(1.0, 0.0)
-    scene = Scene(LineLoad(pi / 800), (elastic, HalfSpace(inf, 0.0)), (Cylinder(100.0),))
+    cells = CONSTANTS.sample_cells
+    sample = Grid((cells, 1 if grid.cells[1] == 1 else cells), SAMPLE_EXTENT)
     counted: tuple[Padding, ...] = (along,)
     if isinstance(along, Superposition | CircularSuperposition):
         counted = tuple(replace(along, images=images) for images in CONSTANTS.sample_images)
-    problems = (partial(scene.problem, padding=(across, each_padding)) for each_padding in counted)
+    problems = (
+        partial(_smooth_contact().problem, padding=(across, each_padding))
+        for each_padding in counted
+    )
     return tuple(timed(problem, sample, CONSTANTS.tolerance)[1] for problem in problems)
+
+
+def _smooth_contact() -> Scene:
+    """Return a smooth line contact of modulus 1, 3.4 half-widths of which are in the sampled extent."""
+    solids = HalfSpace(1.0, 0.0), HalfSpace(inf, 0.0)
+    return Scene(LineLoad(pi / 800), solids, (Cylinder(100.0),))
 
 
 def _law_key(grid: Grid, padding: Padding | Paddings) -> str:
@@ -229,31 +235,25 @@ def _work_sizes(
 
 
 def speedup(grid: Grid, padding: Padding | Paddings, device: Device) -> float:
-    """Measure how many times faster a convolution runs on `device` than on one thread; 1 for one thread.
+    """Measure how many times faster a solve is on `device` than on one thread; 1 for one thread.
 
-    It is measured on this grid, or on one of `large_sample` cells along either axis.
+    A smooth line contact is solved on as many cells, at most `large_sample` along either axis.
     """
     if device == ONE_THREAD:
         return 1.0
     across, along = (min(count, CONSTANTS.large_sample) for count in grid.cells)
-    sample = Grid((across, along), grid.extent)
-    points = padded_cells(sample, across_and_along(padding))
-    one_thread, on_device = (_seconds(sample, points, each) for each in (ONE_THREAD, device))
-    return one_thread / on_device
+    problem = _smooth_contact().problem(Grid((across, along), SAMPLE_EXTENT), padding)
+    return _seconds(problem, ONE_THREAD) / _seconds(problem, device)
 
 
-def _seconds(grid: Grid, points: tuple[int, int], device: Device) -> float:
-    """Return the wall time [s] of one convolution on `grid` padded to `points`, the least of several."""
-    durations: list[float] = []
-    with using(device):
-        operator = Convolution(
-            device.to_device(np.ones((points[0], points[1] // 2 + 1))), grid.cells, points
-        )
-        pressure = device.to_device(np.ones(grid.cells))
-        while len(durations) < 5 or sum(durations) < CONSTANTS.min_total_seconds:
-            start = perf_counter()
-            float(operator(pressure)[0, 0])  # reading a number waits for a GPU
-            durations.append(perf_counter() - start)
+def _seconds(problem: Problem, device: Device) -> float:
+    """Return the wall time [s] of a solve on a device: the least of several, after a first one that fills caches."""
+    options, durations = SolveOptions(CONSTANTS.tolerance), [inf]
+    solve_contact(problem, options, device=device)
+    while len(durations) < 3 or sum(durations[1:]) < CONSTANTS.min_total_seconds:
+        start = perf_counter()
+        solve_contact(problem, options, device=device)
+        durations.append(perf_counter() - start)
     return min(durations)
 
 

@@ -8,8 +8,10 @@ import numpy as np
 
 from contactstudy.accuracy.discretisation.coarser import FIRST_ORDER_MARGIN
 from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
+from contactstudy.accuracy.image_errors import with_all_images
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import Paddings
 from contactstudy.solvers.solution import Solution, net_pressure
 
 # Error of the largest stress over the L1 error of the pressure.
@@ -66,11 +68,12 @@ def stress_errors(
 ) -> tuple[ErrorParts, ErrorParts]:
     """Return the relative errors of the largest von Mises stress at some depths, and of its depth.
 
-    The stress at a depth shows no waves of the pressure that are much shorter. So the error of the peak pressure counts
-    at the surface, and falls like the stress of a wave of two cells; that in L1 counts everywhere, as does the change
-    from larger cells. Between cells and between depths the maximum lies above the largest value by the parabola through
-    three of them. Any depth may be that of the largest stress where the stress comes as near to it as its errors; a
-    single depth is given, and has none.
+    The stress at a depth shows no waves of the pressure that are much shorter. So the error of the peak pressure by the
+    cells and by the residual counts at the surface, and falls like the stress of a wave of two cells; that in L1 counts
+    everywhere, as does the change from larger cells. Images that the padding leaves out change the pressure, and lack
+    with their own stress: it is computed with all of them. Between cells and between depths the maximum lies above the
+    largest value by the parabola through three of them. Any depth may be that of the largest stress where the stress
+    comes as near to it as its errors; a single depth is given, and has none.
 
     Parameters
     ----------
@@ -88,10 +91,15 @@ def stress_errors(
     largest = von_mises.max(axis=(1, 2))
     level, x, y = np.unravel_index(int(von_mises.argmax()), von_mises.shape)
     peak = float(largest[level])
-    images, residual = estimate.l1.images or 0.0, estimate.l1.residual or 0.0
     if coarse is None or not peak > 0:
-        no_bound = ErrorParts(images, inf, residual, reason=NO_COARSER)
+        no_bound = ErrorParts(discretisation=inf, reason=NO_COARSER)
         return no_bound, no_bound
+    images = estimate.l1.images or 0.0
+    if images:
+        assert solution.problem.paddings is not None
+        paddings = with_all_images(solution.problem.paddings)
+        whole = [_largest_at(solution, float(depth), paddings) for depth in depths]
+        images += float(np.abs(whole - largest).max()) / peak
     change = abs(_largest_at(coarse, float(depths[level])) / peak - 1)
     between = (
         _parabola_excess(von_mises[level, :, y], int(x))
@@ -99,10 +107,13 @@ def stress_errors(
         + _parabola_excess(largest, int(level))
     )
     decay = np.pi * depths / min(_cells(solution))
-    local = _finite(estimate.peak_pressure) * (1 + decay) * np.exp(-decay)
+    of_peak = (1 + decay) * np.exp(-decay)
+    local = _part(estimate.peak_pressure, "discretisation") * of_peak
+    unsolved = (estimate.l1.residual or 0.0) + _part(estimate.peak_pressure, "residual") * of_peak
     usual = max(change, STRESS_ERROR * (estimate.l1.discretisation or 0.0)) + between / peak
     upper_stress = largest * (1 + usual + local)
     cells = float(upper_stress.max() / peak - 1)
+    residual = float((largest * (1 + unsolved)).max() / peak - 1)
     reason = next(iter(estimate.warnings), NO_COARSER) if cells == inf else ""
     stress = ErrorParts(images, cells, residual, reason=reason)
     if len(depths) == 1:
@@ -126,10 +137,10 @@ def _cells(solution: Solution) -> list[float]:
     return [size for size, count in zip(grid.cell_size, grid.cells, strict=True) if count > 1]
 
 
-def _finite(parts: ErrorParts | None) -> float:
-    """Return the discretisation error; 1 where it has no bound."""
-    error = 1.0 if parts is None or parts.discretisation is None else parts.discretisation
-    return error if error < inf else 1.0
+def _part(parts: ErrorParts | None, cause: str) -> float:
+    """Return the error by a cause; 1 where it has no bound, 0 where the cause does not apply."""
+    error = 1.0 if parts is None else getattr(parts, cause) or 0.0
+    return float(error) if error < inf else 1.0
 
 
 def _parabola_excess(values: Array, index: int) -> float:
@@ -141,13 +152,16 @@ def _parabola_excess(values: Array, index: int) -> float:
     return (after - before) ** 2 / (8 * bend) if bend > 0 else 0.0
 
 
-def _largest_at(solution: Solution, depth: float) -> float:
-    """Return the largest von Mises stress [Pa] at a `depth` [m] below a solution; 0 if its scene names no stress."""
+def _largest_at(solution: Solution, depth: float, paddings: Paddings | None = None) -> float:
+    """Return the largest von Mises stress [Pa] at a `depth` [m] below a solution; 0 if its scene names no stress.
+
+    The images are those of `paddings`; None takes the solution's own.
+    """
     from contactstudy.scene.stress import SubsurfaceStressOperator, von_mises
 
     for output in solution.problem.outputs:
         if isinstance(output, SubsurfaceStressOperator):
-            below = replace(output, depths=(depth,))
+            below = replace(output, depths=(depth,), paddings=paddings or output.paddings)
             if solution.traction is not None:
                 below = below.with_shear(solution.traction.shear)
             return float(von_mises(below(net_pressure(solution.pressure, solution.adhesion))).max())

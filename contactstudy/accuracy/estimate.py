@@ -15,11 +15,11 @@ from contactstudy.accuracy.discretisation.coarser import (
     DiscretisationErrors,
     change_between_grids,
     coarse_solution,
+    comparable,
     compare_grids,
-    has_ended,
 )
 from contactstudy.accuracy.discretisation.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
-from contactstudy.accuracy.image_errors import image_errors
+from contactstudy.accuracy.image_errors import L1_OVER_NARROWING, image_errors
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.range_errors import (
     PEAK_WITHOUT_LIMIT,
@@ -77,8 +77,6 @@ class EstimateConstants:
     gap_error
         Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement,
         whichever is larger.
-    gap_error_by_images
-        Error of the mean gap over the L1 error due to images left out.
     min_cells_across
         Least cells across the contact at the peak for its edges to follow their law.
     end_over_peak
@@ -100,7 +98,6 @@ class EstimateConstants:
     negligible_attraction: float = 1e-3
     sharp_rise: float = 1e-3
     gap_error: float = 0.12
-    gap_error_by_images: float = 8.0
     min_cells_across: int = 5
     end_over_peak: float = 0.5
     stiff_coating: float = 2.0
@@ -177,7 +174,7 @@ def error_estimate(
     peak_images, l1_images = image_errors(
         solution.pressure, problem.grid, problem.paddings, ends_along=ends_along
     )
-    peak_residual, l1_residual = residual_errors(solution)
+    change = 0.0
     if solution.adhesion is not None:
         from contactstudy.solvers.adhesion import (
             CONSTANTS as OUTER,
@@ -185,7 +182,7 @@ def error_estimate(
 
         # the change of the attraction that counts as much as this residual
         change = OUTER.change_in_tolerances * solution.residual
-        peak_residual, l1_residual = peak_residual + change, l1_residual + change
+    residual = residual_errors(solution, change)
     # the heights on several grids have the same waves
     with caching(current_cache() or ArrayCache(problem.undeformed_gap.nbytes)):
         cells = _cells(solution, coarse, heights, confidence)
@@ -200,11 +197,15 @@ def error_estimate(
             l1=cells.l1 + 2 * rise_at_edge * width / mean,
             warnings=(*cells.warnings, reason),
         )
-    l1 = ErrorParts(l1_images, cells.l1, l1_residual)
-    peak = ErrorParts(peak_images, cells.peak_pressure, peak_residual)
-    area = ErrorParts(l1_images, cells.contact_area, l1_residual)
-    gap = ErrorParts(CONSTANTS.gap_error_by_images * l1_images, cells.mean_gap, l1_residual)
-    load = ErrorParts(l1_images, cells.load, l1_residual) if cells.load is not None else None
+    l1 = ErrorParts(l1_images, cells.l1, residual.l1)
+    peak = ErrorParts(peak_images, cells.peak_pressure, residual.peak_pressure)
+    area = ErrorParts(l1_images, cells.contact_area, residual.contact_area)
+    gap = ErrorParts(
+        _gap_by_images(solution, l1_images),
+        cells.mean_gap,
+        change + residual.gap / abs(solution.mean_gap) if solution.mean_gap else inf,
+    )
+    load = ErrorParts(l1_images, cells.load, residual.l1) if cells.load is not None else None
     if problem.control.approach is not None and l1_images:
         l1, peak, area, gap, load = (
             replace(parts, images=inf, reason=NO_DATUM)
@@ -272,8 +273,8 @@ def _cells(
     ):
         changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
     else:
-        coarse = coarse or coarse_solution(problem, solution.pressure)
-        if coarse is None or not has_ended(coarse):
+        coarse = comparable(coarse or coarse_solution(problem, solution.pressure))
+        if coarse is None:
             reason = "No bound for the discretisation error: no solution on cells of twice the size to compare with."
             return DiscretisationErrors.unbounded(reason)
         changes = change_between_grids(solution, coarse)
@@ -375,12 +376,25 @@ def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> f
     hidden
         Mean of the heights inside the cells below that at their centres [m].
     """
-    touching, gap = solution.pressure > 0, solution.mean_gap
-    residual = float(np.abs(solution.gap[touching]).sum()) / touching.size
+    gap, active = solution.mean_gap, solution.problem.constraint.active(solution.pressure)
+    residual = float((np.abs(solution.gap) * active).mean())
     if not gap > 2 * residual:
         return inf
     shift = CONSTANTS.gap_error * l1 * max(float(solution.displacement.std()), gap)
     return max(change, shift / gap) + hidden / gap
+
+
+def _gap_by_images(solution: Solution, l1: float) -> float:
+    """Return the relative error of the mean gap where images left out change the pressure by `l1`.
+
+    The contact is narrower by the fraction n that :func:`image_errors` finds, under the same load. The gap of a line
+    contact is then larger by n times ``x dg/dx``, whose mean is n times the gap at the edges of the grid less its mean.
+    """
+    if not l1:
+        return 0.0
+    gap, mean = solution.gap, solution.mean_gap
+    edges = max(float(line.mean()) for line in (gap[0], gap[-1], gap[:, 0], gap[:, -1]))
+    return l1 / L1_OVER_NARROWING * max(edges / mean, 1.0) if mean > 0 else inf
 
 
 def _is_pull_off(solution: Solution) -> bool:

@@ -4,7 +4,7 @@ import numpy as np
 
 from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
-from contactstudy.domain.grid import Grid, Padding, Paddings
+from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 
 # L1 change of Hertz's ellipse over the small fraction by which it is made narrower.
 L1_OVER_NARROWING = 4 / np.pi
@@ -47,7 +47,7 @@ def image_errors(
         For a window on one axis with images on the other.
     """
     across, along = paddings
-    if across.window is not None and len(across.window) > 1:
+    if _counts_images(across):
         pressure, (along, across) = pressure.T, (across, along)
         period, positions, others = grid.extent[0], grid.y, grid.x
     else:
@@ -56,7 +56,7 @@ def image_errors(
     free = not (hasattr(along, "images") or along.wraps or reaches_ends)
     if along.window is None or (free and len(along.window) == 1):
         return 0.0, 0.0
-    if across.window is None or len(across.window) > 1 or across.wraps:
+    if across.window is None or _counts_images(across) or across.wraps:
         raise NotDefined(
             f"padding is {paddings!r}: give ExactPeriodicity() for the axis that counts images, or "
             "ZeroPadding() for the other; only then is the error of a window known."
@@ -67,6 +67,17 @@ def image_errors(
     narrowing = margin * _narrowing(half_width, period, pressure.shape[1], along)
     peak, mean = _end_errors(pressure, along, half_width / period)
     return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)
+
+
+def with_all_images(paddings: Paddings) -> Paddings:
+    """Return `paddings` with infinitely many images along the axis whose errors :func:`image_errors` finds."""
+    across, along = paddings
+    return (ExactPeriodicity(), along) if _counts_images(across) else (across, ExactPeriodicity())
+
+
+def _counts_images(padding: Padding) -> bool:
+    """Return whether a `padding` has images, a finite number of them."""
+    return padding.window is not None and len(padding.window) > 1
 
 
 def _narrowing(half_width: float, period: float, cells: int, along: Padding) -> float:

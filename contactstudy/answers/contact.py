@@ -6,7 +6,7 @@ from functools import cached_property
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
-from contactstudy.accuracy.discretisation.coarser import coarse_solution
+from contactstudy.accuracy.discretisation.coarser import coarse_solution, comparable
 from contactstudy.accuracy.estimate import error_estimate
 from contactstudy.answers.answer import Answer, Counts
 from contactstudy.domain.checks import NotDefined
@@ -82,7 +82,8 @@ class Contact(Answer, Solution):
                 return self.estimate or error_estimate(self)
             attraction = None if self.adhesion is None else self.adhesion.attraction
             coarse = coarse_solution(self.problem, self.pressure, attraction)
-            return self._with_derived(self.estimate or error_estimate(self, coarse=coarse), coarse)
+            estimate = self.estimate or error_estimate(self, coarse=coarse)
+            return self._with_derived(estimate, comparable(coarse))
         except NotDefined as reason:
             unknown = ErrorParts(discretisation=inf, reason=f"No bound: {reason}")
             return ErrorEstimate(unknown, unknown, unknown, unknown, warnings=(unknown.reason,))

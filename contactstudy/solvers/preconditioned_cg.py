@@ -174,7 +174,8 @@ class ContactPreconditioner:
         count, compliance = self._uniform
         cells = total(active)
         if abs(cells - count) > count / 10:
-            compliance = inner(active, self._problem.operator(active.astype(height.dtype))) / cells
+            pressure = arrays().astype(active, height.dtype)
+            compliance = inner(pressure, self._problem.operator(pressure)) / cells
             self._uniform, self._convolutions = (cells, compliance), self._convolutions + 1
         return inner(active, height) / cells / compliance
 

@@ -75,7 +75,8 @@ class SolveOptions:
     Raises
     ------
     InvalidInput
-        If the tolerance is not above 0, the limit is not a whole number of at least 0, or the precision is unknown.
+        If the tolerance is not above 0, the limit is not a whole number of at least 0, the solver has no method
+        ``iterate``, or the precision is unknown.
     """
 
     tolerance: Number = 1e-8
@@ -89,6 +90,10 @@ class SolveOptions:
             self.tolerance,
             "give a dimensionless tolerance above 0, such as 1e-8",
         )
+        if isinstance(self.solver, type) or not hasattr(self.solver, "iterate"):
+            raise InvalidInput(
+                f"solve.solver is {self.solver!r}: give a solver, such as PreconditionedCG()."
+            )
         set_fields(self, precision=Precision.named(self.precision))
         whole_number(
             "solve.max_iterations",

@@ -238,6 +238,7 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("solve.scene is *: give a Scene, or scene.problem", cs.solve, [3, None, "rough.toml"]),
     ("solve.tolerance is ", lambda one: solved(tolerance=one), [0.0, -1e-8, nan, "tight"]),
     ("solve.max_iterations is -1", lambda one: solved(max_iterations=one), [-1]),
+    ("solve.solver is ", lambda one: solved(solver=one), [5, cs.PolonskyKeer]),
     ("solve.device is 2: give Cpu(threads=2) or Gpu()", lambda one: solved(device=one), [2]),
     ("solve.folder is given, and a static contact has", lambda one: solved(folder=one), ["frames"]),
     *((f"solve.start {said}", lambda one: solved(start=one), [bad]) for said, bad in (

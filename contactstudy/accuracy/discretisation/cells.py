@@ -163,4 +163,4 @@ def contact_area_error(pressure: Array, wraps: tuple[bool, bool]) -> float:
 
 def relative_loss(fraction: float) -> float:
     """Return the relative error of a quantity that may have lost or gained the given `fraction` of itself."""
-    return fraction / (1 - fraction) if fraction < 1 else inf
+    return float(fraction / (1 - fraction)) if fraction < 1 else inf

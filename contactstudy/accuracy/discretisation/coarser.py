@@ -94,13 +94,15 @@ def change_between_grids(fine: Solution, coarse: Solution) -> DiscretisationErro
     )
 
 
-def has_ended(solution: Solution) -> bool:
-    """Return whether a solution ended, so that others can be compared with it.
+def comparable(coarse: Solution | None) -> Solution | None:
+    """Return a `coarse` solution that others can be compared with, else None.
 
     It converged, is as accurate as rounding lets it be, or found that the bodies do not touch.
     """
-    status = solution.status
-    return status.has_converged or status in (Status.PRECISION_LIMIT, Status.DETACHED)
+    if coarse is None:
+        return None
+    ended = coarse.status in (Status.PRECISION_LIMIT, Status.DETACHED)
+    return coarse if ended or coarse.status.has_converged else None
 
 
 def compare_grids(solution: Solution, coarse: Solution | None) -> DiscretisationErrors:
@@ -110,10 +112,9 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
     do not touch on those cells.
     """
     attraction = None if solution.adhesion is None else solution.adhesion.attraction
-    coarse = coarse or coarse_solution(solution.problem, solution.pressure, attraction)
-    failed = coarse is None or not has_ended(coarse)
-    if coarse is None or failed or not coarse.pressure.any():
-        why = "there is no solution" if failed else "the bodies do not touch"
+    coarse = comparable(coarse or coarse_solution(solution.problem, solution.pressure, attraction))
+    if coarse is None or not coarse.pressure.any():
+        why = "there is no solution" if coarse is None else "the bodies do not touch"
         reason = f"No bound for the discretisation error: on cells of twice the size {why}, give more cells."
         return DiscretisationErrors.unbounded(reason, load=inf)
     change = change_between_grids(solution, coarse)
@@ -130,10 +131,10 @@ def compare_grids(solution: Solution, coarse: Solution | None) -> Discretisation
 def coarse_solution(
     problem: Problem, pressure: Array | None = None, attraction: Array | None = None
 ) -> Solution | None:
-    """Return the solution on cells of twice the size, as accurate as a comparison needs; None where it did not end.
+    """Return the solution on cells of twice the size, as accurate as a comparison needs where it converges.
 
     It begins with the means of a `pressure` and an `attraction` (x, y) [Pa] on the grid of `problem`, if they are given.
-    It also is None without a source of the heights.
+    It is None where :func:`coarser_problem` is.
     """
     coarse = coarser_problem(problem)
     if coarse is None:
@@ -143,8 +144,7 @@ def coarse_solution(
         adhesion = coarse.adhesion.continued(on_cells(attraction, coarse.grid.cells))
         coarse = replace(coarse, adhesion=adhesion)
     tolerance = COARSE_TOLERANCE if coarse.adhesion is None else ADHESIVE_TOLERANCE
-    solution = solve_contact(coarse, SolveOptions(tolerance), start)
-    return solution if has_ended(solution) else None
+    return solve_contact(coarse, SolveOptions(tolerance), start)
 
 
 def _added_heights(source: Source, problem: Problem) -> Array | None:

@@ -77,7 +77,10 @@ def contact_quantities(
     )
     area_error = estimate.contact_area
     if area_error is not None and isfinite(area_error.total):
-        half_width = replace(half_width, bound=grid.cell_size[0], reason="")
+        # the outermost cells beside what the other causes change of the area
+        other_causes = area_error.total - (area_error.discretisation or 0.0)
+        bound = grid.cell_size[0] + other_causes * half_width.value
+        half_width = replace(half_width, bound=bound, reason="")
     else:
         half_width = with_bound(half_width, area_error, fallback_reasons)
     solved = ErrorParts(residual=solution.residual)

@@ -72,6 +72,29 @@ def test_images_left_out_beside_a_roller_that_ends_are_bounded(
     assert error_estimate(alone).l1.images == 0
 
 
+@pytest.mark.parametrize("width", [2.05, 2.4, 8.0])
+@pytest.mark.parametrize("period", [0.3, 3.0, 10.0])
+@pytest.mark.parametrize(
+    "padding",
+    [cs.CircularSuperposition(0), cs.CircularSuperposition(1), cs.Superposition(2), FREE],
+    ids=str,
+)
+def test_every_number_of_a_contact_that_lacks_images_is_within_its_bound(
+    padding: cs.Padding, period: float, width: float, line_contact: LineContact
+) -> None:
+    """The gap beside a contact is small on a narrow grid, and the stress falls with one power of the distance alone."""
+    a = line_contact.hertz.half_width
+    outputs = (cs.SubsurfaceStress((0.05 * a, 0.7 * a, 2 * a)),)
+    scene = replace(line_contact.scene, outputs=outputs)
+    cut, whole = (
+        cs.solve(scene, line_contact.grid((96, along), period, width), one)
+        for along, one in ((1 if padding.wraps else 16, padding), (1, EXACT))
+    )
+    for name in ("peak_pressure", "contact_area", "half_width", "mean_gap", "largest_von_mises"):
+        ours, true = cut.quantities[name], whole.quantities[name]
+        assert abs(ours.value - true.value) <= ours.bound + true.bound
+
+
 @pytest.mark.parametrize("across", [EXACT, cs.DuplicatedPadding()], ids=str)
 def test_windows_beside_images_are_refused(across: cs.Padding) -> None:
     grid = cs.Grid(cells=(8, 8), extent=(1.0, 1.0))

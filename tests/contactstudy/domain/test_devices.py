@@ -134,11 +134,14 @@ def test_a_warm_start_needs_its_pressure_alone(device: Device, line_contact: Lin
 
 
 @on_every_device
-def test_polonsky_and_keer_s_scheme_is_the_same(device: Device, line_contact: LineContact) -> None:
-    posed = problem(line_contact, 32, "smooth")
+@pytest.mark.parametrize("solver", [cs.PolonskyKeer(), cs.PreconditionedCG()], ids=str)
+def test_a_given_approach_is_the_same(
+    solver: cs.Solver, device: Device, line_contact: LineContact
+) -> None:
+    scene = replace(line_contact.scene, load=cs.Approach(2e-6))
+    posed = scene.problem(line_contact.grid(32, 1.2), cs.ExactPeriodicity())
     ours, other = (
-        cs.solve(posed, tolerance=1e-9, solver=cs.PolonskyKeer(), device=each)
-        for each in (cs.Cpu(), device)
+        cs.solve(posed, tolerance=1e-9, solver=solver, device=each) for each in (cs.Cpu(), device)
     )
     agree(ours, other, 1e-9)
 

@@ -4,7 +4,6 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -41,7 +40,8 @@ REPEATS = click.option(
     type=click.IntRange(min=1),
     default=2,
     show_default=True,
-    help="Timed runs of each case, one at a time on one thread; the least time counts.",
+    help="Timed runs of each case, one at a time on one thread; the least time counts. Pages of the report take at most one or "
+    "two, and none of some studies.",
 )
 
 
@@ -239,9 +239,7 @@ def run(
         refuse(context, f"a study, and a scene has at most {MAX_VALUES} points", "yes")
     if has_own_figures(study):
         refuse(context, "a scene or a study without figures of its own", "figures", "plot")
-    drawing = partial(load_drawing, study, figures, names_in(plot))
-    if scene is not None:
-        out, drawing = out / scene.stem, partial(load_drawing, "pareto")
+    out = out if scene is None else out / scene.stem
     statuses_again = frozenset(status for name in retry for status in RETRIES[name])
     options = RunOptions(
         repeats=0 if no_times else repeats, retry=statuses_again, most_points=max_points, **settings
@@ -259,7 +257,8 @@ def run(
     from studies.report import page as reporting
 
     with _drawing(chosen.name, REMEDY_IN_TIMES if no_times else REMEDY_IN_CODE):
-        reporting.draw_figures(chosen, drawing(), out, with_png(formats))
+        drawing = load_drawing(study, figures, names_in(plot))
+        reporting.draw_figures(chosen, drawing, out, with_png(formats))
     click.echo(f"{chosen.name}: drew {out / chosen.name}")
 
 

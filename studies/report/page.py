@@ -69,6 +69,15 @@ def stored(study: Study, out: Path) -> xr.Dataset:
     return dataset
 
 
+def _without_gaps(study: Study, out: Path) -> xr.Dataset:
+    """Return the stored Dataset of a study, or where some of its points were never run those that the study requests."""
+    dataset = stored(study, out)
+    has_gaps = bool((dataset["case_status"] == CaseStatus.NOT_RUN).any())
+    values = {axis.name: list(axis.values) for axis in study.axes}
+    are_there = all(np.isin(chosen, dataset[name].values).all() for name, chosen in values.items())
+    return dataset.sel(values) if has_gaps and are_there else dataset
+
+
 def section(
     part: Part, dataset: xr.Dataset, out: Path, formats: Sequence[str] = FORMATS
 ) -> Section:
@@ -131,7 +140,7 @@ def draw_and_write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS
             datasets[SETTINGS] = read(path_in(out))
             sections += scene_sections(from_dataset(datasets[SETTINGS]), out, formats, max_parts=1)
             continue
-        datasets[part.name] = stored(part.study(), out)
+        datasets[part.name] = _without_gaps(part.study(), out)
         sections.append(section(part, datasets[part.name], out, formats))
     return write_page(chapter, sections, datasets, out)
 

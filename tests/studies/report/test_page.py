@@ -188,6 +188,11 @@ def test_a_chapter_is_run_with_a_line_a_study_and_later_drawn_by_itself(tmp_path
     os.utime(page, (newer, newer))
     assert report.write_outdated(tmp_path) == [page]
     assert "A chapter of" in page.read_text(encoding="utf-8")
+    # a point that is run for itself, on another grid, leaves no gaps in the page
+    one = {"padding": "exact", "period": "0.6", "images": "1", "grid": "24"}
+    run(load("period").override(one), tmp_path, workers=0, repeats=0, log=quiet)
+    text = report.draw_and_write(chapter, tmp_path).read_text(encoding="utf-8")
+    assert text.count("cells across the width: 16.") == 2
 
 
 def test_a_failed_case_is_told_in_the_log(tmp_path: Path) -> None:

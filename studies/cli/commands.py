@@ -40,8 +40,8 @@ REPEATS = click.option(
     type=click.IntRange(min=1),
     default=2,
     show_default=True,
-    help="Timed runs of each case, one at a time on one thread; the least time counts. Pages of the report take at most one or "
-    "two, and none of some studies.",
+    help="Timed runs of each case, one at a time on one thread; the least time counts. Pages of the report take at most "
+    "one or two, and none of some studies.",
 )
 
 

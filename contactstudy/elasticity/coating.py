@@ -16,14 +16,12 @@ from contactstudy.elasticity.kernels.layer.buried_potential import (
 from contactstudy.elasticity.kernels.layer.remainder import LayerRemainder
 from contactstudy.elasticity.kernels.layer.response import LayerResponse
 from contactstudy.elasticity.kernels.layer.shear import ShearWaves, Subtracted, buried_field
-from contactstudy.elasticity.kernels.layer.wave_coefficients import LATTICE_RATIO, WaveCoefficients
+from contactstudy.elasticity.kernels.layer.wave_coefficients import (
+    LATTICE_RATIO,
+    MAX_SERIES_WAVES,
+    WaveCoefficients,
+)
 from contactstudy.elasticity.kernels.traction import SWAPPED
-
-# Smallest period of the lattice that stands for a single cell, in thicknesses over the distance of the poles from the
-# real axis: the images then contribute less than 1e-6.
-MIN_PERIOD = 64.0
-# Number of waves along an axis up to which they are summed as a series, and beyond which by a transform.
-MAX_SERIES_WAVES = 1200
 
 
 @dataclass(frozen=True)
@@ -133,12 +131,12 @@ class CoatingShearCoefficients:
         """Return the response to one cell; x and y broadcast."""
         h, waves = self.thickness, self._waves(Subtracted.ALL_THREE)
         farthest = max(float(np.abs(x).max()), float(np.abs(y).max())) + max(dx, dy)
-        least = MIN_PERIOD * h / self.response.pole_distance_from_real_axis
-        period = max(LATTICE_RATIO * farthest, least)
+        # images of the lattice contribute less than 1e-6
+        period = max(LATTICE_RATIO * farthest, waves.least_period)
         if waves.count(period) <= MAX_SERIES_WAVES:
-            total = h * waves.series(x, y, dx, dy, period)
+            total = h * waves.series(x, y, dx, dy, (period, period))
         else:
-            total = h * waves.cell(x, y, dx, dy, least)
+            total = h * waves.transformed(x, y, dx, dy, waves.least_period)
         for order, (along, across, coupling) in enumerate(zip(*self._terms, strict=True)):
             images = {self.name: along, SWAPPED[self.name]: across}
             if self.name in ("x", "y"):

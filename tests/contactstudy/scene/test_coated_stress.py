@@ -155,6 +155,31 @@ def test_a_cell_alone_is_one_of_a_row_with_a_long_period() -> None:
     assert np.abs(alone - row).max() < 2e-2 * np.abs(row).max()
 
 
+def test_a_cell_alone_in_a_thick_coating_is_the_same_on_a_wider_grid() -> None:
+    medium = CoatedStress(LayerResponse(3.0, 0.25, 0.35), 2.0)
+    random, stresses = np.random.default_rng(3).random((6, 6)), []
+    for cells in (6, 48):
+        grid, first = cs.Grid((cells, cells), (cells / 6, cells / 6)), cells // 2 - 3
+        pressure = np.zeros(grid.cells)
+        pressure[first : first + 6, first : first + 6] = random
+        stress = SubsurfaceStressOperator(grid, FREE, medium, (0.0, 1.0, 2.0))(pressure)
+        stresses.append(stress[..., first : first + 6, first : first + 6])
+    for one, two in zip(*stresses, strict=True):
+        np.testing.assert_allclose(one, two, rtol=0, atol=2e-4 * np.abs(two[1:]).max())
+
+
+@pytest.mark.parametrize("ratio", [0.1, 3.0])
+def test_far_below_a_thin_coating_the_stress_is_that_in_the_substrate(ratio: float) -> None:
+    """What the coating changes there is of the order of its thickness over the depth, 3e-4."""
+    grid, pressure = cs.Grid((65, 1), (4.0, 1.0)), np.zeros((65, 1))
+    pressure[32] = 1.0
+    coated, plain = (
+        SubsurfaceStressOperator(grid, LINE, medium, (1.0,))(pressure)
+        for medium in (CoatedStress(LayerResponse(ratio, 0.3, 0.3), 3e-4), HalfSpaceStress(0.3))
+    )
+    np.testing.assert_allclose(coated, plain, rtol=0, atol=1e-3 * np.abs(plain).max())
+
+
 def test_a_substrate_that_does_not_yield_holds_the_coating_in_its_plane() -> None:
     """Without strain in the plane at the interface ``s_xx = nu / (1 - nu) s_zz``."""
     medium = CoatedStress(LayerResponse(0.0, 0.3, 0.3), 0.5)

@@ -20,8 +20,9 @@ from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOr
 
 # Wave number times thickness up to which the matrix exponential is used.
 LONG_WAVE = 1.5
-# Spline through the remainder: largest width of a piece, points on each, degree, and last wave number, exp(-k) = 1e-18.
-SPLINE_PIECE, SPLINE_POINTS, SPLINE_DEGREE, LAST_STRESS_WAVE = 0.25, 48, 7, 42.0
+# Spline through the remainder, which decays as exp(-r k): largest r k of a piece, points on each, degree, and last r k,
+# that of a wave with 34, where it is below rounding, along either axis.
+SPLINE_PIECE, SPLINE_POINTS, SPLINE_DEGREE, LAST_STRESS_WAVE = 0.5, 48, 7, 49.0
 
 
 def half_space(t: RealOrComplex) -> tuple[tuple[RealOrComplex, RealOrComplex, RealOrComplex], ...]:
@@ -111,7 +112,7 @@ class LayerStress:
         return decay - down + up, down + up - decay - (ratio - 1) * mirrored
 
     def interpolated(self, k: Array) -> Array:
-        """Return :meth:`remainder` at real `k` of any shape up to `LAST_STRESS_WAVE`, by a spline made once."""
+        """Return :meth:`remainder` at real `k` of any shape, by a spline made once up to ``r k = LAST_STRESS_WAVE``."""
         values = np.asarray(_table(self)(k.ravel())).T
         return np.asarray(values.reshape(2, 3, *k.shape))
 
@@ -213,9 +214,10 @@ def _stress(functions: RealOrComplex, weights: RealOrComplex) -> RealOrComplex:
 @lru_cache(maxsize=64)
 def _table(stress: LayerStress) -> BSpline:
     """Return the remainder as a spline (load and component) of the wave number."""
-    ends = [0.0, stress.materials.pole_distance_from_zero / 2]
-    while ends[-1] < LAST_STRESS_WAVE:
-        ends.append(ends[-1] + min(ends[-1], SPLINE_PIECE))
+    longest = SPLINE_PIECE / max(stress.decay_rate, 2)
+    ends = [0.0, min(stress.materials.pole_distance_from_zero / 2, longest)]
+    while ends[-1] * stress.decay_rate < LAST_STRESS_WAVE:
+        ends.append(ends[-1] + min(ends[-1], longest))
     k = np.concatenate(
         [np.arange(SPLINE_POINTS) / SPLINE_POINTS * (end - at) + at for at, end in pairwise(ends)]
     )

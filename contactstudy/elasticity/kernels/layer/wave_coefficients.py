@@ -19,6 +19,10 @@ PIECE_PHASE = 12.0
 # The waves of a row decay within DECAY_PERIODS; a cell alone is one of a lattice LATTICE_RATIO times as wide as the
 # grid.
 DECAY_PERIODS, LATTICE_RATIO = 6.0, 4
+# Smallest period of that lattice, in thicknesses over the distance of the poles from the real axis.
+MIN_PERIOD = 64.0
+# Number of waves along an axis up to which they are summed as a series, and beyond which by a transform.
+MAX_SERIES_WAVES = 1200
 
 
 class WaveResponse(Protocol):
@@ -58,7 +62,7 @@ class WaveResponse(Protocol):
 class WaveCoefficients:
     """Influence coefficients of a field that falls as the inverse cube of the distance, by its waves.
 
-    A cell alone is approximated by a periodic lattice four times as wide as the grid.
+    A cell alone is approximated by a periodic lattice far wider than the grid and the layer's thickness.
 
     Parameters
     ----------
@@ -84,8 +88,24 @@ class WaveCoefficients:
         waves, name = self.waves.swap_axes(self.name)
         return WaveCoefficients(waves, self.thickness, name)
 
-    def cell(self, x: Array, y: Array, dx: float, dy: float, least: float = 0.0) -> Array:
-        """Return the response to one cell of a lattice with at least the period `least`.
+    def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
+        """Return the response to one cell; x and y broadcast and are whole numbers of cells.
+
+        A lattice four times as wide as the offsets stands for it; if the layer is thick, its waves along an axis are at
+        most `MAX_SERIES_WAVES`.
+        """
+        periods = [
+            LATTICE_RATIO * (float(np.abs(offsets).max()) + step)
+            for offsets, step in ((x, dx), (y, dy))
+        ]
+        most = MAX_SERIES_WAVES / ROUNDING_EXPONENT * self._unit_period
+        least = min(self.least_period, most)
+        if least <= min(periods):
+            return self.transformed(x, y, dx, dy)
+        return self.series(x, y, dx, dy, (max(periods[0], least), max(periods[1], least)))
+
+    def transformed(self, x: Array, y: Array, dx: float, dy: float, least: float = 0.0) -> Array:
+        """Return the response to one cell of a lattice with at least the period `least`, by a transform.
 
         x and y broadcast and are whole numbers of cells.
         """
@@ -96,29 +116,40 @@ class WaveCoefficients:
         field = self._lattice(dx, dy, *cells)
         return np.asarray(field[_indices(x, dx, cells[0]), _indices(y, dy, cells[1])])
 
-    def series(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the response to one cell of a square lattice by its Fourier series; one of x and y is a column.
+    def series(
+        self, x: Array, y: Array, dx: float, dy: float, periods: tuple[float, float]
+    ) -> Array:
+        """Return the response to one cell of a lattice by its Fourier series; one of x and y is a column.
 
-        Its waves are those of :meth:`count` along either axis.
+        Its waves along each axis are those of :meth:`count`.
         """
-        q = 2 * np.pi / period * np.arange(self.count(period) + 1)
-        fields = []
-        for offset, size, even in ((x, dx, self.parity[0]), (y, dy, self.parity[1])):
+        waves, fields = [], []
+        for offset, size, period, even in zip((x, y), (dx, dy), periods, self.parity, strict=True):
+            q = 2 * np.pi / period * np.arange(self.count(period) + 1)
             weight = 2 * size / period * np.sinc(q * size / (2 * np.pi))
             weight[0] /= 2
             phase = np.multiply.outer(offset.ravel(), q)
             fields.append((np.cos(phase) if even > 0 else -np.sin(phase)) * weight)
-        scaled = q * self.thickness
-        waves = self.waves.amplitudes(scaled[:, None], scaled)[self.name]
+            waves.append(q * self.thickness)
+        amplitude = self.waves.amplitudes(waves[0][:, None], waves[1])[self.name]
         odd = self.parity[0] * self.parity[1] < 0
-        part = waves.imag if odd else self.parity[0] * waves.real
+        part = amplitude.imag if odd else self.parity[0] * amplitude.real
         response = fields[0] @ part @ fields[1].T
         return np.asarray(response if np.ndim(x) == 2 else response.T)
 
+    @property
+    def least_period(self) -> float:
+        """Least period of a lattice that stands for a single cell, however small the offsets are."""
+        return MIN_PERIOD * self.thickness / self.waves.materials.pole_distance_from_real_axis
+
+    @property
+    def _unit_period(self) -> float:
+        """Wavelength of a wave that decays by a factor of e."""
+        return 2 * np.pi * self.waves.decay_rate * self.thickness
+
     def count(self, period: float) -> int:
         """Return the number of waves of a `period` along one axis that are not negligible."""
-        decaying_by_e = 2 * np.pi * self.waves.decay_rate * self.thickness
-        return int(ROUNDING_EXPONENT * period / decaying_by_e)
+        return int(ROUNDING_EXPONENT * period / self._unit_period)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
         """Return the response to an infinite row of images along y; x is a column, y a row."""
@@ -166,7 +197,9 @@ class WaveCoefficients:
 
     def _between(self, start: Array, end: Array) -> Array:
         """Return the response to strips from `start` to `end`, at least 0; all in thicknesses."""
+        # waves that decay along x oscillate with depth: nearer than the depth they are too many
         far = ROUNDING_EXPONENT / self.waves.materials.pole_distance_from_real_axis
+        far = max(far, self.waves.decay_rate)
         result = np.zeros(start.size)
         for integral, lower, upper in (
             (self._near, np.minimum(start, far), np.minimum(end, far)),
@@ -180,7 +213,7 @@ class WaveCoefficients:
 
     def _near(self, start: Array, end: Array) -> Array:
         """Return the response to near strips, by quadrature over real waves."""
-        longest = min(0.5, PIECE_PHASE / max(float(end.max()), 1e-3))
+        longest = min(0.5, PIECE_PHASE / max(float(end.max()), self.waves.decay_rate))
         ends = [0.0, min(self.waves.materials.pole_distance_from_zero / 4, longest)]
         while ends[-1] < ROUNDING_EXPONENT / self.waves.decay_rate:
             ends.append(ends[-1] + min(ends[-1], longest))

@@ -377,7 +377,7 @@ class _Request:
                 times=steps.instants_of(
                     self.scene.load, getattr(self.scene.friction, "history", None)
                 ),
-                error=steps.error or fraction,
+                error=fraction if steps.error is None else steps.error,
                 step_error=steps.step_error,
                 scheme=steps.scheme,
                 options=self.options,
@@ -430,7 +430,9 @@ class _Request:
     @property
     def _error_of_a_step(self) -> float | None:
         """Largest error of a step in time: the given one, or a fraction of the requested error."""
-        return self.steps.error or (self.requested and STEP_FRACTION * self.requested)
+        if self.steps.error is not None:
+            return self.steps.error
+        return self.requested and STEP_FRACTION * self.requested
 
     def film(self) -> "LubricatedContact":
         """Solve a steady film."""

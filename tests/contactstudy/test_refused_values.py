@@ -211,6 +211,10 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("Lubrication.cavitation is *give ElrodAdams", lambda one: film(cavitation=one), ["plain"]),
     ("Lubrication.thermal is 3", lambda one: film(thermal=one), [3]),
     (
+        "Lubrication.slide_roll_ratio is 2, where a surface stands still",
+        lambda one: film(thermal=cs.FilmHeat(), slide_roll_ratio=one), [2],
+    ),
+    (
         "Lubricant.viscosity is 6e-05",
         lambda one: film(lubricant=cs.Lubricant(one, 1e-8), thermal=cs.FilmHeat()), [6e-5],
     ),

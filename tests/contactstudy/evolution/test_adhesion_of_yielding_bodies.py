@@ -105,11 +105,6 @@ def test_a_body_that_has_yielded_holds_on_to_a_pull_that_takes_an_elastic_one_of
     assert dent.bound == inf
 
 
-def test_a_pull_off_is_refused_where_a_body_yields() -> None:
-    with pytest.raises(cs.InvalidInput, match=r"PullOff together with .*solids.* has a history"):
-        replace(scene(BODY), load=cs.PullOff(UNIT))
-
-
 def test_stress_below_bodies_that_adhere_is_that_of_pressure_and_attraction() -> None:
     """Without a load both add up to nothing, and far below there is no stress."""
     deep = 50 * np.sqrt(8 * UNIT * RADIUS / (pi * MODULUS))

@@ -291,37 +291,8 @@ def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(
     assert errors.reason == f"No bound: {found.status}"
 
 
-def test_a_scene_that_changes_has_no_single_problem() -> None:
-    for scene, field in (
-        (rolling_cylinder(SOLID), r"Scene\.solids\[0\]"),
-        (replace(ELASTIC, wear=cs.Wear(1.0, 1.0)), r"Scene\.wear"),
-        (replace(ELASTIC, load=cs.SineLoad(1.0, 0.5, 1.0)), r"Scene\.load"),
-    ):
-        with pytest.raises(
-            cs.InvalidInput, match=rf"^{field} changes in time.*: call contactstudy\.solve"
-        ):
-            scene.problem(GRID, EXACT)
-
-
 def ended(load: cs.LoadHistory | cs.SineLoad, **named: object) -> Trajectory:
     return evolve(replace(ELASTIC, load=load), GRID, EXACT, **named)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("named", "match"),
-    [
-        ({}, r"^solve\.times has no instants"),
-        ({"times": [-1.0, 1.0]}, r"^solve\.times\[0\] is -1"),
-        ({"times": "soon"}, r"^solve\.times"),
-        ({"error": 0.0}, r"^TimeSteps\.error is"),
-        ({"error": 1.0}, r"^TimeSteps\.error is"),
-        ({"error": 1e-9}, r"^TimeSteps\.error is"),
-    ],
-    ids=str,
-)
-def test_evolve_says_what_is_wrong(named: dict[str, object], match: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=match):
-        ended(cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)), **named)
 
 
 def test_before_the_first_load_the_bodies_just_touch() -> None:
@@ -356,16 +327,6 @@ def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant(
     assert found.counts["solves"][0] == 3
     assert found.error.l1.steps == np.inf
     assert "time-discretisation error was not estimated" in found.accuracy
-
-
-def test_an_error_by_which_steps_are_chosen_is_estimated() -> None:
-    sentence = (
-        r"^TimeSteps\.step_error is NONE beside an error of 0\.01, .*: leave one of them out\.$"
-    )
-    with pytest.raises(cs.InvalidInput, match=sentence):
-        cs.TimeSteps(error=1e-2, step_error=cs.StepError.NONE)
-    with pytest.raises(cs.InvalidInput, match=sentence):
-        ended(cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)), error=1e-2, step_error=cs.StepError.NONE)
 
 
 def test_a_march_may_be_told_not_to_iterate() -> None:

@@ -3,7 +3,6 @@ from functools import cache
 from math import inf
 
 import numpy as np
-import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
@@ -111,14 +110,3 @@ def test_the_pressure_below_a_film_has_the_error_of_its_load_increments_and_no_s
     step_error = found.to_dataset()["step_error"]
     assert step_error == inf
     assert step_error.attrs["comment"].startswith("No bound: the error of one step")
-
-
-def test_a_body_that_moves_or_a_film_that_is_not_steady_is_refused_beside_yielding() -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r"solids\[0\] yields, and its surface moves .* give -2"
-    ):
-        scene(BODY, ratio=0.0)
-    with pytest.raises(cs.InvalidInput, match=r"solids\[1\] yields, .* give 2,"):
-        scene(STEEL, BODY)
-    with pytest.raises(cs.InvalidInput, match="steady at each instant"):
-        replace(scene(BODY), outputs=(cs.SubsurfaceStress(),))

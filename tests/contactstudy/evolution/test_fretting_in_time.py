@@ -186,35 +186,6 @@ def test_the_mirrored_force_has_the_mirrored_shear_and_a_small_coefficient_takes
     assert np.abs(tiny.frames[-1].shear).max() <= 1e-9
 
 
-@pytest.mark.parametrize(
-    ("given", "changes", "sentence"),
-    [
-        ({"forces": (0.1,), "displacements": (1.0,)}, {}, "give one of them"), ({}, {}, "give one of them"),
-        ({"displacements": (1.0,)}, {}, "give times"),
-        ({"forces": (0.0, 0.1), "times": (0.0,)}, {}, "give one time for each"),
-        ({"forces": (0.0, 0.1), "times": (1.0, 0.0)}, {}, r"Fretting.times\[1\] is 0.0"),
-        ({"forces": (0.0, 0.4), "times": (0.0, 1.0)}, {}, "N/m at .* s, where friction transmits"),
-        ({"forces": (0.1,)}, {"wear": cs.Wear(1.0, 0.0)}, "give Fretting.times"),
-        ({"forces": (0.0, 0.1), "times": (0.0, 1.0)}, {"wear": cs.Wear(1.0, 1.0)}, "a speed of 0 m/s"),
-        (
-            {"displacements": (0.0, 0.1), "times": (0.0, 1.0)},
-            {"load": cs.LoadHistory((0.0, 1.0), (1.0, 2.0))},
-            "give Fretting.forces",
-        ),
-        (
-            {"forces": (0.0, 0.1), "times": (0.0, 1.0)},
-            {"solids": (cs.ElasticPlasticHalfSpace(1.0, 0.3, 1e-3),) * 2},
-            "flow along its surface",
-        ),
-    ],
-)  # fmt: skip
-def test_what_does_not_fret_is_refused_in_a_sentence(
-    given: dict[str, object], changes: dict[str, object], sentence: str
-) -> None:
-    with pytest.raises(cs.InvalidInput, match=sentence):
-        replace(LINE, **{"friction": cs.Fretting(MU, **given)}, **changes)  # type: ignore[arg-type]
-
-
 def test_a_scene_file_frets_on_a_planned_grid_under_a_load_that_changes(tmp_path: Path) -> None:
     text = """
     [load]

@@ -168,34 +168,3 @@ def test_a_dataset_holds_passes_depths_and_the_window() -> None:
     }
     np.testing.assert_array_equal(dataset["residual_stress"], found.residual_stress)
     assert dataset["forward_displacement"].attrs["units"] == "m"
-
-
-@pytest.mark.parametrize(
-    ("changes", "match"),
-    [
-        ({"solids": (cs.HalfSpace(E, NU), RIGID)}, r"give one body that yields"),
-        (
-            {
-                "solids": (
-                    cs.ElasticPlasticHalfSpace(E, NU, Y, 0.0),
-                    cs.ViscoelasticHalfSpace(E, NU, ((E, 1.0),)),
-                )
-            },
-            r"give one body that yields, .* elastic or rigid HalfSpace",
-        ),
-        ({"load": cs.SineLoad(1.0, 0.1, 1.0)}, r"^Scene\.load changes in time"),
-    ],
-    ids=["no yielding body", "a creeping body", "load"],
-)
-def test_what_does_not_roll_in_passes_is_refused(changes: dict[str, object], match: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=match):
-        roll(replace(scene(4 * K), **changes), COARSE, EXACT, passes=1)  # type: ignore[arg-type]
-
-
-def test_grids_and_paddings_without_an_operator_are_refused() -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Grid\.cells\[1\] is 2"):
-        roll(scene(4 * K), cs.Grid((24, 2), (4.8, 1.0)), EXACT, passes=1)
-    with pytest.raises(cs.InvalidInput, match=r"give padding=ExactPeriodicity"):
-        roll(scene(4 * K), COARSE, (EXACT, EXACT), passes=1)
-    with pytest.raises(cs.InvalidInput, match=r"passes is 0"):
-        roll(scene(4 * K), COARSE, EXACT, passes=0)

@@ -8,7 +8,6 @@ import contactstudy as cs
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.elasticity.tangential import CerrutiCoefficients
 from contactstudy.elasticity.viscoelastic import RetardedCoefficients
-from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
 from tests.contactstudy.evolution.creeping import RIGID, SOLID, rolling_cylinder
 
@@ -199,35 +198,6 @@ def test_a_wavy_rolling_contact_is_as_periodic_as_its_waves() -> None:
     np.testing.assert_allclose(
         once.pressure, np.roll(twice.pressure, 4, axis=1)[:, :8], atol=1e-4 * once.pressure.max()
     )
-
-
-@pytest.mark.parametrize(
-    ("changes", "match"),
-    [
-        ({"load": cs.SineLoad(1.0, 0.1, 1.0)}, r"^Scene\.load changes in time"),
-        ({"solids": (cs.ViscoelasticHalfSpace(0.0, 0.3, ((1.0, 1.0),)), RIGID)}, "is a fluid"),
-        (
-            {"shapes": (cs.Cylinder(1.0), cs.MovingShape(cs.Waviness(1e-3, 0.1)))},
-            r"^Scene\.shapes\[1\] moves with a body together with Scene\.rolling",
-        ),
-    ],
-    ids=["load", "fluid", "heights"],
-)
-def test_what_does_not_roll_steadily_is_refused(changes: dict[str, object], match: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=match):
-        solve_rolling(
-            replace(rolling(SOLID, A), **changes),  # type: ignore[arg-type]
-            cs.Grid((16, 1), (0.6, 1.0)),
-            EXACT,
-        )
-
-
-def test_a_rolling_scene_has_no_single_problem_and_no_history() -> None:
-    scene, grid = rolling(SOLID, A), cs.Grid((16, 1), (0.6, 1.0))
-    with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve"):
-        scene.problem(grid, EXACT)
-    with pytest.raises(cs.InvalidInput, match=r"call contactstudy\.solve"):
-        evolve(scene, grid, EXACT, times=[0.0, 1.0])
 
 
 @pytest.mark.parametrize("waves", [0.0, 6.3, 21.0])

@@ -1,4 +1,4 @@
-from math import nan, pi
+from math import pi
 
 import pytest
 
@@ -54,18 +54,6 @@ def test_instants_are_even_from_the_start_of_the_load_to_the_end() -> None:
 def test_times_are_recorded_as_they_are_given(times: tuple[float, ...]) -> None:
     found = schedule(LOAD, times)
     assert [point.time for point in found for _ in range(point.times_recorded)] == list(times)
-
-
-@pytest.mark.parametrize(
-    "times",
-    [
-        (), (0.5, 0.25), (0.5, 0.5, 0.5), (-0.25, 1.0), (-0.25,), (0.5, nan), ((0.5, 1.0), (1.5, 2.0)),
-    ],
-    ids=str,
-)  # fmt: skip
-def test_times_that_cannot_be_marched_through_are_refused(times: object) -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.times"):
-        schedule(LOAD, times)  # type: ignore[arg-type]
 
 
 def test_a_load_without_an_end_needs_times() -> None:

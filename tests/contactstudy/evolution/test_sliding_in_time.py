@@ -188,19 +188,6 @@ def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plast
         np.testing.assert_allclose(strain, plain, atol=1e-4 * float(plain.max()))
 
 
-@pytest.mark.parametrize(
-    ("changes", "sentence"),
-    [
-        ({"solids": (replace(RUBBER, poisson_ratio=0.4), RIGID)}, "one creeps: creep of their coupling"),
-        ({"rolling": cs.Rolling(1.0), "solids": (STEEL, RIGID)}, "or TractiveRolling"),
-        ({"rolling": cs.Rolling(passes=2)}, "has 2 passes together with Sliding"),
-    ],
-)  # fmt: skip
-def test_what_sliding_cannot_have_is_refused(changes: dict[str, object], sentence: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=sentence):
-        replace(SCENE, **({"load": cs.LineLoad(LOAD)} | changes))
-
-
 def test_bodies_that_slide_yield_alike_along_their_length_where_nothing_varies() -> None:
     body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3.5e8, 1e10)
     scene = replace(SCENE, solids=(body, STEEL))

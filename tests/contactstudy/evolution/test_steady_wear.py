@@ -155,24 +155,3 @@ def test_asperities_wear_until_the_film_bears_the_load() -> None:
     assert deepest[2] == pytest.approx(deepest[1], rel=1e-3)
     assert deepest[2] > 1e-3 * UNIT
     assert answer.to_dataset().worn_depth.shape == (3, 400, 1)
-
-
-@pytest.mark.parametrize(
-    ("changed", "said"),
-    [
-        ({"wear": cs.Wear(1e-15, 0.1)}, r"circumference is None, .* turns by Scene\.rolling"),
-        ({"rolling": None}, "does not turn: leave it out"),
-        ({"load": cs.LoadHistory((0.0, 1.0), (1e5, 2e5))}, "give a LineLoad"),
-        (
-            {"rolling": None, "friction": cs.TractiveRolling(0.3, longitudinal=1e-3)},
-            "gives the sliding: give a speed of 0 m/s",
-        ),
-        (
-            {"rolling": None, "lubrication": cs.Lubrication(OIL, 1.0)},
-            "so that nothing wears, give Lubrication.boundary",
-        ),
-    ],
-)
-def test_wear_that_contradicts_the_motion_is_refused(changed: dict[str, object], said: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=said):
-        replace(ROLLER, **changed)

@@ -129,12 +129,6 @@ def test_a_crowned_roller_has_its_film_in_the_middle_and_none_beyond_its_ends() 
     assert contact.film[24, 0] > 3 * contact.film[24, 8]
 
 
-def test_a_roller_that_ends_in_an_edge_is_refused_with_the_reason() -> None:
-    ended = by_moes(20, 5, cs.FiniteLength(20 * A))
-    with pytest.raises(cs.InvalidInput, match="a roller's sharp end"):
-        solve_lubricated(ended, grid(64, 4.0, 32, period=40.0))
-
-
 def test_a_texture_and_a_measured_surface_carry_a_film(tmp_path: Path) -> None:
     depth = 0.4 * film_scale(by_moes(20, 5))
     rng = np.random.default_rng(5)

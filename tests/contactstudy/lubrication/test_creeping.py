@@ -60,8 +60,3 @@ def test_cells_along_the_length_have_the_film_of_plane_strain() -> None:
     assert many.pressure == pytest.approx(
         np.repeat(one.pressure, 8, axis=1), abs=1e-5 * one.peak_pressure
     )
-
-
-def test_a_film_that_changes_in_time_is_refused_on_a_body_that_creeps() -> None:
-    with pytest.raises(cs.InvalidInput, match=r"Scene\.load .* a body creeps below a steady film"):
-        replace(between(creeping(1.0), STEEL), load=cs.LoadHistory((0.0, 1.0), (1e5, 2e5)))

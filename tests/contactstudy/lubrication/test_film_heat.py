@@ -161,19 +161,6 @@ def test_carreau_thins_as_a_power_of_the_rate_and_not_at_all_at_rest() -> None:
     assert faster / fast == pytest.approx(10**0.4, rel=1e-6)
 
 
-def test_heat_is_refused_where_it_has_no_meaning() -> None:
-    with pytest.raises(cs.InvalidInput, match="where a surface stands still"):
-        heated(slide=2.0)
-    with pytest.raises(cs.InvalidInput, match=r"FilmHeat\.conductivity is 0"):
-        cs.FilmHeat(conductivity=0)
-    with pytest.raises(cs.InvalidInput, match=r"FilmHeat\.supply_temperature is 60"):
-        cs.FilmHeat(supply_temperature=60)
-    with pytest.raises(cs.InvalidInput, match=r"Lubricant\.viscosity is 6e-05"):
-        cs.Lubrication(cs.Lubricant(6e-5, 1e-8), 1.0, thermal=cs.FilmHeat())
-    with pytest.raises(cs.InvalidInput, match=r"Lubrication\.thermal is 3"):
-        heated(heat=3)  # type: ignore[arg-type]
-
-
 def _at(scene: cs.Scene, factor: float) -> cs.Scene:
     """Return the scene at a multiple of its speed."""
     faster = factor * scene.lubrication.largest_speed

@@ -199,33 +199,6 @@ def test_a_rough_film_converges_at_each_speed_on_its_way_to_the_asperities() -> 
     assert fractions[-1] > 0.8
 
 
-def test_a_boundary_film_is_refused_where_it_is_not_known() -> None:
-    scene = mixed(0.03, 1.0)
-    with pytest.raises(cs.InvalidInput, match=r"Boundary\.film is 0\.0"):
-        cs.Boundary(0.0)
-    with pytest.raises(
-        cs.InvalidInput, match=r"Lubrication\.boundary is supported with ElrodAdams"
-    ):
-        replace(scene.lubrication, cavitation=cs.ReynoldsCavitation())
-
-
-@pytest.mark.parametrize("effect", [{"boundary": cs.Boundary(5e-9)}, {"thermal": cs.FilmHeat()}])
-@pytest.mark.parametrize(
-    ("field", "motion", "changing"),
-    [
-        (r"Scene\.load", {}, {"load": cs.LoadHistory((0, 1), (1e5, 2e5))}),
-        (r"Scene\.shapes\[0\]", {}, {"shapes": (cs.MovingShape(*ridges(0.1)[:1]), *DRY.shapes)}),
-        ("mean_speed", {"mean_speed": cs.SpeedHistory((0, 1), (1.0, 2.0))}, {}),
-    ],
-)
-def test_an_effect_that_is_known_for_a_steady_film_is_refused_in_time(
-    effect: dict[str, object], field: str, motion: dict[str, object], changing: dict[str, object]
-) -> None:
-    scene = by_moes(20, 5)
-    with pytest.raises(cs.InvalidInput, match=f"steady film only, and .*{field} changes in time"):
-        replace(scene, lubrication=replace(scene.lubrication, **motion, **effect), **changing)
-
-
 def test_the_answer_has_the_load_share_with_its_bound_and_the_field() -> None:
     # of a stress that no lubricant carries
     layer = cs.Boundary(0.004 * UNIT, 0.3)

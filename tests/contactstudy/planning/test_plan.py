@@ -147,26 +147,6 @@ def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact
         cs.plan(line_contact.with_shapes(Bump()))
 
 
-@pytest.mark.parametrize(
-    "effect",
-    [{}, {"adhesion": cs.Adhesion(0.05)}, {"lubrication": films.by_moes(20, 2).lubrication}],
-)
-def test_a_plan_refuses_what_its_scene_cannot_use(
-    effect: dict[str, object], line_contact: LineContact
-) -> None:
-    scene = replace(line_contact.scene, **effect)  # type: ignore[arg-type]
-    with pytest.raises(cs.InvalidInput, match=r"^plan\.period is .*: leave it out"):
-        cs.plan(scene, grid=cs.Grid((32, 1), (1e-3, 1e-3)), period=2e-3)
-    with pytest.raises(cs.InvalidInput, match=r"^plan\.times is given, .*: leave it out"):
-        cs.plan(scene, times=(0.0, 1.0))
-
-
-def test_a_plan_refuses_instants_that_a_solve_refuses() -> None:
-    loaded = replace(films.by_moes(20, 2), load=cs.LoadHistory((0.0, 1.0), (1.0, 2.0)))
-    with pytest.raises(cs.InvalidInput, match=r"^TimeSteps\.instants is 1"):
-        cs.plan(loaded, times=cs.TimeSteps(instants=1))
-
-
 def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     planned = cs.plan(films.by_moes(20, 2), error=1e-6)
     assert planned.error == inf

@@ -11,44 +11,11 @@ import contactstudy as cs
 from contactstudy.domain.units import readable
 
 SOFT, RIGID = cs.HalfSpace(1e6, 0.5), cs.HalfSpace(inf, 0.3)
-CREEPING = cs.ViscoelasticHalfSpace(1e6, 0.5, ((1e6, 1.0),))
 SCENE = cs.Scene(
     cs.LineLoad(2.0), (SOFT, RIGID), (cs.Cylinder(0.01),), adhesion=cs.Adhesion(work=0.05)
 )
 GRID = cs.Grid((256, 1), (1.5e-3, 1.0))
 LINE = cs.ExactPeriodicity()
-
-
-@pytest.mark.parametrize(
-    ("effect", "message"),
-    [
-        ({"friction": cs.Sliding(0.1)}, r"^Adhesion\.range is None together with Scene\.friction"),
-        ({"wear": cs.Wear(1e-17, 1.0)}, r"^Scene\.wear is Wear"),
-        (
-            {"rolling": cs.Rolling(1.0), "solids": (CREEPING, RIGID)},
-            r"^Scene\.rolling is Rolling.* together with Adhesion, and not steady rolling of elastic",
-        ),
-        (
-            {
-                "friction": cs.TractiveRolling(0.3, longitudinal=1e-3),
-                "solids": (CREEPING, RIGID),
-            },
-            r"^Scene\.friction is TractiveRolling.* together with Adhesion, and not steady rolling of",
-        ),
-        ({"rolling": cs.Rolling(passes=1)}, "give elastic bodies without passes"),
-        (
-            {"rolling": cs.Rolling(1.0), "load": cs.PullOff(1.0)},
-            r"^Scene\.load is a PullOff together with Scene\.rolling",
-        ),
-        (
-            {"solids": (cs.ElasticPlasticHalfSpace(1e6, 0.3, 1e4, 0.0), RIGID)},
-            r"^Adhesion\.range is None together with a body that yields",
-        ),
-    ],
-)
-def test_adhesion_is_refused_beside_effects_undefined_with_it(effect: Any, message: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=message):
-        replace(SCENE, **effect)
 
 
 @pytest.mark.parametrize("work_range", [None, 2e-6])
@@ -86,21 +53,6 @@ def test_bodies_from_afar_need_a_load_that_brings_them_together(load: Any) -> No
     ):
         replace(SCENE, load=load)
     replace(SCENE, load=load, adhesion=cs.Adhesion(0.05, branch="from full contact"))
-
-
-@pytest.mark.parametrize(
-    "load", [cs.LineLoad(-1.0), cs.TotalLoad(-1.0, 1.0), cs.LoadHistory((0.0, 1.0), (1.0, -1.0))]
-)
-def test_a_pull_without_adhesion_is_refused(load: Any) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=r" is -1\.0: give a load (above 0 N|of at least 0 N/m)"
-    ):
-        replace(SCENE, load=load, adhesion=None)
-
-
-def test_a_pull_off_without_adhesion_is_refused() -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^Scene\.load is a PullOff without adhesion"):
-        replace(SCENE, load=cs.PullOff(1.0), adhesion=None)
 
 
 def test_a_range_that_the_grid_cannot_hold_names_the_range_and_the_cell_that_would_do() -> None:
@@ -154,20 +106,6 @@ def test_an_approach_that_leaves_a_gap_bears_no_pressure() -> None:
     assert solution.gap.min() == pytest.approx(1e-6, rel=1e-3)
 
 
-def test_a_datum_within_the_grid_is_refused() -> None:
-    near = replace(SCENE, load=cs.Approach(1e-6, datum=1e-4))
-    with pytest.raises(cs.InvalidInput, match=r"^Approach\.datum is 0\.0001: give at least half"):
-        near.problem(GRID, LINE)
-
-
-@pytest.mark.parametrize("approach", [0.0, 3e-6])
-def test_an_approach_beyond_full_contact_of_periodic_bodies_is_refused(approach: float) -> None:
-    wavy = (cs.Waviness(1e-6, across=1.5e-3),)
-    scene = replace(SCENE, adhesion=None, shapes=wavy, load=cs.Approach(approach))
-    with pytest.raises(cs.InvalidInput, match=r"^Scene\.load is Approach.*mean undeformed gap"):
-        scene.problem(GRID, (LINE, LINE))
-
-
 @pytest.mark.parametrize("solver", [cs.PreconditionedCG(), cs.PolonskyKeer()])
 def test_solvers_agree_under_a_given_approach(solver: Any) -> None:
     wavy = (cs.Cylinder(0.01), cs.Waviness(2e-6, across=2e-4, along=2e-4))
@@ -181,21 +119,6 @@ def test_solvers_agree_under_a_given_approach(solver: Any) -> None:
     loaded = cs.solve(replace(under_load.problem(grid, LINE), operator=found.problem.operator))
     np.testing.assert_allclose(found.pressure, loaded.pressure, atol=1e-5 * loaded.pressure.max())
     assert loaded.approach == pytest.approx(2e-5, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("effect", "name"),
-    [
-        ({"hardness": 1e6}, "hardness"),
-        ({"wear": cs.Wear(1e-17, 1.0)}, "wear"),
-        ({"rolling": cs.Rolling(1.0)}, "rolling"),
-    ],
-)
-def test_an_approach_is_for_elastic_bodies_at_rest(effect: Any, name: str) -> None:
-    with pytest.raises(
-        cs.InvalidInput, match=f"^Scene.load is an Approach together with Scene.{name}"
-    ):
-        replace(SCENE, adhesion=None, load=cs.Approach(1e-6), **effect)
 
 
 WITH_RANGE = replace(SCENE, adhesion=cs.Adhesion(work=0.05, range=2e-6))
@@ -247,8 +170,3 @@ def test_a_hardness_limits_the_pressure_that_is_left_beside_the_attraction(fract
     assert found.load_per_length == pytest.approx(2.0)
     if fraction > 1:
         np.testing.assert_allclose(found.pressure, alone.pressure, atol=1e-5 * alone.pressure.max())
-
-
-def test_shear_that_follows_a_path_is_refused_beside_adhesion() -> None:
-    with pytest.raises(cs.InvalidInput, match="give forces without times"):
-        replace(WITH_RANGE, friction=cs.Fretting(0.3, (0.0, 0.1), times=(0.0, 1.0)))

@@ -141,20 +141,3 @@ def test_a_rough_contact_closes_its_loop() -> None:
     energy, again = (one.quantities["energy_per_cycle"].value for one in (once, twice))
     assert again == pytest.approx(energy, rel=1e-3)
     assert twice.to_dataset()["tangential_force"].sizes == {"step": 6}
-
-
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [
-        (lambda: cs.Fretting(MU, ()), "forces"),
-        (lambda: cs.Fretting(0.0, (0.1,)), "coefficient"),
-        (lambda: cs.Fretting(MU, (0.1, float("nan"))), "forces"),
-        (lambda: cs.Fretting.cycle(MU, 0.1, steps=0), "steps"),
-        (lambda: replace(LINE, friction=cs.Fretting(MU, (0.1, -0.3))), "forces"),
-        (lambda: replace(LINE, friction=cs.Fretting(MU, (0.1,)), solids=(BODY, cs.HalfSpace(1.0, 0.1))), "dissimilar"),
-        (lambda: replace(LINE, friction=cs.Fretting(MU, (0.1,)), wear=cs.Wear(1e-9, 1.0)), "Scene.wear"),
-    ],
-)  # fmt: skip
-def test_what_is_not_defined_is_refused(make: object, said: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=said):
-        make()

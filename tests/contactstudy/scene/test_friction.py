@@ -264,27 +264,6 @@ def test_a_solution_without_friction_has_no_shear() -> None:
     assert set(labelled.variables) >= {"shear_x", "shear_y", "stick"}
 
 
-@pytest.mark.parametrize(
-    ("friction", "other", "named"),
-    [
-        (cs.PartialSlip(0.3, 3e4), {}, "PartialSlip.tangential"),
-        (cs.PartialSlip(0.3, 1e4), {"solids": (STEEL, RIGID)}, "elastically dissimilar"),
-        (
-            cs.PartialSlip(0.3, 1e4),
-            {"solids": (cs.CoatedHalfSpace(STEEL, 1e-6, RIGID), STEEL)},
-            "elastically dissimilar",
-        ),
-        (0.3, {}, "Scene.friction"),
-        (cs.Sliding, {}, "Scene.friction"),
-    ],
-)
-def test_what_is_not_defined_together_says_so(
-    friction: object, other: dict[str, object], named: str
-) -> None:
-    with pytest.raises(cs.InvalidInput, match=named):
-        scene(friction, **other)
-
-
 def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None:
     coated = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
     one = scene(cs.Sliding(0.2), solids=(coated, coated), shapes=ROUGH, hardness=3e9)

@@ -18,7 +18,6 @@ from tests.contactstudy.elasticity.test_convolution import PADDINGS
 
 NU = 0.3
 NAMES = list(COMPONENTS)
-RIGID = cs.HalfSpace(youngs_modulus=float("inf"), poisson_ratio=0.3)
 
 
 def below(

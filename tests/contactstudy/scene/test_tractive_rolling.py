@@ -310,37 +310,6 @@ def test_unlike_bodies_are_coupled_along_both_axes_alike() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("other", "said"),
-    [
-        ({"load": cs.SineLoad(1e5, 1e4, 1e4)}, "rolls by .* of its widths"),
-        (
-            {
-                "load": cs.SineLoad(1e5, 5e4, 1.0),
-                "friction": cs.TractiveRolling(MU, tangential=0.6 * MU * 1e5),
-            },
-            "tangential",
-        ),
-        ({"rolling": cs.Rolling(1.0)}, "Scene.rolling"),
-        (
-            {"solids": (cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9), STEEL)},
-            "grows from pass to pass",
-        ),
-        ({"shapes": (*CYLINDER, cs.MovingShape(ROUGH[1]))}, "travel through the contact"),
-        ({"friction": cs.TractiveRolling(MU, tangential=MU * 1e5)}, "tangential"),
-    ],
-)
-def test_what_makes_no_steady_state_is_refused(other: dict[str, object], said: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=said):
-        replace(SMOOTH, **{"friction": rolling(longitudinal=1e-3), **other})
-
-
-def test_material_that_would_enter_again_is_refused() -> None:
-    scene = replace(SMOOTH, friction=rolling(longitudinal=1e-3))
-    with pytest.raises(cs.InvalidInput, match="enter it again"):
-        scene.problem(cs.Grid((32, 1), (3 * A, 1e-3)), (cs.ExactPeriodicity(),) * 2)
-
-
 def test_heights_that_would_travel_are_said() -> None:
     assert (
         "moving roughness" in solved(rolling(longitudinal=1e-4), (16, 16), 1e-3, shapes=ROUGH).note

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contactstudy.elasticity.kernels.displacement_cell import (
     FAR_DISTANCE,
@@ -16,7 +16,6 @@ from contactstudy.elasticity.kernels.displacement_cell import (
 )
 from tests.fifty_digits import over_decades, stored
 
-Array = NDArray[np.float64]
 Corner = Callable[[mp.mpf, mp.mpf], mp.mpf]
 
 EPS = float(np.finfo(np.float64).eps)

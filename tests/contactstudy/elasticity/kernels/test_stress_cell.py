@@ -2,7 +2,6 @@ import mpmath as mp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from numpy.typing import NDArray
 
 from contactstudy.elasticity.kernels.stress_cell import COMPONENTS, GAUSS_ZONES, stress_cell, strip
 from contactstudy.elasticity.kernels.stress_periodic import (
@@ -12,8 +11,6 @@ from contactstudy.elasticity.kernels.stress_periodic import (
     stress_cell_periodic,
 )
 from tests.fifty_digits import over_decades, stored
-
-Array = NDArray[np.floating]
 
 NU = 0.3
 EXACT = 1e-12  # what the docstrings promise, of the largest component, up to an aspect of 10

@@ -1,0 +1,256 @@
+"""Effects that are refused beside each other, grids and times that are refused for a scene, and how the sentence begins.
+
+``*`` stands for any words.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import nan
+from typing import Any
+
+import pytest
+
+import contactstudy as cs
+from tests.conftest import STEEL
+from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
+from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
+from tests.contactstudy.lubrication.scenes import by_moes
+from tests.contactstudy.lubrication.scenes import grid as film_grid
+from tests.contactstudy.test_refused_values import EXACT, FREE, OIL, RIGID, SMOOTH, refused
+
+CYLINDER, HISTORY = SMOOTH.shapes[0], cs.LoadHistory((0.0, 1.0), (1e5, 2e5))
+YIELDING, CREEPING = (
+    cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9), cs.ViscoelasticHalfSpace(1e11, 0.3, ((1e11, 0.5),)),
+)  # fmt: skip
+WAVY = cs.MovingShape(cs.Waviness(1e-8, across=1e-4))
+WEARS = cs.Wear(1e-15, 0.1, circumference=0.06)
+SLIP, FRETS = cs.PartialSlip(0.3, 1e4), cs.Fretting(0.3, (0.0, 1e4), times=(0.0, 1.0))
+DRIVEN = replace(SMOOTH, friction=cs.TractiveRolling(0.3, longitudinal=1e-3))
+WORN = replace(SMOOTH, rolling=cs.Rolling(1.0), wear=WEARS)
+
+SOFT = cs.HalfSpace(1e6, 0.5)
+ADHERING = replace(
+    SMOOTH, load=cs.LineLoad(2.0), solids=(SOFT, RIGID), adhesion=cs.Adhesion(work=0.05)
+)
+RANGED = replace(ADHERING, adhesion=cs.Adhesion(work=0.05, range=2e-6))
+BARE = replace(ADHERING, adhesion=None)
+RUBBERY = cs.ViscoelasticHalfSpace(1e6, 0.5, ((1e6, 1.0),))
+WIDE = cs.Grid((64, 1), (1.5e-3, 1.0))
+
+FILM = by_moes(20, 5)
+SPEEDS = cs.SpeedHistory((0, 1), (1.0, 2.0))
+
+HELD = rolling_cylinder(SOLID, cs.LoadHistory((0.0, 1.0), (LOAD, LOAD)))
+ROLLING, PASSES = rolling_cylinder(SOLID, rolling=cs.Rolling(0.1)), yielding_cylinder(2.3)
+UNIT, COARSE = cs.Grid((16, 1), (0.6, 1.0)), cs.Grid((24, 1), (4.8, 1.0))
+
+
+def oiled(**changes: Any) -> dict[str, Any]:
+    """A film of the scene that moves otherwise."""
+    return {"lubrication": replace(FILM.lubrication, **changes)}
+
+
+BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
+    # friction
+    ("PartialSlip.tangential", SMOOTH, {"friction": cs.PartialSlip(0.3, 3e4)}),
+    ("*elastically dissimilar", SMOOTH, {"friction": SLIP, "solids": (STEEL, RIGID)}),
+    (
+        "*elastically dissimilar", SMOOTH,
+        {"friction": SLIP, "solids": (cs.CoatedHalfSpace(STEEL, 1e-6, RIGID), STEEL)},
+    ),
+    ("Scene.friction", SMOOTH, {"friction": 0.3}),
+    ("Scene.friction", SMOOTH, {"friction": cs.Sliding}),
+    ("*one creeps: creep of their coupling", SMOOTH, {"friction": cs.Sliding(0.3), "solids": (CREEPING, RIGID)}),
+    (
+        "*or TractiveRolling", SMOOTH,
+        {"friction": cs.Sliding(0.3), "rolling": cs.Rolling(1.0), "solids": (STEEL, RIGID)},
+    ),
+    ("*has 2 passes together with Sliding", SMOOTH, {"friction": cs.Sliding(0.3), "rolling": cs.Rolling(passes=2)}),
+    # tractive rolling
+    ("*rolls by * of its widths", DRIVEN, {"load": cs.SineLoad(1e5, 1e4, 1e4)}),
+    (
+        "TractiveRolling.tangential", DRIVEN,
+        {"load": cs.SineLoad(1e5, 5e4, 1.0), "friction": cs.TractiveRolling(0.3, tangential=0.18e5)},
+    ),
+    ("TractiveRolling.tangential", DRIVEN, {"friction": cs.TractiveRolling(0.3, tangential=0.3e5)}),
+    ("Scene.rolling", DRIVEN, {"rolling": cs.Rolling(1.0)}),
+    ("*grows from pass to pass", DRIVEN, {"solids": (YIELDING, STEEL)}),
+    ("*travel through the contact", DRIVEN, {"shapes": (CYLINDER, WAVY)}),
+    # fretting
+    ("Fretting.forces", SMOOTH, {"friction": cs.Fretting(0.3, (1e4, -3e4))}),
+    ("*dissimilar", SMOOTH, {"friction": cs.Fretting(0.3, (1e4,)), "solids": (STEEL, cs.HalfSpace(1.0, 0.1))}),
+    (
+        "Scene.wear changes in time together with Fretting*give Fretting.times", SMOOTH,
+        {"friction": cs.Fretting(0.3, (1e4,)), "wear": cs.Wear(1.0, 1.0)},
+    ),
+    ("*a speed of 0 m/s", SMOOTH, {"friction": FRETS, "wear": cs.Wear(1.0, 1.0)}),
+    (
+        "Fretting.forces are *N/mm at * s, where friction transmits", SMOOTH,
+        {"friction": cs.Fretting(0.3, (0.0, 4e4), times=(0.0, 1.0))},
+    ),
+    (
+        "*give Fretting.forces", SMOOTH,
+        {"friction": cs.Fretting(0.3, displacements=(0.0, 1e-7), times=(0.0, 1.0)), "load": HISTORY},
+    ),
+    ("*flow along its surface", SMOOTH, {"friction": FRETS, "solids": (YIELDING, YIELDING)}),
+    # wear of bodies that turn
+    ("*circumference is None, * turns by Scene.rolling", WORN, {"wear": cs.Wear(1e-15, 0.1)}),
+    ("*does not turn: leave it out", WORN, {"rolling": None}),
+    ("*give a LineLoad", WORN, {"load": HISTORY}),
+    ("*gives the sliding: give a speed of 0 m/s", WORN, {"rolling": None, "friction": DRIVEN.friction}),
+    (
+        "*so that nothing wears, give Lubrication.boundary", WORN,
+        {"rolling": None, "lubrication": cs.Lubrication(OIL, 1.0)},
+    ),
+    # adhesion
+    ("Adhesion.range is None together with Scene.friction", ADHERING, {"friction": cs.Sliding(0.1)}),
+    ("Scene.wear is Wear", ADHERING, {"wear": cs.Wear(1e-17, 1.0)}),
+    (
+        "Scene.rolling is Rolling* together with Adhesion, and not steady rolling of elastic", ADHERING,
+        {"rolling": cs.Rolling(1.0), "solids": (RUBBERY, RIGID)},
+    ),
+    (
+        "Scene.friction is TractiveRolling* together with Adhesion, and not steady rolling of", ADHERING,
+        {"friction": DRIVEN.friction, "solids": (RUBBERY, RIGID)},
+    ),
+    ("*give elastic bodies without passes", ADHERING, {"rolling": cs.Rolling(passes=1)}),
+    (
+        "Scene.load is a PullOff together with Scene.rolling", ADHERING,
+        {"rolling": cs.Rolling(1.0), "load": cs.PullOff(1.0)},
+    ),
+    ("Adhesion.range is None together with a body that yields", ADHERING, {"solids": (YIELDING, RIGID)}),
+    ("*PullOff together with *solids* has a history", RANGED, {"solids": (YIELDING, RIGID), "load": cs.PullOff(1.0)}),
+    ("*give forces without times", RANGED, {"friction": cs.Fretting(0.3, (0.0, 0.1), times=(0.0, 1.0))}),
+    ("LineLoad.per_length is -1.0: give a load above 0 N/m", BARE, {"load": cs.LineLoad(-1.0)}),
+    ("*is -1.0: give a load of at least 0 N/m", BARE, {"load": cs.LoadHistory((0.0, 1.0), (1.0, -1.0))}),
+    ("* is -1.0: give a load above 0 N", BARE, {"load": cs.TotalLoad(-1.0, 1.0)}),
+    ("Scene.load is a PullOff without adhesion", BARE, {"load": cs.PullOff(1.0)}),
+    *((f"Scene.load is an Approach together with Scene.{name}", BARE, {"load": cs.Approach(1e-6), name: effect})
+      for name, effect in {"hardness": 1e6, "wear": cs.Wear(1e-17, 1.0), "rolling": cs.Rolling(1.0)}.items()),
+    # films
+    ("Scene.rolling is not supported", FILM, {"rolling": cs.Rolling(1.0)}),
+    ("Scene.friction is not supported", FILM, {"friction": cs.Sliding(0.1)}),
+    ("Scene.hardness is not supported", FILM, {"hardness": 2e9}),
+    ("*give a Lubrication, or None", FILM, {"lubrication": OIL}),
+    ("Scene.load * a body creeps below a steady film", FILM, {"solids": (CREEPING, STEEL), "load": HISTORY}),
+    *((f"*steady film only, and *{said} changes in time", FILM, oiled(**effect, **motion) | changes)
+      for effect in ({"boundary": cs.Boundary(5e-9)}, {"thermal": cs.FilmHeat()})
+      for said, motion, changes in (
+          ("Scene.load", {}, {"load": HISTORY}), ("mean_speed", {"mean_speed": SPEEDS}, {}),
+          ("Scene.shapes[0]", {}, {"shapes": (WAVY, CYLINDER)}),
+      )),
+    (
+        "Scene.solids[0] yields, and its surface moves * give -2", FILM,
+        oiled(slide_roll_ratio=0.0) | {"solids": (YIELDING, STEEL)},
+    ),
+    (
+        "Scene.solids[1] yields, * give 2,", FILM,
+        oiled(slide_roll_ratio=-2.0) | {"solids": (STEEL, YIELDING)},
+    ),
+    (
+        "*steady at each instant", FILM,
+        oiled(slide_roll_ratio=-2.0)
+        | {"load": HISTORY, "solids": (YIELDING, STEEL), "outputs": (cs.SubsurfaceStress(),)},
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.cases(len(BESIDE))
+@pytest.mark.parametrize(("said", "scene", "changes"), BESIDE)
+def test_effects_undefined_with_each_other_are_refused(
+    said: str, scene: cs.Scene, changes: dict[str, Any]
+) -> None:
+    refused(lambda: replace(scene, **changes), said)
+
+
+def rolled(grid: cs.Grid = COARSE, padding: Any = EXACT, **changes: Any) -> object:
+    rolling = cs.Rolling(passes=1, distance=0.4)
+    return cs.solve(replace(PASSES, rolling=rolling, **changes), grid, padding)
+
+
+def held(**times: Any) -> object:
+    return cs.solve(HELD, UNIT, EXACT, times=cs.TimeSteps(**times))
+
+
+SOLVES: list[tuple[str, Callable[[], object]]] = [
+    ("*enter it again", lambda: DRIVEN.problem(cs.Grid((32, 1), (3e-4, 1e-3)), (EXACT, EXACT))),
+    (
+        "Approach.datum is 0.0001: give at least half",
+        lambda: replace(ADHERING, load=cs.Approach(1e-6, datum=1e-4)).problem(WIDE, EXACT),
+    ),
+    *((
+        "Scene.load is Approach*mean undeformed gap",
+        lambda one=one: replace(BARE, shapes=(cs.Waviness(1e-6, across=1.5e-3),), load=cs.Approach(one)).problem(
+            WIDE, (EXACT, EXACT)
+        ),
+    ) for one in (0.0, 3e-6)),
+    # scenes that change
+    ("Scene.solids[0] changes in time*: call contactstudy.solve", lambda: rolling_cylinder(SOLID).problem(UNIT, EXACT)),
+    (
+        "Scene.wear changes in time*: call contactstudy.solve",
+        lambda: replace(SMOOTH, wear=cs.Wear(1e-15, 0.1)).problem(UNIT, EXACT),
+    ),
+    (
+        "Scene.load changes in time*: call contactstudy.solve",
+        lambda: replace(SMOOTH, load=HISTORY).problem(UNIT, EXACT),
+    ),
+    ("*call contactstudy.solve", lambda: ROLLING.problem(UNIT, EXACT)),
+    ("*call contactstudy.solve", lambda: FILM.problem(film_grid(100, 4.5), EXACT)),
+    *((f"{said}", lambda one=one: held(times=one)) for said, one in (
+        ("solve.times", ()), ("solve.times[0] is -1", (-1.0, 1.0)), ("solve.times", "soon"),
+        ("solve.times", (0.5, 0.25)), ("solve.times", (0.5, 0.5, 0.5)), ("solve.times", (-0.25,)),
+        ("solve.times", (0.5, nan)), ("solve.times", ((0.5, 1.0), (1.5, 2.0))),
+    )),
+    *(("TimeSteps.error is", lambda one=one: held(times=(0.0, 1.0), error=one)) for one in (0.0, 1.0, 1e-9)),
+    (
+        "TimeSteps.step_error is NONE beside an error of 0.01, *: leave one of them out.",
+        lambda: held(times=(0.0, 1.0), error=1e-2, step_error=cs.StepError.NONE),
+    ),
+    # rolling
+    ("*is a fluid", lambda: cs.solve(
+        replace(ROLLING, solids=(cs.ViscoelasticHalfSpace(0.0, 0.3, ((1.0, 1.0),)), RIGID)), UNIT, EXACT
+    )),
+    ("Scene.shapes[1] moves with a body together with Scene.rolling", lambda: cs.solve(
+        replace(ROLLING, shapes=(cs.Cylinder(1.0), cs.MovingShape(cs.Waviness(1e-3, 0.1)))), UNIT, EXACT
+    )),
+    ("*give one body that yields", lambda: rolled(solids=(cs.HalfSpace(500.0, 0.3), RIGID))),
+    (
+        "*give one body that yields, * elastic or rigid HalfSpace",
+        lambda: rolled(solids=(PASSES.solids[0], cs.ViscoelasticHalfSpace(500.0, 0.3, ((500.0, 1.0),)))),
+    ),
+    ("Scene.load changes in time", lambda: rolled(load=cs.SineLoad(1.0, 0.1, 1.0))),
+    ("Grid.cells[1] is 2", lambda: rolled(cs.Grid((24, 2), (4.8, 1.0)))),
+    ("*give padding=ExactPeriodicity", lambda: rolled(padding=(EXACT, EXACT))),
+    # films
+    ("*a roller's sharp end", lambda: cs.solve(
+        replace(FILM, shapes=(CYLINDER, cs.FiniteLength(20 * FILM.hertz.half_width))),
+        film_grid(64, 4.0, 32, period=40.0),
+    )),
+    ("*no inlet draws lubricant in", lambda: cs.solve(replace(FILM, shapes=()), film_grid(100, 4.5), EXACT)),
+    ("*periodic along the length", lambda: cs.solve(FILM, film_grid(32, 4.5, 4), FREE)),
+    ("*wider than half the contact: give 18", lambda: cs.solve(FILM, film_grid(12, 9.0))),
+    *((said, lambda steps=steps: cs.solve(replace(FILM, load=HISTORY), film_grid(64, 4.5), times=cs.TimeSteps(**steps)))
+      for said, steps in (
+          ("*two or more, ascending", {"times": [0.0]}), ("*two or more, ascending", {"times": [1.0, 0.0]}),
+          ("*leave one of them out", {"times": [0.0, 1e-3], "step": 1e-4, "error": 1e-3}),
+      )),
+    # plans
+    *((said, lambda scene=scene, named=named: cs.plan(scene, **named))
+      for scene in (SMOOTH, replace(SMOOTH, adhesion=cs.Adhesion(0.05)), FILM)
+      for said, named in (
+          ("plan.period is *: leave it out", {"grid": cs.Grid((32, 1), (1e-3, 1e-3)), "period": 2e-3}),
+          ("plan.times is given, *: leave it out", {"times": (0.0, 1.0)}),
+      )),
+    (
+        "TimeSteps.instants is 1",
+        lambda: cs.plan(replace(FILM, load=HISTORY), times=cs.TimeSteps(instants=1)),
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.cases(len(SOLVES))
+@pytest.mark.parametrize(("said", "make"), SOLVES)
+def test_what_a_scene_cannot_be_solved_with_is_refused(
+    said: str, make: Callable[[], object]
+) -> None:
+    refused(make, said)

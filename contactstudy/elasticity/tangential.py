@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -144,6 +144,7 @@ class ShearResponse:
 ShearCompliance = Mapping[str, Mapping[Coefficients, float]]
 
 
+@runtime_checkable
 class ShearableBody(Protocol):
     """Body whose response to tangential traction is known."""
 

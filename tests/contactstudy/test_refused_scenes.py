@@ -60,7 +60,10 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
     ),
     ("Scene.friction", SMOOTH, {"friction": 0.3}),
     ("Scene.friction", SMOOTH, {"friction": cs.Sliding}),
-    ("*one creeps: creep of their coupling", SMOOTH, {"friction": cs.Sliding(0.3), "solids": (CREEPING, RIGID)}),
+    # equal at first, until one has crept
+    *((said, SMOOTH, {"friction": friction, "solids": (CREEPING, cs.HalfSpace(2e11, 0.3))}) for said, friction in (
+        ("*one creeps: creep of their coupling", cs.Sliding(0.3)), ("*elastically dissimilar", FRETS),
+    )),
     (
         "*or TractiveRolling", SMOOTH,
         {"friction": cs.Sliding(0.3), "rolling": cs.Rolling(1.0), "solids": (STEEL, RIGID)},

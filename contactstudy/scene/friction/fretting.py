@@ -25,7 +25,7 @@ from contactstudy.scene.friction.friction_law import (
     check_similar,
     check_static,
     check_tangential_response,
-    sheared,
+    shearable,
     transmitted_force,
 )
 from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear, checked_times
@@ -182,12 +182,12 @@ class Fretting:
         times = np.linspace(history.start, history.end, SAMPLES).tolist()
         for time in sorted({*times, *history.times, *getattr(load, "times", ())}):
             pressed = load.at(time) if isinstance(load, ChangingLoad) else load.largest
+            limit = transmitted_force(scene, self.coefficient, pressed)
             force = history.at(time)
-            if abs(force) > 0 and not abs(force) < self.coefficient * pressed:
+            if abs(force) > 0 and not abs(force) < limit:
                 raise InvalidInput(
                     f"Fretting.forces are {readable(force, 'N m-1')} at {time:g} s, where friction transmits less than "
-                    f"{readable(self.coefficient * pressed, 'N m-1')}: the contact would slide fully, give "
-                    "smaller forces, or displacements."
+                    f"{readable(limit, 'N m-1')}: the contact would slide fully, give smaller forces, or displacements."
                 )
 
     def solver(
@@ -204,7 +204,7 @@ class Fretting:
         scene: SceneContext, grid: Grid, paddings: Paddings, datum: float
     ) -> ShearResponse:
         """Return the displacement of both bodies of `scene` under tangential traction."""
-        return shear_response(sheared(scene.solids), grid, paddings, datum)
+        return shear_response(shearable(scene.solids), grid, paddings, datum)
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
         """Return a sentence on the solves of the shear."""

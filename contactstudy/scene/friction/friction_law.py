@@ -8,8 +8,13 @@ from contactstudy.domain.checks import InvalidInput, below_one
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
 from contactstudy.elasticity.convolution import GeneralConvolution
-from contactstudy.elasticity.tangential import WEIGHT_ROUNDING, ShearableBody, normal_displacement
+from contactstudy.elasticity.tangential import (
+    ShearableBody,
+    normal_displacement,
+    summed_responses,
+)
 from contactstudy.problem.problem import FrictionSolver
+from contactstudy.scene.loads.constant_load import TotalLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.solids.bodies import (
     Body,
@@ -22,7 +27,6 @@ from contactstudy.scene.solids.bodies import (
     yields,
 )
 from contactstudy.scene.solids.coated import CoatedHalfSpace
-from contactstudy.scene.solids.viscoelastic import RollingHalfSpace
 
 # Check of a coefficient of friction, and its remedy.
 COEFFICIENT = below_one, "give a coefficient of friction above 0, and below 1"
@@ -102,19 +106,31 @@ def _materials(solid: Body) -> tuple[Homogeneous, ...]:
 
 
 def are_similar(solids: tuple[Body, ...]) -> bool:
-    """Return whether tangential traction between two bodies does not change the gap."""
+    """Return whether tangential traction between two bodies never changes the gap."""
     first, second = solids
     if first == second:
         return True
-    of_one_material = all(materials[0] == materials[-1] for materials in map(_materials, solids))
-    return of_one_material and abs(dundurs(solids)) <= WEIGHT_ROUNDING
+    one, other = (body.shear_compliance(1.0)["x"] for body in shearable(solids))
+    if any(map(creeps, solids)):  # equal at first, and then no more
+        return not any((*one.values(), *other.values()))
+    return not summed_responses(-1, one, other)
 
 
-def sheared(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
-    """Return the bodies that respond to shear as `solids` do, creeping ones at rest by their instantaneous response."""
-    bodies = (solid.instantaneous if isinstance(solid, Inelastic) else solid for solid in solids)
-    shearable = HalfSpace | CoatedHalfSpace | RollingHalfSpace
-    return tuple(solid for solid in bodies if isinstance(solid, shearable))
+def shearable(solids: tuple[Body, ...]) -> tuple[ShearableBody, ...]:
+    """Return bodies that respond to tangential traction as `solids` do, creeping ones at rest as at first.
+
+    Raises :class:`~contactstudy.InvalidInput` for a body whose response is not known.
+    """
+    return tuple(map(_shearable, solids))
+
+
+def _shearable(solid: Body) -> ShearableBody:
+    """Return the body that responds to tangential traction as `solid` does."""
+    body = solid.instantaneous if isinstance(solid, Inelastic) else solid
+    if isinstance(body, ShearableBody):
+        return body
+    material = _materials(body)[0]
+    return HalfSpace(material.youngs_modulus, material.poisson_ratio)
 
 
 def shear_coupling(
@@ -123,7 +139,7 @@ def shear_coupling(
     """Return the change of the gap by traction along each of the `axes`, none for elastically similar bodies."""
     if solids[0] == solids[1]:
         return []
-    first, second = sheared(solids)
+    first, second = shearable(solids)
     return normal_displacement(first, second, axes, grid, paddings, datum)
 
 
@@ -162,10 +178,10 @@ def check_similar(scene: SceneContext, name: str, alternative: str = "") -> None
 def transmitted_force(scene: SceneContext, coefficient: float, load: float) -> float:
     """Return the tangential force [N/m] that friction transmits under a `load` [N/m].
 
-    It is infinite where it is known only with the pressure, at a given approach or beside an attraction; the law then
-    refuses a larger force once the normal contact is solved.
+    It is infinite where it is known only with the pressure or the length of the grid, at a given approach, beside an
+    attraction or under a total load; the law then refuses a larger force once the normal contact is solved.
     """
-    follows = scene.adhesion is not None or isinstance(scene.load, Approach)
+    follows = scene.adhesion is not None or isinstance(scene.load, Approach | TotalLoad)
     return inf if follows else coefficient * load
 
 

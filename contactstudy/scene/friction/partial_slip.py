@@ -15,7 +15,7 @@ from contactstudy.scene.friction.friction_law import (
     check_static,
     check_tangential_response,
     has_proportional_compliances,
-    sheared,
+    shearable,
     transmitted_force,
 )
 from contactstudy.scene.loads.resulting_load import Approach
@@ -37,8 +37,8 @@ class PartialSlip:
     coefficient
         Coefficient of friction, above 0 and below 1.
     tangential
-        Force along x on the first body [N/m], of either sign, less than the coefficient times the load, and beside
-        adhesion times the sum of the load and of the attraction.
+        Force along x on the first body, over the length of the grid [N/m]; of either sign, less than the coefficient
+        times the load, and beside adhesion times the sum of the load and of the attraction.
 
     Raises
     ------
@@ -63,7 +63,10 @@ class PartialSlip:
         check_static(scene, "PartialSlip")
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
         check_similar(scene, "PartialSlip", ", or Sliding")
-        limit = transmitted_force(scene, self.coefficient, scene.load.largest)
+        self._check_force(transmitted_force(scene, self.coefficient, scene.load.largest))
+
+    def _check_force(self, limit: float) -> None:
+        """Raise :class:`~contactstudy.InvalidInput` unless the force is below the `limit` [N/m] of friction."""
         if not abs(self.tangential) < limit:
             raise InvalidInput(
                 f"PartialSlip.tangential is {self.tangential!r}: friction transmits less than "
@@ -75,9 +78,10 @@ class PartialSlip:
     ) -> CiavarellaJaeger | PartialSlipShear:
         """Return superposition where it is exact for this gap, else the problem of two components."""
         if self.superposes(scene, varies=bool((gap != gap[:, :1]).any()), paddings=paddings):
-            limit = self.coefficient * scene.load.largest
+            limit = self.coefficient * scene.mean_load(grid, paddings)
+            self._check_force(limit)
             return CiavarellaJaeger(self.coefficient, self.tangential / limit)
-        response = shear_response(sheared(scene.solids), grid, paddings, datum)
+        response = shear_response(shearable(scene.solids), grid, paddings, datum)
         return PartialSlipShear(self.coefficient, self.tangential, response)
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:

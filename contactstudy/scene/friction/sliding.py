@@ -97,4 +97,4 @@ class Sliding:
 
 def _outer_iterations(product: float) -> int:
     """Return the outer iterations to a tolerance of 1e-8, each of which leaves about the product of beta and mu."""
-    return max(2, round(log(1e-8) / log(min(1.1 * product, 0.9))))
+    return max(2, round(log(1e-8) / log(min(max(1.1 * product, 1e-8), 0.9))))

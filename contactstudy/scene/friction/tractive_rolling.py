@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from math import isinf
 from typing import Any, ClassVar
 
-import numpy as np
-
 from contactstudy.domain.checks import InvalidInput, check_fields, in_range_or_zero, suggest_fields
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import Grid, Paddings
@@ -13,14 +11,13 @@ from contactstudy.domain.units import MetresPerSecond, NewtonsPerMetre, Number, 
 from contactstudy.elasticity.tangential import shear_response
 from contactstudy.scene.friction.friction_law import (
     COEFFICIENT,
-    SAMPLES,
     are_similar,
     check_tangential_response,
     shear_coupling,
-    sheared,
+    shearable,
     transmitted_force,
 )
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
 from contactstudy.scene.rolling import check_slow, check_standing
 from contactstudy.scene.shapes.shape import length_scales_of
 from contactstudy.scene.solids.bodies import SceneContext, yields
@@ -138,7 +135,7 @@ class TractiveRolling:
                 "enter it again one period later: give ZeroPadding across."
             )
         solids = rolling_bodies(scene.solids, (self.speed, self.speed))
-        bodies = sheared(solids)
+        bodies = shearable(solids)
         coupling = shear_coupling(solids, "xy", grid, paddings, datum)
         return TractiveShear(
             self.coefficient,
@@ -167,5 +164,4 @@ def _least(load: Any) -> float:
     """Return the least load [N/m]."""
     if not isinstance(load, ChangingLoad):
         return float(load.largest)
-    times = np.linspace(load.start, load.end, SAMPLES).tolist()
-    return min(load.at(time) for time in (*times, *load.breaks(load.end)))
+    return min(load.at(load.start), *loads_between(load, load.start, load.end))

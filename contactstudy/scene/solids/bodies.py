@@ -14,6 +14,7 @@ from contactstudy.domain.checks import (
     in_range_or_infinite,
     suggest_fields,
 )
+from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.domain.units import Number, Pascals
 from contactstudy.elasticity.coefficients import BoussinesqCoefficients, Coefficients
 from contactstudy.scene.shapes.shape import Shape
@@ -217,6 +218,9 @@ class SceneContext(Protocol):
     @property
     def rolling(self) -> "Rolling | None":
         """Rolling, or None."""
+
+    def mean_load(self, grid: Grid, padding: Padding | Paddings) -> float:
+        """Return the constant load over the period of `grid` [N/m]."""
 
     @property
     def rolls(self) -> bool:

@@ -100,10 +100,19 @@ def test_partial_slip_of_a_cylinder_is_cattaneos(fraction: float, sign: int) -> 
     assert carried == pytest.approx(sign * fraction * mu * 1e5, rel=1e-12)
 
 
-@pytest.mark.parametrize("padding", [cs.ExactPeriodicity(), (cs.ZeroPadding(), cs.ZeroPadding())])
-def test_without_poissons_ratio_disks_give_the_superposition(padding: cs.Padding) -> None:
+@pytest.mark.parametrize(
+    ("padding", "load"),
+    [
+        (cs.ExactPeriodicity(), LOAD),
+        # a roller shorter than the grid: forces per length are those of the grid
+        ((cs.ZeroPadding(), cs.ZeroPadding()), cs.TotalLoad(15.0, 1.5e-4)),
+    ],
+)
+def test_without_poissons_ratio_disks_give_the_superposition(
+    padding: cs.Padding, load: cs.LineLoad | cs.TotalLoad
+) -> None:
     cork = replace(STEEL, poisson_ratio=0.0)
-    one = scene(cs.PartialSlip(0.3, 1.2e4), solids=(cork, cork), shapes=ROUGH)
+    one = scene(cs.PartialSlip(0.3, 1.2e4), solids=(cork, cork), shapes=ROUGH, load=load)
     grid = cs.Grid((48, 48), (3e-4, 3e-4))
     problem = one.problem(grid, padding)
     assert isinstance(problem.friction, CiavarellaJaeger)
@@ -211,6 +220,24 @@ def test_a_force_over_the_load_of_an_approach_is_as_known_as_that_load() -> None
     assert 1e-6 * fine.value < difference <= coarse.bound + fine.bound
 
 
+def test_incompressible_coatings_are_dissimilar_whatever_dundurs_constant() -> None:
+    rubber = cs.CoatedHalfSpace(cs.HalfSpace(1e6, 0.5), 1e-3, cs.HalfSpace(1e9, 0.5))
+    one = scene(cs.Sliding(0.2), solids=(rubber, RIGID), load=cs.LineLoad(1e2))
+    assert "dissimilar bodies (Dundurs' beta 0)" in " ".join(cs.plan(one).reasons)
+
+
+def test_a_body_of_the_users_own_slides_as_the_half_space_of_its_moduli() -> None:
+    class Own:
+        youngs_modulus, poisson_ratio = STEEL.youngs_modulus, STEEL.poisson_ratio
+        compliance, response = STEEL.compliance, STEEL.response
+
+    found, expected = (
+        solved(scene(cs.Sliding(0.3), solids=(solid, RIGID)), (64, 1)).pressure
+        for solid in (Own(), STEEL)
+    )
+    np.testing.assert_array_equal(found, expected)
+
+
 def test_superposition_says_why_it_is_exact() -> None:
     one = replace(scene(cs.PartialSlip(0.3, 1.5e4)), solids=(cs.HalfSpace(2e11, 0.0),) * 2)
     slip = cs.PartialSlip(0.3, 1.5e4)
@@ -266,6 +293,8 @@ def test_a_solution_without_friction_has_no_shear() -> None:
 
 def test_equal_coated_bodies_slide_alike_with_a_hardness_and_roughness() -> None:
     coated = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
+    known = replace(coated, coating=replace(coated.coating, yield_stress=1e10))
+    assert scene(cs.PartialSlip(0.2, 1e4), solids=(coated, known))  # which changes nothing elastic
     one = scene(cs.Sliding(0.2), solids=(coated, coated), shapes=ROUGH, hardness=3e9)
     sliding, without = solved(one, (64, 32)), solved(replace(one, friction=None), (64, 32))
     np.testing.assert_array_equal(sliding.pressure, without.pressure)

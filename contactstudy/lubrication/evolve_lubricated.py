@@ -57,6 +57,9 @@ class StepTuning:
         First step in pseudo-time [a / u_m], so long that it is Newton's.
     min_film_fraction
         Least thickness of a predicted film over that at the last instant.
+    longest_motion, per_period
+        Farthest motion of a moving shape in a step, over Hertz's half-width, so that none passes the contact unseen, and
+        least steps in a period of the load.
     """
 
     first: float = 0.5
@@ -67,6 +70,8 @@ class StepTuning:
     step_error: float = 2 / 11
     pseudo_time_step: float = 1e6
     min_film_fraction: float = 0.3
+    longest_motion: float = 0.5
+    per_period: int = 4
 
 
 TUNING = StepTuning()
@@ -107,13 +112,14 @@ def evolve_lubricated(
     grid, padding
         As for :func:`~contactstudy.solve`.
     times
-        Instants [s] at which the contact is recorded, ascending; the film is steady at the first. None records every
-        step from the first to the last time of the histories.
+        Instants [s] at which the contact is recorded, ascending, before the load where that jumps; the film is steady at
+        the first. None records every step from the first to the last time of the histories.
     error
         Largest error of a step: L1 error of the film thickness over its mean, in the Hertzian zone. 1e-3 if neither this
         nor ``step`` is given.
     step
-        Largest length of a step [s], in place of ``error``. Steps end at each instant, and are shorter where they fail.
+        Largest length of a step [s], in place of ``error``. Steps end at each instant and where load or speed have a
+        kink, and are shorter where they fail.
     tolerance
         Residual of each step.
     progress
@@ -147,8 +153,9 @@ def check_loaded(scene: Scene, instants: list[float]) -> None:
     if not isinstance(load := scene.load, ChangingLoad):
         return
     start, end = instants[0], instants[-1]
-    for time in (*instants, *(instant for instant in load.breaks(end) if instant >= start)):
-        if load.at(time) <= 0:
+    turns = [time for time in load.turning_points(end) if time > start]
+    for time in (start, *instants, *turns):
+        if load.at(time) <= 0 or (time > start and load.before(time) <= 0):
             raise InvalidInput(
                 f"Scene.load is 0 at {time:g} s, when no film has a thickness of its own: give loads above 0, such as a "
                 "hundredth of the largest, or other times."
@@ -170,8 +177,9 @@ def _integrate(
     steps, largest_error, iterations, linear_iterations = 0, 0.0, 0, 0
     cell_passage = stepper.posed.equation.cell[0] * stepper.time_unit
     # two steps at least, which the estimate takes at once
-    length = min(step or TUNING.first * cell_passage, (instants[-1] - instants[0]) / 2)
-    for target in instants[1:]:
+    largest_length = min(step or inf, stepper.longest_step, (instants[-1] - instants[0]) / 2)
+    length = min(step or TUNING.first * cell_passage, largest_length)
+    for target in sorted({*instants[1:], *_kinks(stepper.scene, instants[0], instants[-1])}):
         while stepper.time < target - 1e-9 * cell_passage:
             remaining = target - stepper.time
             # avoid a tiny last step before an instant
@@ -193,15 +201,16 @@ def _integrate(
                 progress(stepper.time - instants[0], instants[-1] - instants[0])
             grown = trial * float(np.clip(factor, TUNING.shrink, TUNING.grow))
             # a step shortened to end at an instant does not limit the next one
-            length = step or max(grown, length if trial < length else 0.0)
+            length = min(step or max(grown, length if trial < length else 0.0), largest_length)
             if failed:
                 break
             if times is None and stepper.time < target - 1e-9 * cell_passage:
                 recorded.append(stepper.time)
                 contacts.append(stepper.contact)
         failed = stepper.contact.status is Status.FILM_NOT_CONVERGED
-        recorded.append(stepper.time if failed else target)
-        contacts.append(stepper.contact)
+        if failed or times is None or target in instants:
+            recorded.append(stepper.time if failed else target)
+            contacts.append(stepper.contact)
         if failed:
             break
     films = FilmTrajectory(
@@ -241,6 +250,14 @@ class _DoubleSteps:
             advanced, _ = half.advanced(time - half.time)
         self.stepper, self._middle = advanced, None
         self.compared.append(Difference.of(time, other.contact, advanced.contact))
+
+
+def _kinks(scene: Scene, start: float, end: float) -> list[float]:
+    """Return the times [s] between two at which load or speed have a kink or jump."""
+    load, lubrication = scene.load, scene.lubrication
+    times = load.breaks(end) if isinstance(load, ChangingLoad) else ()
+    of_speed = getattr(lubrication and lubrication.mean_speed, "times", ())
+    return [time for time in (*times, *of_speed) if start < time < end]
 
 
 def instants_of(scene: Scene, times: ArrayLike | None) -> list[float]:
@@ -291,14 +308,16 @@ class _FilmStepper:
         tolerance: float,
     ) -> "_FilmStepper":
         """Return a time stepper at the steady film of the first time."""
-        changing = isinstance(scene.load, ChangingLoad)
-        largest = replace(scene, load=LineLoad(scene.load.largest)) if changing else scene
+        load, largest = scene.load, scene
+        first_load = load.largest
+        if isinstance(load, ChangingLoad):
+            largest, first_load = replace(scene, load=LineLoad(load.largest)), load.at(start)
         posed = pose(largest, grid, padding)
         time_unit = posed.scales.hertz.half_width / posed.scales.lubrication.largest_speed
         stepper = cls(
             scene, grid, padding, posed, linear_solver(posed), time_unit, tolerance, 0.0, (), posed
         )
-        now = stepper._posed_at(start, 0.0)
+        now = stepper._posed_at(start, 0.0, first_load)
         if now.equation.speed <= 0:
             raise InvalidInput(
                 f"Scene.lubrication.mean_speed is 0 at the first time, {start:g} s, when no film is steady: give a "
@@ -307,6 +326,15 @@ class _FilmStepper:
         last = continued(now, FilmControls(tolerance=tolerance))
         instant = _Instant(start / time_unit, last.film, now.equation.content(last.film), last)
         return replace(stepper, past=(instant,), now=now)
+
+    @property
+    def longest_step(self) -> float:
+        """Longest step [s]: a part of the load's period, and of the time in which a moving shape passes the contact."""
+        longest: float = getattr(self.scene.load, "period", inf) / TUNING.per_period
+        if any(hasattr(shape, "gap_after") for shape in self.scene.shapes):
+            fastest = 1 + abs(self.posed.scales.lubrication.slide_roll_ratio) / 2
+            longest = min(longest, TUNING.longest_motion * self.time_unit / fastest)
+        return longest
 
     @property
     def time(self) -> float:
@@ -324,7 +352,9 @@ class _FilmStepper:
         speed = self.posed.scales.lubrication.speed_at
         middle = speed(self.time + length / 2)
         distance = self.distance + length * (speed(self.time) + 4 * middle + speed(end)) / 6
-        now = self._posed_at(end, distance)
+        load = self.scene.load
+        load_before = load.before(end) if isinstance(load, ChangingLoad) else load.largest
+        now = self._posed_at(end, distance, load_before)
         equation, step = now.equation, length / self.time_unit
         expected = self._expected(now, end / self.time_unit)
         controls = FilmControls(
@@ -358,9 +388,9 @@ class _FilmStepper:
             self.scene, self.grid, self.padding, self.now, self.last, self.tolerance
         )
 
-    def _posed_at(self, time: float, distance: float) -> PosedFilm:
-        """Return the film equation at a time [s], when the mean speed has gone a distance [m]."""
-        scales, load = self.posed.scales, self.scene.load
+    def _posed_at(self, time: float, distance: float, load: float) -> PosedFilm:
+        """Return the film equation at a time [s] under a `load` [N/m], when the mean speed has gone a distance [m]."""
+        scales = self.posed.scales
         slide = scales.lubrication.slide_roll_ratio / 2
         gap = np.zeros(self.grid.cells)
         for shape in self.scene.shapes:
@@ -370,10 +400,9 @@ class _FilmStepper:
             else:
                 gap += shape.gap(self.grid)
         posed = self.posed.with_gap(gap)
-        present_load = load.at(time) if isinstance(load, ChangingLoad) else load.largest
         equation = replace(
             posed.equation,
-            load=self.posed.equation.load * present_load / load.largest,
+            load=self.posed.equation.load * load / self.scene.load.largest,
             speed=scales.lubrication.speed_at(time) / scales.lubrication.largest_speed,
         )
         return replace(posed, equation=equation)

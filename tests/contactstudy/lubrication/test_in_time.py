@@ -129,6 +129,46 @@ def test_a_shape_of_a_users_own_class_moves_with_its_body() -> None:
     np.testing.assert_array_equal(own.film, same.film)
 
 
+@dataclass(frozen=True)
+class Dent:
+    """A dent on the axis at first, without length scales."""
+
+    start: float
+    curvature: float = 0.0
+
+    def gap(self, grid: cs.Grid) -> Array:
+        return 2e-7 * np.exp(-(((grid.x - self.start) / (0.3 * A)) ** 2))[:, None]
+
+
+def test_what_comes_after_a_long_steady_film_is_followed() -> None:
+    scene = by_moes(20, 5)
+    speed = speed_of(scene)
+    passage = A / speed
+    times = tuple(n * passage for n in (0, 30, 31, 32, 40))
+    pulse = replace(scene, load=cs.LoadHistory(times, (1e5, 1e5, 2e5, 1e5, 1e5)))
+    constant = cs.SpeedHistory((0.0, times[-1]), (speed, speed))
+    dent = by_moes(20, 5, cs.MovingShape(Dent(-32 * A)))
+    for changing in (pulse, with_motion(dent, mean_speed=constant)):
+        evolution = evolve_lubricated(changing, grid(64, 4.0), error=1e-2)
+        films = evolution.central_film / evolution.central_film[0]
+        assert np.ptp(films) > 0.2
+        assert films[-1] == pytest.approx(1, rel=1e-2)
+        bounds = evolution.time_discretisation_errors["central_film"]
+        assert bounds[np.searchsorted(evolution.times, times[3])] > 1e-3
+
+
+def test_a_film_is_that_before_a_jump_of_the_load_until_the_next_step() -> None:
+    scene = by_moes(20, 5)
+    passage = A / speed_of(scene)
+    times = tuple(n * passage for n in (0, 3, 3, 6))
+    jump = replace(scene, load=cs.LoadHistory(times, (1e5, 1e5, 1.5e5, 1.5e5)))
+    evolution = evolve_lubricated(jump, grid(64, 4.0), error=1e-2)
+    loads = [one.load_per_length for one in evolution.contacts]
+    after = [1e5 if time <= times[1] else 1.5e5 for time in evolution.times]
+    np.testing.assert_allclose(loads, after, rtol=1e-5)
+    assert times[1] in evolution.times
+
+
 def test_what_moves_or_changes_is_refused_by_the_steady_solve() -> None:
     moving = by_moes(20, 5, cs.MovingShape(cs.Waviness(1e-8, across=A, along=np.inf)))
     with pytest.raises(cs.InvalidInput, match=r"contactstudy\.solve"):
@@ -214,8 +254,13 @@ def test_a_step_that_fails_ends_the_evolution_at_its_own_time(
 
 def test_an_instant_without_load_or_speed_is_refused() -> None:
     scene = by_moes(20, 5)
-    for instants, loads, said in (((0, 1), (0, 1e5), "0 s"), ((0, 1, 2), (1e5, 0, 1e5), "1 s")):
-        unloaded = replace(scene, load=cs.LoadHistory(instants, loads))
+    for load, said in (
+        (cs.LoadHistory((0, 1), (0, 1e5)), "0 s"),
+        (cs.LoadHistory((0, 1, 2), (1e5, 0, 1e5)), "1 s"),
+        (cs.LoadHistory((0, 1, 1, 2), (1e5, 0, 1e5, 1e5)), "1 s"),
+        (cs.SineLoad(1e5, 1e5, 1.0), "0.75 s"),
+    ):
+        unloaded = replace(scene, load=load)
         with pytest.raises(cs.InvalidInput, match=rf"Scene\.load is 0 at {said}"):
             evolve_lubricated(unloaded, grid(64, 4.5), times=[0, 3])
     with pytest.raises(cs.InvalidInput, match=r"mean_speed\[0\] is 0"):

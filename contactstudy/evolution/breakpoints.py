@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactstudy.domain.checks import InvalidInput
-from contactstudy.scene.loads.load_history import ChangingLoad
+from contactstudy.scene.loads.load_history import ChangingLoad, PiecewiseLinear
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,8 @@ class Breakpoint:
         Number of times that the contact is recorded: 0, 1, or 2 for before and after a jump.
     is_discontinuity
         Whether the load, its rate or another history may jump or turn at this instant.
+    history_jumps
+        Whether another history jumps.
     """
 
     time: float
@@ -34,11 +36,12 @@ class Breakpoint:
     after: float
     times_recorded: int
     is_discontinuity: bool
+    history_jumps: bool = False
 
     @property
     def jumps(self) -> bool:
-        """True if the load jumps at this instant."""
-        return self.before != self.after
+        """True if the load or another history jumps at this instant."""
+        return self.before != self.after or self.history_jumps
 
 
 def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, ...]:
@@ -69,10 +72,20 @@ def schedule(load: ChangingLoad, times: ArrayLike | None) -> tuple[Breakpoint, .
     )
 
 
-def with_breakpoints_at(
+def with_breakpoints_of(
+    breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, history: PiecewiseLinear
+) -> tuple[Breakpoint, ...]:
+    """Return `breakpoints` and more between them, where another `history` has a kink or jumps."""
+    return tuple(
+        replace(point, history_jumps=history.before(point.time) != history.at(point.time))
+        for point in _with_breakpoints_at(breakpoints, load, history.times)
+    )
+
+
+def _with_breakpoints_at(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad, times: Sequence[float]
 ) -> tuple[Breakpoint, ...]:
-    """Return `breakpoints` and more at `times` [s] between, where the `load` turns or another history may kink."""
+    """Return `breakpoints` and more at `times` [s] between."""
     at_breakpoints = {point.time for point in breakpoints}
     start, end = breakpoints[0].time, breakpoints[-1].time
     added = (
@@ -91,7 +104,7 @@ def with_turning_points(
     breakpoints: tuple[Breakpoint, ...], load: ChangingLoad
 ) -> tuple[Breakpoint, ...]:
     """Return `breakpoints` and the turning points of `load` between them."""
-    return with_breakpoints_at(breakpoints, load, load.turning_points(breakpoints[-1].time))
+    return _with_breakpoints_at(breakpoints, load, load.turning_points(breakpoints[-1].time))
 
 
 def all_recorded(breakpoints: tuple[Breakpoint, ...]) -> tuple[Breakpoint, ...]:

@@ -73,15 +73,15 @@ class TimeSteps:
         Where a contact wears in steady or tractive rolling or on a film, it is the largest change of the pressure by
         the correction of a step; of other films, the largest error of their thickness in one step; films over bodies
         that yield refuse it. None takes a fraction of the error requested of the solve. Without that, there is one step
-        from each instant to the next, and to each kink of the load or quarter of its period; steady wear and films take
-        1e-3.
+        from each instant to the next, and to each kink of the load or quarter of its period, or two where the next one
+        differs in length; steady wear and films take 1e-3.
     scheme
         How sliding wear is stepped; other wear has a method of its own.
     step_error
         How the time-discretisation error is estimated of a dry contact that keeps creep, sliding wear, plastic strain
         or a tangential traction from one instant to the next.
     step
-        Length [s] of all steps of a film, in place of an error.
+        Largest length [s] of a step of a film, in place of an error.
 
     Raises
     ------

@@ -50,8 +50,8 @@ class Frame:
     fields
         Fields (x, y) of the state variables, such as the worn depth, by name.
     status
-        The worst status of the contacts since the previous frame, without rejected steps; DETACHED is that of the last
-        alone.
+        The worst status of the contacts since the previous frame, without those of rejected or halved steps and of
+        replaced iterates; DETACHED is that of the last alone.
     residual
         Residual of the last solve.
     step_error

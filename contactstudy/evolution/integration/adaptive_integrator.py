@@ -3,22 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cached_property
 from math import inf
 from typing import Any
 
 import numpy as np
 
-from contactstudy.accuracy.discretisation.subcell import SubgridHeights
-from contactstudy.accuracy.estimate import error_estimate
-from contactstudy.domain.checks import NotDefined
-from contactstudy.domain.errors import ErrorParts
-from contactstudy.domain.fields import Array
 from contactstudy.evolution.breakpoints import Breakpoint
 from contactstudy.evolution.integration.checkpoint import Checkpoint
+from contactstudy.evolution.integration.integration_errors import IntegrationErrors
 from contactstudy.evolution.integration.step_control import INITIAL_STEP, StepControl
-from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
-from contactstudy.evolution.states.state_variables import HasStepError
+from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
 from contactstudy.evolution.trajectory import Frame
 from contactstudy.evolution.warm_started import unloaded
 from contactstudy.solvers.solution import Solution, Status, worst
@@ -30,19 +24,14 @@ SHORTEST = 1e-12
 INCREMENTS, MAX_INCREMENTS = 4, 2**12
 # Largest number of halvings of a step in which bodies start to yield.
 MAX_HALVINGS = 6
-# Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
-FIRST_ORDER_FACTOR = 1.5
-# Errors of wear are of order 1/2 where it begins, since the pressure changes at once: halving the steps leaves 2^-1/2 of
-# them, and a difference is 2^1/2 - 1 of the error.
-HALF_ORDER_FACTOR = 1 / (2**0.5 - 1)
-# Discretisation error at the end of an integration over that of the last contact alone: with each state variable, which
-# depends on earlier pressures, and with plastic strain, whose cells below the surface add to it. Bounds by the cells
-# held in 238 of 238 frames with creep, wear or both, and were 3 to 4 times too large in the median; with plastic strain
-# the ratios were up to 3.6.
-GROWTH_PER_STATE_VARIABLE, GROWTH_PLASTIC = 1.2, 4.0
 # State of an integrator in its checkpoint.
-CHECKPOINTED = ("breakpoint", "step_error", "largest_grid_error", "double_step", "rejected", "restarts", "solves",
-                "iterations", "convolutions")  # fmt: skip
+CHECKPOINTED = ("breakpoint", "step_error", "double_step", "rejected", "restarts", "solves", "iterations",
+                "convolutions")  # fmt: skip
+# The same of its errors.
+CHECKPOINTED_ERRORS = "largest_by_cells", "largest_by_residual"
+# Steps make no pair where their lengths differ by a larger factor: an error of first order is 1.08 times the difference
+# to one step of both lengths at this factor, once that at equal lengths, and 5 times at 10.
+MAX_RATIO_OF_PAIR = 1.5
 
 
 class _Outcome(Enum):
@@ -102,7 +91,7 @@ class AdaptiveIntegrator:
         self.breakpoint = 0
         self.fine = self.coarse = self.stepper.start(self.breakpoints[0].time)
         self.solution: Solution | None = None
-        self.step_error = self.largest_grid_error = 0.0
+        self.step_error, self.errors = 0.0, IntegrationErrors(self.stepper)
         duration = self.breakpoints[-1].time - self.breakpoints[0].time
         self.double_step, self.shortest = INITIAL_STEP * duration, SHORTEST * duration
 
@@ -142,30 +131,38 @@ class AdaptiveIntegrator:
         A step that ends a doubled step alone is halved, so that the doubled step has two to be compared with.
         """
         synchronised = self.coarse.time == self.fine.time
-        after = self.breakpoints[self.breakpoint + 1] if point is not self.breakpoints[-1] else None
-        # without load both integrations have the same pressure: end the doubled step there
-        ends_double_step = (
-            point.is_discontinuity
-            or after is None
-            or point.times_recorded == 2
-            or after.before == 0
-        )
+        ends_double_step = self._ends_double_step(point)
         if self.step_doubling and synchronised and ends_double_step:
             half = (self.fine.time + point.time) / 2
-            self.fine, _ = self._advance(self.fine, half, self.stepper.load.at(half), MAX_HALVINGS)
+            self.fine, solved = self._advance(
+                self.fine, half, self.stepper.load.at(half), MAX_HALVINGS
+            )
+            self._accept(solved)
         max_halvings = MAX_HALVINGS if self.step_doubling else 0
-        self.fine, self.solution = self._advance(self.fine, point.time, point.before, max_halvings)
-        if not np.isfinite(self.solution.residual):
-            self._record_failure(self.solution)
+        self.fine, solved = self._advance(self.fine, point.time, point.before, max_halvings)
+        if not np.isfinite(solved.last.residual):
+            self._record_failure(self.fine, solved)
             return _Outcome.NO_SOLUTION
+        self.solution = solved.last
+        self._accept(solved)
         if self.step_doubling and (ends_double_step or not synchronised):
-            self.coarse, _ = self._advance(self.coarse, point.time, point.before)
-            before, self.step_error = self.step_error, self._difference(self.fine, self.coarse)
+            self.coarse, solved = self._advance(self.coarse, point.time, point.before)
+            self._accept(solved)
+            before, self.step_error = self.step_error, self.errors.by_steps(self.fine, self.coarse)
             # the frames that wait lie between two instants of the doubled step
             self._finish_frames(max(before, self.step_error))
         elif not self.step_doubling:
             self.coarse = self.fine
         return _Outcome.REACHED
+
+    def _ends_double_step(self, point: Breakpoint) -> bool:
+        """Return whether the step to `point` makes no pair with the one after it."""
+        if point is self.breakpoints[-1] or point.is_discontinuity or point.times_recorded == 2:
+            return True
+        after = self.breakpoints[self.breakpoint + 1]
+        ratio = (after.time - point.time) / (point.time - self.fine.time)
+        # without load both integrations have the same pressure
+        return after.before == 0 or max(ratio, 1 / ratio) > MAX_RATIO_OF_PAIR
 
     def _step_adaptively(self, point: Breakpoint) -> _Outcome:
         """Integrate to `point` by pairs of steps, each checked by one step of twice the length."""
@@ -182,20 +179,21 @@ class AdaptiveIntegrator:
             end = point.time if reaches_point else self.fine.time + double_step
             load = point.before if reaches_point else self.stepper.load.at(end)
             half = self.fine.time + double_step / 2
-            accepted = len(self.statuses)
-            first, _ = self._advance(self.fine, half, self.stepper.load.at(half), MAX_HALVINGS)
-            second, solution = self._advance(first, end, load, MAX_HALVINGS)
-            coarse, _ = self._advance(self.coarse, end, load)
-            if not np.isfinite(solution.residual):
-                self._record_failure(solution)
+            load_at_half = self.stepper.load.at(half)
+            first, to_half = self._advance(self.fine, half, load_at_half, MAX_HALVINGS)
+            second, to_end = self._advance(first, end, load, MAX_HALVINGS)
+            coarse, in_one = self._advance(self.coarse, end, load)
+            if not np.isfinite(to_end.last.residual):
+                self._record_failure(second, to_end)
                 return _Outcome.NO_SOLUTION
-            error_increment = self._error_increment(second, coarse)
+            error_increment = self.errors.increment((self.fine, self.coarse), (second, coarse))
             if not control.accepts(error_increment) and double_step > self.shortest:
-                self._reject(accepted)
+                self.rejected += 1
                 self.double_step = double_step * min(control.factor(error_increment), 0.5)
                 continue
-            self.fine, self.coarse, self.solution = second, coarse, solution
-            self.step_error = self._difference(second, coarse)
+            self._accept(to_half + to_end + in_one)
+            self.fine, self.coarse, self.solution = second, coarse, to_end.last
+            self.step_error = self.errors.by_steps(second, coarse)
             if self.step_error > control.error:
                 self._restart(control.stricter(self.step_error))
                 return _Outcome.RESTART
@@ -212,17 +210,6 @@ class AdaptiveIntegrator:
             if not reaches_point:
                 self._save()
         return _Outcome.REACHED
-
-    def _reject(self, accepted: int) -> None:
-        """Count steps as rejected; of their statuses, none beyond the first `accepted` ones enters a frame."""
-        self.rejected += 1
-        del self.statuses[accepted:]
-
-    def _error_increment(self, fine: Instant, coarse: Instant) -> float:
-        """Return by how much a pair of steps raises the estimated relative L1 error."""
-        before, after = self.fine.pressure - self.coarse.pressure, fine.pressure - coarse.pressure
-        grown = self._state_error(fine, coarse) - self._state_error(self.fine, self.coarse)
-        return max(self._relative(after - before, fine, self.fine), grown)
 
     def _restart(self, control: StepControl) -> None:
         """Start the integration again with shorter steps; the work done so far counts in the first frame."""
@@ -242,134 +229,55 @@ class AdaptiveIntegrator:
         """
         increments = 1 if self.stepper.coupled is None else 2 * INCREMENTS
         max_halvings = MAX_HALVINGS if self.step_doubling else 0
-        accepted = len(self.statuses)
         while True:
-            fine, solution = self._add_work(
+            fine, solved = self._add_work(
                 *self.stepper.jump(self.fine, load, increments, max_halvings)
             )
-            if not np.isfinite(solution.residual):
-                self._record_failure(solution)
+            if not np.isfinite(solved.last.residual):
+                self._record_failure(fine, solved)
                 return False
             if not self.step_doubling:
-                self.fine = self.coarse = fine
+                coarse, in_fewer = fine, SolvedContacts()
                 break
-            coarse, _ = self._add_work(
+            coarse, in_fewer = self._add_work(
                 *self.stepper.jump(self.coarse, load, max(increments // 2, 1), 0)
             )
-            error_increment = self._error_increment(fine, coarse)
+            error_increment = self.errors.increment((self.fine, self.coarse), (fine, coarse))
             exact = self.control is None or self.control.accepts(error_increment)
             if self.stepper.coupled is None or exact or increments >= MAX_INCREMENTS:
-                self.fine, self.coarse = fine, coarse
-                self.step_error = self._difference(fine, coarse)
+                self.step_error = self.errors.by_steps(fine, coarse)
                 break
-            self._reject(accepted)
+            self.rejected += 1
             increments *= 2
-        self.solution = solution
+        self._accept(solved + in_fewer)
+        self.fine, self.coarse, self.solution = fine, coarse, solved.last
         return True
 
     def _advance(
         self, instant: Instant, end: float, load: float, max_halvings: int = 0
-    ) -> tuple[Instant, Solution]:
+    ) -> tuple[Instant, SolvedContacts]:
         """Advance one integration to the time `end` [s] and the load `load` [N/m], and count the work."""
         return self._add_work(*self.stepper.advance(instant, end, load, max_halvings))
 
-    def _add_work(self, after: Instant, solutions: list[Solution]) -> tuple[Instant, Solution]:
-        """Count the work of `solutions`, and return the instant after them with the last of them."""
-        for solution in solutions:
-            self.solves += 1
-            self.iterations += solution.iterations
-            self.convolutions += solution.convolutions
-            self.statuses.append(solution.status)
-        return after, solutions[-1]
+    def _add_work(self, after: Instant, solved: SolvedContacts) -> tuple[Instant, SolvedContacts]:
+        """Count the work of a step, whether it is accepted or not, and return what is given."""
+        contacts = solved.kept + solved.replaced
+        self.solves += len(contacts)
+        self.iterations += sum(contact.iterations for contact in contacts)
+        self.convolutions += sum(contact.convolutions for contact in contacts)
+        return after, solved
 
-    def _record_failure(self, solution: Solution) -> None:
-        """Record the frame at which the integration has to stop, with an infinite error."""
-        self.solution, self.step_error = solution, inf
+    def _accept(self, solved: SolvedContacts) -> None:
+        """Take the statuses and the residuals of accepted steps into the next frame."""
+        self.statuses += [contact.status for contact in solved.kept]
+        self.errors.keep(solved.kept)
+
+    def _record_failure(self, instant: Instant, solved: SolvedContacts) -> None:
+        """Record the `instant` at which the integration has to stop, with an infinite error."""
+        self.fine, self.solution, self.step_error = instant, solved.last, inf
+        self._accept(solved)
         self._record()
         self._finish_frames()
-
-    def _difference(self, fine: Instant, coarse: Instant) -> float:
-        """Return the time-discretisation error of `fine`, of the pressure or of the states: the larger one."""
-        pressure = self._relative(fine.pressure - coarse.pressure, fine)
-        return max(pressure, self._state_error(fine, coarse))
-
-    def _state_error(self, fine: Instant, coarse: Instant) -> float:
-        """Return the largest error of the state variables that have an estimate of their own; 0 if none has."""
-        variables = zip(self.stepper.all_state_variables, fine.states, coarse.states, strict=True)
-        return max(
-            (
-                variable.step_error(fine, coarse)
-                for variable, fine, coarse in variables
-                if isinstance(variable, HasStepError)
-            ),
-            default=0.0,
-        )
-
-    def _common_error(self) -> float:
-        """Return the time-discretisation error common to both integrations; infinite without a second integration."""
-        variables = self.stepper.all_state_variables
-        if variables and not self.step_doubling:
-            return inf
-        states = zip(variables, self.fine.states, strict=True)
-        common = (v.common_error(state) for v, state in states if isinstance(v, HasStepError))
-        return max(common, default=0.0)
-
-    def _relative(self, difference: Array, *instants: Instant) -> float:
-        """Return the L1 norm of a pressure difference over the largest L1 norm of the pressures of `instants`.
-
-        It is multiplied by what the error is of the difference of two integrations, at most: 2.41 where the order may
-        be 1/2, 1.5 beside a coupled state variable, whose steps are of first order. There it is relative to the
-        pressure under the largest load.
-        """
-        norm = float(np.abs(difference).sum())
-        if self.stepper.coupled is not None:
-            return FIRST_ORDER_FACTOR * self._relative_to_largest_load(norm)
-        if self.stepper.is_first_order:
-            norm *= HALF_ORDER_FACTOR
-        total = max(float(instant.pressure.sum()) for instant in instants)
-        return norm / total if total else 0.0
-
-    @cached_property
-    def _heights(self) -> SubgridHeights | None:
-        """Heights inside the cells, which all instants share."""
-        return SubgridHeights.from_problem(self.stepper.problem)
-
-    def _grid_errors(self, solution: Solution) -> tuple[ErrorParts, float, tuple[str, ...]]:
-        """Return errors of a contact on this grid: in L1 by cause, of the peak by the cells, and why any is infinite.
-
-        The first is relative to the same pressure as the time-discretisation error.
-        """
-        pressure = solution.pressure
-        if not np.isfinite(solution.residual):
-            return ErrorParts(0.0, inf, 0.0), inf, (f"No bound: {solution.status}",)
-        if not pressure.any():
-            return ErrorParts(0.0, 0.0, 0.0), 0.0, ()
-        try:
-            estimate = error_estimate(solution, heights=self._heights)
-        except NotDefined as reason:
-            return ErrorParts(0.0, inf, 0.0), inf, (f"No bound: {reason}",)
-        total = float(pressure.sum())
-        # creep and wear keep the errors of earlier pressures, so that they enter later frames
-        cells = estimate.l1.by_cause["discretisation"]
-        self.largest_grid_error = max(self.largest_grid_error, cells * total)
-        if self.stepper.coupled is not None:
-            cells *= GROWTH_PLASTIC
-        elif self.stepper.state_variables:
-            cells = (
-                GROWTH_PER_STATE_VARIABLE ** len(self.stepper.state_variables)
-                * self.largest_grid_error
-                / total
-            )
-        factor = 1.0 if self.stepper.coupled is None else self._relative_to_largest_load(total)
-        parts = ErrorParts(estimate.l1.images, cells, estimate.l1.residual)
-        assert estimate.peak_pressure is not None
-        peak = estimate.peak_pressure.by_cause["discretisation"]
-        return parts.scaled(factor), peak, estimate.warnings
-
-    def _relative_to_largest_load(self, pressures: float) -> float:
-        """Return a sum of cell pressures [Pa] divided by the sum under the largest load."""
-        grid = self.stepper.problem.grid
-        return pressures * grid.cell_area / grid.length / self.stepper.load.largest
 
     def _record(self) -> None:
         """Append a frame of the present contact to those that wait for their error."""
@@ -383,7 +291,8 @@ class AdaptiveIntegrator:
             )
             for name, field in state_variable.fields(state).items()
         }
-        parts, peak_error, warnings = self._grid_errors(solution)
+        parts, peak_error, warnings = self.errors.of_grid(solution)
+        is_estimated = self.step_doubling or not self.stepper.all_state_variables
         self.waiting.append(
             Frame(
                 time=self.fine.time,
@@ -395,7 +304,7 @@ class AdaptiveIntegrator:
                 coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
                 status=worst(self.statuses),
                 residual=solution.residual,
-                step_error=self._common_error(),
+                step_error=self.errors.common(self.fine) if is_estimated else inf,
                 grid_error_parts=parts,
                 peak_grid_error=peak_error,
                 warnings=warnings,
@@ -431,6 +340,7 @@ class AdaptiveIntegrator:
         if self.checkpoint is None or self.waiting or self.coarse.time != self.fine.time:
             return
         progress: dict[str, Any] = {name: getattr(self, name) for name in CHECKPOINTED}
+        progress["errors"] = {name: getattr(self.errors, name) for name in CHECKPOINTED_ERRORS}
         progress["frames"] = len(self.frames)
         progress["statuses"] = [status.name for status in self.statuses]
         if self.control is not None:
@@ -449,5 +359,6 @@ class AdaptiveIntegrator:
         self.statuses = [Status[name] for name in progress["statuses"]]
         if self.control is not None:
             self.control = replace(self.control, local_tolerance=progress["local_tolerance"])
+        self.errors = IntegrationErrors(self.stepper, **progress["errors"])
         for name in CHECKPOINTED:
             setattr(self, name, progress[name])

@@ -18,7 +18,7 @@ from contactstudy.elasticity.viscoelastic import Creep
 from contactstudy.evolution.breakpoints import (
     all_recorded,
     schedule,
-    with_breakpoints_at,
+    with_breakpoints_of,
     with_steps_within_quarter_period,
     with_turning_points,
 )
@@ -130,7 +130,8 @@ def evolve(
     grid, padding
         Cells and boundary conditions, as for :func:`~contactstudy.solve`.
     times
-        Recorded instants [s], which do not decrease. Steps end there, and wherever the load or its rate jumps. A time
+        Recorded instants [s], which do not decrease. Steps end there, and wherever the load or its rate jumps; where
+        bodies yield or fret, also where it turns. Of two steps that differ much in length each is halved. A time
         given twice is recorded before and after a jump of the load. None records every pair of steps; without a state
         variable, the start, the end and the instants at which the load turns or jumps.
     error
@@ -166,13 +167,15 @@ def evolve(
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, padding, times)
     breakpoints = schedule(load, times)
-    if isinstance(scene.friction, Fretting) and scene.friction.times is not None:
-        breakpoints = with_breakpoints_at(breakpoints, load, scene.friction.times)
+    if isinstance(scene.friction, Fretting) and scene.friction.history is not None:
+        breakpoints = with_breakpoints_of(breakpoints, load, scene.friction.history)
     stepper = _time_stepper(scene, grid, padding, load, scheme, options)
+    if stepper.depends_on_path or not stepper.all_state_variables:
+        breakpoints = with_turning_points(breakpoints, load)
     if stepper.all_state_variables:
         breakpoints = with_steps_within_quarter_period(breakpoints, load)
     elif times is None:
-        breakpoints = all_recorded(with_turning_points(breakpoints, load))
+        breakpoints = all_recorded(breakpoints)
     checkpoint = None if folder is None else Checkpoint(Path(folder))
     integrator = AdaptiveIntegrator(
         stepper=stepper,

@@ -73,6 +73,23 @@ class Instant:
 
 
 @dataclass(frozen=True, eq=False)
+class SolvedContacts:
+    """Contacts solved in a step: `kept` ones, in the order of time, and those `replaced` by better ones."""
+
+    kept: tuple[Solution, ...] = ()
+    replaced: tuple[Solution, ...] = ()
+
+    def __add__(self, later: "SolvedContacts") -> "SolvedContacts":
+        """Return both together."""
+        return SolvedContacts(self.kept + later.kept, self.replaced + later.replaced)
+
+    @property
+    def last(self) -> Solution:
+        """Contact at the end of the step."""
+        return self.kept[-1]
+
+
+@dataclass(frozen=True, eq=False)
 class TimeStepper:
     """Steps in time of one scene on one grid.
 
@@ -117,6 +134,12 @@ class TimeStepper:
             for variable in self.state_variables
         )
 
+    @property
+    def depends_on_path(self) -> bool:
+        """True if a state depends on every turn of the load, as plastic strain and the traction of fretting do."""
+        iterated = (isinstance(one, IteratedStateVariable) for one in self.state_variables)
+        return self.coupled is not None or any(iterated)
+
     def start(self, time: float) -> Instant:
         """Return the instant before the first load, at `time` [s]."""
         shape = self.problem.grid.cells
@@ -125,7 +148,7 @@ class TimeStepper:
 
     def jump(
         self, instant: Instant, load: float, increments: int, max_halvings: int
-    ) -> tuple[Instant, list[Solution]]:
+    ) -> tuple[Instant, SolvedContacts]:
         """Change the load at one instant.
 
         Parameters
@@ -141,21 +164,21 @@ class TimeStepper:
 
         Returns
         -------
-        tuple of Instant and list of Solution
-            The contact after the jump, and the solutions of all increments.
+        tuple of Instant and SolvedContacts
+            The contact after the jump, and the contacts of all increments.
         """
-        solutions: list[Solution] = []
+        solved = SolvedContacts()
         first = instant.load
         for increment in range(1, increments + 1):
             between = first + (load - first) * increment / increments
             target = load if increment == increments else between
-            instant, increment_solutions = self.advance(instant, instant.time, target, max_halvings)
-            solutions += increment_solutions
-        return instant, solutions
+            instant, of_increment = self.advance(instant, instant.time, target, max_halvings)
+            solved += of_increment
+        return instant, solved
 
     def advance(
         self, instant: Instant, end: float, load: float, max_halvings: int = 0
-    ) -> tuple[Instant, list[Solution]]:
+    ) -> tuple[Instant, SolvedContacts]:
         """Advance to the time `end` [s], where the load is `load` [N/m].
 
         A step in which bodies start to yield may have an error that a step twice as long does not show, because they
@@ -164,29 +187,29 @@ class TimeStepper:
 
         Returns
         -------
-        tuple of Instant and list of Solution
-            The contact at `end`, and the solutions of all stages on the way.
+        tuple of Instant and SolvedContacts
+            The contact at `end`, and the contacts of all stages on the way.
         """
-        after, solutions = self._step(instant, end, load)
+        after, solved = self._step(instant, end, load)
         coupled = self.coupled
         if (
             not max_halvings
             or coupled is None
             or not coupled.has_onset_of_yield(instant.states[-1], after.states[-1])
         ):
-            return after, solutions
+            return after, solved
         time = (instant.time + end) / 2
         half = self.load.at(time) if instant.time < end else (instant.load + load) / 2
         middle, first = self.advance(instant, time, half, max_halvings - 1)
         after, second = self.advance(middle, end, load, max_halvings - 1)
-        return after, solutions + first + second
+        return after, SolvedContacts((), solved.kept + solved.replaced) + first + second
 
-    def _step(self, instant: Instant, end: float, load: float) -> tuple[Instant, list[Solution]]:
+    def _step(self, instant: Instant, end: float, load: float) -> tuple[Instant, SolvedContacts]:
         """Advance through the stages of one step."""
         start, duration = instant.time, end - instant.time
         if duration == 0:
             return self._stage(instant, Step(end, end, (instant.load, load), load))
-        solutions: list[Solution] = []
+        solved = SolvedContacts()
         stages = (
             self.scheme.stages
             if any(state_variable.has_stages for state_variable in self.all_state_variables)
@@ -195,15 +218,15 @@ class TimeStepper:
         fraction = 0.0
         for part, explicit in stages:
             fraction += part
-            last = len(solutions) == len(stages) - 1
+            last = len(solved.kept) == len(stages) - 1
             time = end if last else start + fraction * duration
             loads = instant.load, load if last else self.load.at(time)
             step = Step(instant.time, time, loads, self.load.mean(instant.time, time), explicit)
-            instant, stage_solutions = self._stage(instant, step)
-            solutions += stage_solutions
-        return instant, solutions
+            instant, of_stage = self._stage(instant, step)
+            solved += of_stage
+        return instant, solved
 
-    def _stage(self, instant: Instant, step: Step) -> tuple[Instant, list[Solution]]:
+    def _stage(self, instant: Instant, step: Step) -> tuple[Instant, SolvedContacts]:
         """Solve the contact at the end of one stage, and advance every state variable."""
         coupled: tuple[State, ...] = ()
         solutions: list[Solution] = []
@@ -233,9 +256,8 @@ class TimeStepper:
                 status, residual = variable.outcome(state)
                 if solution.status.has_converged and status is not Status.CONVERGED:
                     solution = replace(solution, status=status, residual=residual)
-        solutions[-1] = solution
         instant = Instant(step.end, step.loads[1], after, states + coupled, solution.adhesion)
-        return instant, solutions
+        return instant, SolvedContacts((solution,), tuple(solutions[:-1]))
 
     def _coupled_step(
         self, coupled: CoupledStateVariable, state: State, problem: Problem, pressure: Array

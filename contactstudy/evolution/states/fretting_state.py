@@ -176,15 +176,16 @@ class FrettingState:
 
         The ratio is 0 where the load does not rise, or jumps. The total (2,) [Pa] is the sum of the traction of all
         cells at the end of the step, the displacement (2,) [m] that of the second body in the step; one of them is None.
-        A first load that jumps is applied before the traction; one that ramps up locks traction in.
+        Force and displacement jump, as the load does, in a step without duration. A first load that jumps is applied
+        before the traction; one that ramps up locks traction in.
         """
-        loaded = bool(before.any())
+        history = self._history
+        first = 0.0
+        if before.any():
+            first = (history.at if step.duration else history.before)(step.start)
+        last = (history.before if step.duration else history.at)(step.end)
         if self.forces is None:
-            assert self.displacements is not None
-            displacement = self.displacements.at(step.end)
-            displacement -= self.displacements.at(step.start) if loaded else 0.0
-            return 0.0, None, np.array([displacement, 0.0])
-        first, last = self.forces.at(step.start) if loaded else 0.0, self.forces.at(step.end)
+            return 0.0, None, np.array([last - first, 0.0])
         slope, rise = 0.0, step.loads[1] - step.loads[0]
         if rise > 0 and step.duration > 0:
             slope = float(np.clip((last - first) / rise, -self.coefficient, self.coefficient))
@@ -239,13 +240,23 @@ class FrettingState:
             relative = ERROR_OVER_DEVIATION * deviation[beside].sum() / gained_beside
         return total_shear, relative * entered / all_gained * sizes
 
-    def _half_cycles(self, step: Step) -> float:
-        """Return the number of half cycles that a step stands for: those in its segment of the history, at least 1."""
-        history = self.forces if self.forces is not None else self.displacements
+    @property
+    def _history(self) -> PiecewiseLinear:
+        """Tangential force [N/m] or rigid-body displacement [m] over time."""
+        history = self.displacements if self.forces is None else self.forces
         assert history is not None
-        times = history.times
-        later = next((time for time in times if time >= step.end), step.end)
-        earlier = max((time for time in times if time <= step.start), default=step.start)
+        return history
+
+    def _half_cycles(self, step: Step) -> float:
+        """Return the number of half cycles that a step stands for: those in its segment of the history, at least 1.
+
+        A jump, and a step before or after the history, stand for themselves.
+        """
+        times = self._history.times
+        if not (step.duration and times[0] <= step.start and step.end <= times[-1]):
+            return 1.0
+        later = next(time for time in times if time >= step.end)
+        earlier = max(time for time in times if time <= step.start)
         return max(1.0, 2 * (later - earlier) / self.period)
 
     def _fraction_at_start(self, worn: Array) -> Array:

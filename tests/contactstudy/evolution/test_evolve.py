@@ -12,7 +12,7 @@ from contactstudy.answers.evolution import evolution_answer
 from contactstudy.evolution.integration import checkpoint
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.integration.step_control import StepControl
-from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
+from contactstudy.evolution.integration.time_stepper import Instant, SolvedContacts, TimeStepper
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.solvers.solution import Solution
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
@@ -58,19 +58,18 @@ def test_steps_keep_to_the_error_asked_for(error: float) -> None:
 def test_steps_that_are_given_up_count_as_work_alone(
     wear: cs.Wear | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The steps of the first pair do not converge, and it is rejected."""
+    """The steps of the first pair do not converge, and it is rejected; each replaces one that did not converge."""
     advance, accepts = TimeStepper.advance, StepControl.accepts
     made: list[Solution] = []
     steps: list[float] = []
 
-    def counted(*arguments: Any) -> tuple[Instant, list[Solution]]:
-        after, solutions = advance(*arguments)
-        made.extend(solutions)
+    def counted(*arguments: Any) -> tuple[Instant, SolvedContacts]:
+        after, solved = advance(*arguments)
+        failed = tuple(replace(one, status=cs.Status.NOT_CONVERGED) for one in solved.kept)
+        made.extend(solved.kept + failed)
         if after.time > 0:
             steps.append(after.time)
-            status = cs.Status.NOT_CONVERGED if len(steps) <= 3 else cs.Status.CONVERGED
-            solutions = [replace(solution, status=status) for solution in solutions]
-        return after, solutions
+        return after, SolvedContacts(failed if 0 < len(steps) <= 3 else solved.kept, failed)
 
     def rejects_first(control: StepControl, increment: float) -> bool:
         return len(steps) != 3 and accepts(control, increment)
@@ -276,16 +275,17 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
 
 
 @pytest.mark.parametrize("body", [SOLID, ELASTIC.solids[0]], ids=["creeping", "elastic"])
-@pytest.mark.parametrize("step_error", cs.StepError)
+@pytest.mark.parametrize("named", [{"step_error": one} for one in cs.StepError] + [{"error": 1e-2}])
 def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(
-    body: cs.ViscoelasticHalfSpace | cs.HalfSpace, step_error: cs.StepError
+    body: cs.ViscoelasticHalfSpace | cs.HalfSpace, named: dict[str, Any]
 ) -> None:
     history = cs.LoadHistory((0.0, 1.0), (LOAD, 100 * LOAD))
     scene = replace(rolling_cylinder(SOLID, history, hardness=0.06), solids=(body, RIGID))
     times = np.linspace(0, 1, 5)
-    found = evolution_answer(evolve(scene, GRID, EXACT, times=times, step_error=step_error))
+    found = evolution_answer(evolve(scene, GRID, EXACT, times=times, **named))
     assert found.status is cs.Status.NO_ADMISSIBLE_PRESSURE
     assert found.times[-1] < 1
+    assert history.at(found.times[-1]) == found.trajectory.frames[-1].load > 0.06 * GRID.extent[0]
     errors = found.frames[-1].error.l1
     assert errors.by_cause["steps"] == errors.by_cause["discretisation"] == np.inf
     assert errors.reason == f"No bound: {found.status}"
@@ -303,16 +303,30 @@ def test_before_the_first_load_the_bodies_just_touch() -> None:
     assert found.status is cs.Status.CONVERGED
 
 
-@pytest.mark.cases(2)
-@pytest.mark.parametrize("intervals", [1, 2, 3, 4, 5])
-def test_the_error_of_given_steps_is_bounded_for_any_number_of_them(intervals: int) -> None:
+@pytest.mark.cases(3)
+@pytest.mark.parametrize(
+    "times", [[0, 1e-3, 1], *(np.linspace(0, 1, 1 + n) for n in (1, 2, 3, 4)), [0, 0.9, 1]]
+)
+def test_the_error_of_given_steps_is_bounded_for_any_lengths_of_them(times: list[float]) -> None:
     scene = rolling_cylinder(SOLID)
     exact = evolve(
         scene, GRID, EXACT, times=np.linspace(0, 1, 401), step_error=cs.StepError.NONE
     ).frames[-1]
-    found = evolve(scene, GRID, EXACT, times=np.linspace(0, 1, intervals + 1)).frames[-1]
+    found = evolve(scene, GRID, EXACT, times=times).frames[-1]
     wrong = np.abs(found.pressure - exact.pressure).sum() / exact.pressure.sum()
     assert wrong <= found.step_error < 0.1
+
+
+def test_contacts_that_stop_early_count_in_the_errors_of_later_instants() -> None:
+    scene, times = rolling_cylinder(SOLID), np.linspace(0, 1, 9)
+    exact, found = (
+        evolve(scene, GRID, EXACT, times=times, options=cs.SolveOptions(max_iterations=most))
+        for most in (100, 3)
+    )
+    assert found.status is cs.Status.ITERATION_LIMIT
+    for frame, true in zip(found.frames, exact.frames, strict=True):
+        wrong = np.abs(frame.pressure - true.pressure).sum() / true.pressure.sum()
+        assert 1e-6 < wrong <= frame.grid_error_parts.residual
 
 
 @pytest.mark.parametrize("requested", [{"error": 1e-2}, {}], ids=["requested", "default"])

@@ -1,11 +1,16 @@
+import sys
 from dataclasses import replace
 from math import log, pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import contactstudy as cs
+from contactstudy.evolution.integration.time_stepper import TimeStepper
+from contactstudy.evolution.states.fretting_state import FrettingState
+from contactstudy.evolution.states.state_variables import State
 from tests.contactstudy.scene.test_fretting import BODY, LINE, MU, STRIP, energy_per_cycle
 
 FORCE, NU = 0.18, BODY.poisson_ratio
@@ -40,12 +45,50 @@ def test_a_cycle_in_time_loses_the_energy_of_the_closed_form() -> None:
         assert frame.quantities["traction_coefficient"].value == pytest.approx(force, abs=1e-9)
 
 
-def test_forces_in_time_beside_a_constant_load_are_those_one_after_another() -> None:
-    found = fretted(CYCLE, [0.0, 3.0]).frames[-1]
-    rest = cs.solve(
-        replace(LINE, friction=cs.Fretting.cycle(MU, FORCE)), STRIP, EXACT, tolerance=1e-8
-    )
+@pytest.mark.parametrize(
+    "history", [CYCLE, cs.Fretting(MU, (0.0, FORCE, -FORCE / 4, -FORCE / 4), times=(0.0, 1.0, 1.0, 3.0))],
+    ids=["ramps", "a jump"],
+)  # fmt: skip
+def test_forces_in_time_beside_a_constant_load_are_those_one_after_another(
+    history: cs.Fretting,
+) -> None:
+    found = fretted(history, [0.0, 3.0]).frames[-1]
+    one_after_another = cs.Fretting(MU, history.forces[1:])
+    rest = cs.solve(replace(LINE, friction=one_after_another), STRIP, EXACT, tolerance=1e-8)
     np.testing.assert_allclose(found.shear, rest.shear, atol=1e-5 * rest.shear.max())
+
+
+def test_a_load_that_falls_at_once_slips_once_also_where_a_step_stands_for_many_cycles() -> None:
+    load = cs.LoadHistory((0.0, 1.5, 1.5, 3.5, 3.5, 4.0), (1.0, 1.0, 0.95, 0.95, 0.9, 0.9))
+    lost = []
+    for period in (None, 0.1):
+        friction = cs.Fretting(MU, (0.0, FORCE, FORCE), times=(0.0, 1.0, 2.0), period=period)
+        instants = fretted(friction, [1.0, 2.0, 4.0], replace(LINE, load=load)).frames
+        lost.append(np.diff([energy(frame) for frame in instants]))
+    assert (lost[0] > 0).all()
+    np.testing.assert_allclose(lost[1], lost[0], rtol=1e-6)
+
+
+def test_an_iterate_that_is_replaced_counts_as_work_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each step takes two iterates, of which the first does not converge."""
+    stepper = sys.modules[TimeStepper.__module__]
+    solved, calls = stepper.solved_or_unloaded, {"contacts": 0, "iterates": 0}
+
+    def stopping(*arguments: Any) -> cs.Solution:
+        calls["contacts"] += 1
+        status = cs.Status.ITERATION_LIMIT if calls["contacts"] % 2 else cs.Status.CONVERGED
+        return replace(solved(*arguments), status=status)
+
+    def next_iterate(_: FrettingState, state: State, *rest: object) -> State:
+        calls["iterates"] += 1
+        return dict(state) if calls["iterates"] % 2 else state
+
+    alone = fretted(CYCLE, [0.0, 3.0])
+    monkeypatch.setattr(stepper, "solved_or_unloaded", stopping)
+    monkeypatch.setattr(FrettingState, "next_iterate", next_iterate)
+    found = fretted(CYCLE, [0.0, 3.0])
+    assert found.status is cs.Status.CONVERGED
+    assert found.counts["solves"][0] == 2 * alone.counts["solves"][0]
 
 
 def test_load_and_force_in_proportion_slip_nowhere() -> None:

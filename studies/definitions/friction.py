@@ -16,9 +16,8 @@ from contactstudy.solvers.friction.laws import CiavarellaJaeger
 from studies.model.axis import Axis
 from studies.model.case import Case, dimensionless
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, SCENE, STEEL
+from studies.reference.line_contact import HERTZ, P_H, SCENE, STEEL, A
 
-A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 COEFFICIENTS = (0.0, 0.1, 0.2, 0.25, 0.3, 0.4)
 # over the half-width
 DEPTHS = (1e-6, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9)

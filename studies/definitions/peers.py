@@ -20,9 +20,9 @@ from contactstudy.domain.fields import Array
 from studies.model.axis import Axis, one_of
 from studies.model.case import dimensionless
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 
-A, P_H, MODULUS = HERTZ.half_width, HERTZ.peak_pressure, HERTZ.contact_modulus
+MODULUS = HERTZ.contact_modulus
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
 PADDINGS: dict[str, cs.Paddings] = {
     "semi-periodic": (FREE, EXACT),

@@ -16,13 +16,14 @@ from studies.model.study import Point
 from studies.reference.line_contact import (
     HERTZ,
     HERTZ_HEIGHT,
+    P_H,
     PADDINGS,
     SCENE,
+    A,
     padding_at,
     relative_l1,
 )
 
-A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 # The surface repeats after 3.2 a across and 2.4 a along, on every grid and period. That holds four of
 # its longest waves along with the strongest lay below; the finest are five cells of the grid below.
 WIDTH, LENGTH = 3.2, 2.4

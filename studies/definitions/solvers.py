@@ -12,18 +12,19 @@ from contactstudy.domain.checks import whole_number
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, contact_fraction, dimensionless
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE
+from studies.reference.line_contact import HERTZ_HEIGHT, SCENE, A
 
 SOLVERS: dict[str, cs.Solver] = {
     "preconditioned_cg": cs.PreconditionedCG(),
     "polonsky_keer": cs.PolonskyKeer(),
 }
 # the roughness leaves a third of Hertz's area in contact
-A, GAP = HERTZ.half_width, HERTZ_HEIGHT
 SURFACES: dict[str, tuple[cs.Shape, ...]] = {
     "smooth": (),
-    "wavy": (cs.Waviness(amplitude=0.3 * GAP, across=0.6 * A, along=0.6 * A),),
-    "rough": (cs.Roughness(rms=0.6 * GAP, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1),),
+    "wavy": (cs.Waviness(amplitude=0.3 * HERTZ_HEIGHT, across=0.6 * A, along=0.6 * A),),
+    "rough": (
+        cs.Roughness(rms=0.6 * HERTZ_HEIGHT, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1),
+    ),
 }
 WIDTH, PERIOD = 4.8, 2.4  # half-widths
 

@@ -10,10 +10,7 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import across_and_along
 from studies.reference.dense_solver import answer, stated_error
-from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE, STEEL
-
-A, P_H = HERTZ.half_width, HERTZ.peak_pressure
-GAP_SCALE = HERTZ_HEIGHT  # unit of heights
+from studies.reference.line_contact import HERTZ_HEIGHT, SCENE, STEEL, A
 
 FREE, EXACT = cs.ZeroPadding(), cs.ExactPeriodicity()
 PADDINGS: dict[str, cs.Padding | cs.Paddings] = {
@@ -68,10 +65,6 @@ class HardCase:
 
     Attributes
     ----------
-    group
-        Name of the kind of difficulty.
-    hard
-        Description of the difficulty.
     scene, grid
         The contact.
     ends
@@ -86,8 +79,6 @@ class HardCase:
         Names of the paddings to which the case applies.
     """
 
-    group: str
-    hard: str
     scene: cs.Scene
     grid: cs.Grid
     ends: frozenset[cs.Status] = ENDED
@@ -102,7 +93,7 @@ class HardCase:
         return cs.solve(problem, start=start, options=replace(self.options, solver=solver))
 
     def allowed_statuses(self, padding: str) -> frozenset[cs.Status]:
-        """Return the statuses in which a solve with a padding may end; a free length cuts off what varies along it."""
+        """Return the statuses in which a solve with a padding may end; free ends cut off what varies along it."""
         cut_off = padding == "zero" and cs.Status.CONVERGED in self.ends
         return self.ends | {cs.Status.CONTACT_AT_EDGE} if cut_off else self.ends
 
@@ -137,7 +128,7 @@ def grid(
 
 def with_heights(heights: Array, scene: cs.Scene = SCENE) -> cs.Scene:
     """Return a scene with heights (x, y) towards the other body, over the height that the contact flattens."""
-    return replace(scene, shapes=(*scene.shapes, cs.MeasuredSurface(heights * GAP_SCALE)))
+    return replace(scene, shapes=(*scene.shapes, cs.MeasuredSurface(heights * HERTZ_HEIGHT)))
 
 
 def noise(cells: tuple[int, int] = (24, 12), seed: int = 1) -> Array:
@@ -164,11 +155,9 @@ def units() -> dict[str, HardCase]:
         solid = replace(STEEL, youngs_modulus=STEEL.youngs_modulus * pascal)
         load = cs.LineLoad(SCENE.load.largest * newton / metre)
         plain = with_heights(ROUGH)
-        heights = cs.MeasuredSurface(ROUGH * GAP_SCALE * metre)
+        heights = cs.MeasuredSurface(ROUGH * HERTZ_HEIGHT * metre)
         converted = cs.Scene(load, (solid, solid), (cs.Cylinder(0.01 * metre), heights))
         cases[f"a scene {name}"] = HardCase(
-            "units",
-            f"every number is another {name}",
             plain,
             grid(),
             AT_EDGE,
@@ -185,45 +174,27 @@ def perturbation() -> dict[str, HardCase]:
     half = replace(SCENE, shapes=(cs.Cylinder(0.02), cs.Cylinder(0.02)))
     on = grid()
 
-    def case(
-        hard: str, equivalent: EquivalentForm, paddings: tuple[str, ...] = tuple(PADDINGS)
-    ) -> HardCase:
-        plain = HardCase("perturbation", hard, scene, on, ENDED, equivalent, paddings=paddings)
-        return replace(plain, options=cs.SolveOptions(tolerance=1e-12))
-
+    plain = HardCase(scene, on, options=cs.SolveOptions(tolerance=1e-12))
     along = {name: across_and_along(padding)[1] for name, padding in PADDINGS.items()}
     wrapping = tuple(name for name, padding in along.items() if padding.wraps)
     endless = tuple(name for name, padding in along.items() if padding.window is None)
     rolled = with_heights(np.roll(ROUGH, 5, 1))
     back = partial(np.roll, shift=-5, axis=1)
     nudged = ROUGH + 1e-10 * ROUGH.std() * noise(seed=5)
+    forms = {
+        "heights nudged by 1e-10": EquivalentForm(
+            with_heights(nudged), on, np.asarray, 1e-11, other_heights=True
+        ),
+        "moved by whole cells": EquivalentForm(rolled, on, back, 1e-9),
+        "mirrored along": EquivalentForm(with_heights(ROUGH[:, ::-1]), on, np.fliplr, 1e-9),
+        "mirrored across": EquivalentForm(with_heights(ROUGH[::-1]), on, np.flipud, 1e-9),
+        "twice the period": EquivalentForm(
+            double, grid((24, 24), period=2.4), lambda pressure: pressure[:, :12], 1e-9
+        ),
+        "curved on both sides": EquivalentForm(with_heights(ROUGH, half), on, np.asarray, 1e-9),
+    }
+    paddings = {"moved by whole cells": wrapping, "twice the period": endless}
     return {
-        "heights nudged by 1e-10": case(
-            "heights move by 1e-10 of their rms",
-            EquivalentForm(with_heights(nudged), on, np.asarray, 1e-11, other_heights=True),
-        ),
-        "moved by whole cells": case(
-            "the surface moves by five cells along",
-            EquivalentForm(rolled, on, back, 1e-9),
-            wrapping,
-        ),
-        "mirrored along": case(
-            "the surface is mirrored along",
-            EquivalentForm(with_heights(ROUGH[:, ::-1]), on, np.fliplr, 1e-9),
-        ),
-        "mirrored across": case(
-            "the surface is mirrored across",
-            EquivalentForm(with_heights(ROUGH[::-1]), on, np.flipud, 1e-9),
-        ),
-        "twice the period": case(
-            "two periods of the surface as one domain",
-            EquivalentForm(
-                double, grid((24, 24), period=2.4), lambda pressure: pressure[:, :12], 1e-9
-            ),
-            endless,
-        ),
-        "curved on both sides": case(
-            "half of the cylinder on either body",
-            EquivalentForm(with_heights(ROUGH, half), on, np.asarray, 1e-9),
-        ),
+        name: replace(plain, equivalent=form, paddings=paddings.get(name, plain.paddings))
+        for name, form in forms.items()
     }

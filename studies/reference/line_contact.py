@@ -17,8 +17,9 @@ from studies.model.study import Point
 STEEL = cs.HalfSpace(youngs_modulus=210e9, poisson_ratio=0.3)
 SCENE = cs.Scene(load=cs.LineLoad(1e5), solids=(STEEL, STEEL), shapes=(cs.Cylinder(radius=0.01),))
 HERTZ = cs.analytic.HertzLine(SCENE.load.largest, 0.01, SCENE.contact_modulus)
+A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 # [m], height of the cylinder at the edge of the contact, a^2 / (2 R) = p_H a / E*
-HERTZ_HEIGHT = HERTZ.half_width**2 / (2 * HERTZ.radius)
+HERTZ_HEIGHT = A**2 / (2 * HERTZ.radius)
 WIDTH = 2.4  # of the domain, in half-widths: the paper's choice
 
 PADDINGS: dict[str, Callable[[int], cs.Padding]] = {

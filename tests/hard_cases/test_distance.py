@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import P_H, A, grid
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.hard_case import grid
+from studies.reference.line_contact import HERTZ, P_H, SCENE, A
 
 
 @pytest.mark.parametrize("aspect", [1e-3, 1e3])

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import FLAT, GAP_SCALE, PADDINGS, grid
+from studies.reference.hard_case import FLAT, PADDINGS, grid
 from studies.reference.hard_cases import CASES
+from studies.reference.line_contact import HERTZ_HEIGHT
 from tests.hard_cases.judged import ends_well
 
 
@@ -32,7 +33,7 @@ def test_full_contact_is_westergaard(solver: cs.Solver) -> None:
     both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
     solution = cs.solve(scene.problem(on, both), tolerance=1e-13, solver=solver)
     mean = scene.load.per_length / on.extent[0]
-    wave = np.pi * scene.contact_modulus * 1e-3 * GAP_SCALE / on.length
+    wave = np.pi * scene.contact_modulus * 1e-3 * HERTZ_HEIGHT / on.length
     expected = mean + wave * np.cos(2 * np.pi * on.y / on.length)
     error = np.abs(solution.pressure - expected).max() / wave
     assert error < (np.pi / 32) ** 2

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import EXACT, P_H, grid
+from studies.reference.hard_case import EXACT, grid
 from studies.reference.hard_cases import CASES
-from studies.reference.line_contact import SCENE
+from studies.reference.line_contact import P_H, SCENE
 from tests.hard_cases.judged import ends_well
 
 

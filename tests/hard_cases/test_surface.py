@@ -5,10 +5,10 @@ import pytest
 import xarray as xr
 
 import contactstudy as cs
-from studies.reference.hard_case import EXACT, GAP_SCALE, ROUGH, grid, with_heights
-from studies.reference.line_contact import SCENE
+from studies.reference.hard_case import EXACT, ROUGH, grid, with_heights
+from studies.reference.line_contact import HERTZ_HEIGHT, SCENE
 
-HEIGHTS = ROUGH * GAP_SCALE
+HEIGHTS = ROUGH * HERTZ_HEIGHT
 
 
 def strided(heights: np.ndarray) -> np.ndarray:

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from studies.reference.hard_case import CELLS, EXACT, FREE, P_H, A, grid, noise
-from studies.reference.line_contact import SCENE
+from studies.reference.hard_case import CELLS, EXACT, FREE, grid, noise
+from studies.reference.line_contact import P_H, SCENE, A
 
 ENDS = [5e-324, 1e-310, 1e-200, 1e200, 1.7e308]
 # of a solid, a load, a radius, a width and a period, in their own units

@@ -8,11 +8,9 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, SCENE
+from studies.reference.line_contact import SCENE
 
-A, P_H = HERTZ.half_width, HERTZ.peak_pressure
 MODULUS = SCENE.contact_modulus
-GAP_SCALE = HERTZ_HEIGHT  # unit of heights
 # At points (x, y) [m], in Pa.
 Pressure = Callable[[Array, Array], Array]
 EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()

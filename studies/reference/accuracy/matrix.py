@@ -12,18 +12,8 @@ from scipy import ndimage
 import contactstudy as cs
 from contactstudy.domain.fields import Array
 from studies.reference.accuracy import smooth
-from studies.reference.accuracy.case import (
-    EXACT,
-    FREE,
-    GAP_SCALE,
-    MODULUS,
-    P_H,
-    A,
-    AccuracyCase,
-    Finer,
-    scene,
-)
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 
 PROFILES = (cs.FlatBottomed(), cs.Parabolic(), cs.Cosine())
 SAMPLING = 0.05 * A  # interval of the measured surface
@@ -34,12 +24,12 @@ def textured_waves() -> Iterator[AccuracyCase]:
     """Yield waves across, along and oblique."""
     for height in (0.3, 1.0, 5.0):
         for length, cells in ((0.5, 97), (0.5, 256), (0.23, 150), (0.23, 320)):
-            wavy = scene(cs.Waviness(height * GAP_SCALE, across=length * A, phase=0.4))
+            wavy = scene(cs.Waviness(height * HERTZ_HEIGHT, across=length * A, phase=0.4))
             grid = cs.Grid((cells, 1), (2.4 * A + A * (2 * height / 1.2) ** 0.5, A))
             yield AccuracyCase("waves", wavy, grid, EXACT, Finer((16, 1), EXACT))
     for height in (0.2, 1.0):
         for across, along, cells in ((inf, 0.6, 48), (0.5, 1.2, 64), (0.7, 0.6, 90)):
-            wavy = scene(cs.Waviness(height * GAP_SCALE, across=across * A, along=along * A))
+            wavy = scene(cs.Waviness(height * HERTZ_HEIGHT, across=across * A, along=along * A))
             grid = cs.Grid((cells, cells // 2), (3.4 * A, 1.2 * A))
             yield AccuracyCase("waves", wavy, grid, EXACT, FINER)
 
@@ -54,7 +44,7 @@ def grooves() -> Iterator[AccuracyCase]:
                 pitch = (0.45, 0.1, 0.23)[number % 3]
                 cells = (60, 131, 256, 701)[number % 4]
                 number += 1
-                groove = cs.Groove(depth * GAP_SCALE, fraction * pitch * A, profile)
+                groove = cs.Groove(depth * HERTZ_HEIGHT, fraction * pitch * A, profile)
                 grooved = scene(cs.Texture(groove, (pitch * A, inf)))
                 grid = cs.Grid((cells, 1), (2.6 * A + (depth == 20.0) * 0.4 * A, A))
                 factor = max(16, round(8 * grid.extent[0] / cells / ((1 - fraction) * pitch * A)))
@@ -66,7 +56,7 @@ def grooves_across() -> Iterator[AccuracyCase]:
     """Yield grooves across the length."""
     for profile in PROFILES:
         for fraction, depth, cells in ((0.3, 0.3, 24), (0.7, 1.0, 50), (0.9, 0.2, 37)):
-            groove = cs.Groove(depth * GAP_SCALE, fraction * 0.6 * A, profile)
+            groove = cs.Groove(depth * HERTZ_HEIGHT, fraction * 0.6 * A, profile)
             grooved = scene(cs.Texture(groove, (inf, 0.6 * A)))
             grid = cs.Grid((2 * cells, cells), (3.0 * A, 0.6 * A))
             yield AccuracyCase("grooves across", grooved, grid, EXACT, Finer((4, 6), EXACT))
@@ -78,7 +68,7 @@ def dimples() -> Iterator[AccuracyCase]:
         for fraction in (0.4, 0.9):
             for depth in (0.1, 1.0):
                 for cells in (48, 100):
-                    dimple = cs.Dimple(depth * GAP_SCALE, fraction * 0.6 * A, profile)
+                    dimple = cs.Dimple(depth * HERTZ_HEIGHT, fraction * 0.6 * A, profile)
                     dimpled = scene(cs.Texture(dimple, (0.6 * A, 0.6 * A)))
                     grid = cs.Grid((cells, cells // 4), (2.6 * A, 0.6 * A))
                     yield AccuracyCase("dimples", dimpled, grid, EXACT, Finer((6, 6), EXACT))
@@ -97,15 +87,15 @@ def windows() -> Iterator[AccuracyCase]:
             grid = cs.Grid((48, 4 if padding.wraps else 32), (2.6 * A, period * A))
             yield AccuracyCase("every padding", scene(), grid, padding, Finer((8, 1), EXACT))
         if padding == cs.ZeroPadding():
-            continue  # a free length, which cuts off what varies along it
+            continue  # free ends, which cut off what varies along the length
         for height in (0.3, 2.0):
-            wavy = scene(cs.Waviness(height * GAP_SCALE, along=2.4 * A, phase=pi))
+            wavy = scene(cs.Waviness(height * HERTZ_HEIGHT, along=2.4 * A, phase=pi))
             grid = cs.Grid((90, 48), (4.6 * A, 2.4 * A))
             yield AccuracyCase("every padding", wavy, grid, padding, FINER)
 
 
 def rollers() -> Iterator[AccuracyCase]:
-    """Yield flat ends, profiles and crowns on a free length, the grid as long as the roller or longer."""
+    """Yield flat ends, profiles and crowns between free ends, the grid as long as the roller or longer."""
     length = 12 * A
     truth = Finer((4, 4), (FREE, FREE))
     lundberg = cs.LundbergProfile.for_load(
@@ -118,10 +108,10 @@ def rollers() -> Iterator[AccuracyCase]:
             ((ended,), 3.2, 1.25),
             ((lundberg,), 3.2, 1.0),
             ((lundberg, ended), 3.2, 1.25),
-            ((ended, cs.Crown.of_drop(2 * GAP_SCALE, length)), 3.6, 1.0),
-            ((ended, cs.Crown.of_drop(30 * GAP_SCALE, length)), 5.0, 1.0),
-            ((ended, cs.Crown.of_drop(300 * GAP_SCALE, length)), 8.0, 1.0),
-            ((cs.Crown.of_drop(100 * GAP_SCALE, length),), 6.0, 1.0),
+            ((ended, cs.Crown.of_drop(2 * HERTZ_HEIGHT, length)), 3.6, 1.0),
+            ((ended, cs.Crown.of_drop(30 * HERTZ_HEIGHT, length)), 5.0, 1.0),
+            ((ended, cs.Crown.of_drop(300 * HERTZ_HEIGHT, length)), 8.0, 1.0),
+            ((cs.Crown.of_drop(100 * HERTZ_HEIGHT, length),), 6.0, 1.0),
         ):
             grid = cs.Grid(cells, (width * A, longer * length))
             yield AccuracyCase("rollers", scene(*shapes), grid, (FREE, FREE), truth)
@@ -140,10 +130,10 @@ def roughness() -> Iterator[AccuracyCase]:
                 grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
                 shortest = cut_off * grid.cell_size[0]
                 longest = max(0.9 * A, shortest)
-                shape = rough(rms * GAP_SCALE, hurst, longest, shortest, number)
+                shape = rough(rms * HERTZ_HEIGHT, hurst, longest, shortest, number)
                 yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
     for number, lay in enumerate((0.2, 0.5, 2.0, 5.0)):
-        shape = replace(rough(0.3 * GAP_SCALE, 0.7, 0.6 * A, 0.1 * A, number), peklenik=lay)
+        shape = replace(rough(0.3 * HERTZ_HEIGHT, 0.7, 0.6 * A, 0.1 * A, number), peklenik=lay)
         grid = cs.Grid((120, 64), (3.6 * A, 1.8 * A))
         yield AccuracyCase("roughness", scene(shape), grid, EXACT, FINER)
 
@@ -157,7 +147,7 @@ def hard() -> Iterator[AccuracyCase]:
             yield AccuracyCase("hardness", soft, grid, EXACT, Finer((32, 1), EXACT, 1e-7))
     for number, fraction in enumerate((0.8, 1.2, 2.0, 5.0)):
         for rms in (0.2, 0.8):
-            shape = rough(rms * GAP_SCALE, 0.8, 0.9 * A, 0.15 * A, number)
+            shape = rough(rms * HERTZ_HEIGHT, 0.8, 0.9 * A, 0.15 * A, number)
             grid = cs.Grid((100, 50), (3.6 * A, 1.8 * A))
             soft = scene(shape, hardness=fraction * P_H)
             yield AccuracyCase("hardness", soft, grid, EXACT, FINER)
@@ -180,7 +170,7 @@ def measured() -> Iterator[AccuracyCase]:
         heights = ground((80, 40), seed)
         for rms in (0.02, 0.1, 0.5):
             surface = cs.MeasuredSurface(
-                heights * rms * GAP_SCALE, (80 * SAMPLING, 40 * SAMPLING), seam=cs.Tapered()
+                heights * rms * HERTZ_HEIGHT, (80 * SAMPLING, 40 * SAMPLING), seam=cs.Tapered()
             )
             for per_point in (1.0, 1.35, 2.0, 3.0):
                 cells = round(72 * per_point), round(40 * per_point)
@@ -188,7 +178,7 @@ def measured() -> Iterator[AccuracyCase]:
                 yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
     for seed in (3, 4):
         grid = cs.Grid((80, 40), (80 * SAMPLING, 40 * SAMPLING))
-        surface = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * GAP_SCALE)
+        surface = cs.MeasuredSurface(ground((80, 40), seed) * 0.1 * HERTZ_HEIGHT)
         yield AccuracyCase("measured surface", scene(surface), grid, EXACT, FINER)
 
 
@@ -219,7 +209,7 @@ def bumps() -> Iterator[AccuracyCase]:
         grid = cs.Grid(cells, (3.2 * A, 3.2 * A * cells[1] / cells[0]))
         dx, dy = grid.cell_size
         pitch, place = (5 * dx, grid.length / (cells[1] // 5)), (number / 12 * dx, dy / 2)
-        shape = Bumps(height * GAP_SCALE, width * dx, pitch, place)
+        shape = Bumps(height * HERTZ_HEIGHT, width * dx, pitch, place)
         yield AccuracyCase("bumps", scene(shape), grid, EXACT, Finer((6, 6), EXACT))
 
 
@@ -228,7 +218,7 @@ def ended() -> Iterator[AccuracyCase]:
     for cells, longer, length in (
         (64, 1.1, 16.4), (51, 1.1, 2.0), (45, 1.25, 8.0), (28, 1.3, 6.0), (47, 1.07, 20.0),
     ):  # fmt: skip
-        roller = cs.Crown.of_drop(3 * GAP_SCALE, length * A), cs.FiniteLength(length * A)
+        roller = cs.Crown.of_drop(3 * HERTZ_HEIGHT, length * A), cs.FiniteLength(length * A)
         grid = cs.Grid((40, cells), (5 * A, longer * length * A))
         truth = Finer((4, 8), (FREE, FREE))
         yield AccuracyCase("rollers", scene(*roller), grid, (FREE, FREE), truth)
@@ -263,7 +253,7 @@ def gaps() -> Iterator[AccuracyCase]:
 
 
 def point_loads() -> Iterator[AccuracyCase]:
-    """Yield a rough sphere on a free length."""
+    """Yield a rough sphere between free ends."""
     point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     size = 2.6 * point.contact_radius
     grown = point.peak_pressure * point.contact_radius / MODULUS

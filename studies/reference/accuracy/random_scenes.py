@@ -8,23 +8,13 @@ import numpy as np
 
 import contactstudy as cs
 from contactstudy.domain.fields import Array
-from studies.reference.accuracy.case import (
-    EXACT,
-    FREE,
-    GAP_SCALE,
-    MODULUS,
-    P_H,
-    A,
-    AccuracyCase,
-    Finer,
-    scene,
-)
+from studies.reference.accuracy.case import EXACT, FREE, MODULUS, AccuracyCase, Finer, scene
 from studies.reference.accuracy.matrix import FINER, PROFILES, SAMPLING, Bumps, ground, rough
-from studies.reference.line_contact import SCENE
+from studies.reference.line_contact import HERTZ_HEIGHT, P_H, SCENE, A
 
 # Cases of each kind.
 EACH = 10
-Made = tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings, Finer]
+CaseParts = tuple[cs.Scene, cs.Grid, cs.Padding | cs.Paddings, Finer]
 
 
 @dataclass(frozen=True)
@@ -47,10 +37,10 @@ def _ratio(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
+def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> CaseParts:
     """Return waves across or along, of a wavelength between these numbers of cells."""
-    height, phase = _ratio(rng, 1e-3, 1.0) * GAP_SCALE, rng.uniform(0, tau)
-    width = (2.6 + 2 * (height / GAP_SCALE) ** 0.5) * A
+    height, phase = _ratio(rng, 1e-3, 1.0) * HERTZ_HEIGHT, rng.uniform(0, tau)
+    width = (2.6 + 2 * (height / HERTZ_HEIGHT) ** 0.5) * A
     if rng.random() < 0.6:
         grid = cs.Grid((int(rng.integers(40, 200)), 1), (width, A))
         wave = cs.Waviness(height, across=_ratio(rng, *cells) * grid.cell_size[0], phase=phase)
@@ -61,31 +51,31 @@ def _waves(rng: np.random.Generator, cells: tuple[float, float]) -> Made:
     return scene(wave), grid, EXACT, Finer((4, 12), EXACT)
 
 
-def waves(rng: np.random.Generator) -> Made:
+def waves(rng: np.random.Generator) -> CaseParts:
     """Return waves of four to forty cells."""
     return _waves(rng, (4.0, 40.0))
 
 
-def waves_of_few_cells(rng: np.random.Generator) -> Made:
+def waves_of_few_cells(rng: np.random.Generator) -> CaseParts:
     """Return waves of one to three cells, a third of them at random of about two."""
     return _waves(rng, (2.0, 2.0) if rng.random() < 1 / 3 else (1.0, 3.0))
 
 
-def slits(rng: np.random.Generator) -> Made:
+def slits(rng: np.random.Generator) -> CaseParts:
     """Return slits of a tenth of a cell to three cells."""
     grid = cs.Grid((int(rng.integers(40, 250)), 1), (rng.uniform(2.6, 3.4) * A, A))
     places = tuple(rng.uniform(-1, 1, int(rng.integers(1, 4))) * A)
-    width, depth = rng.uniform(0.1, 3) * grid.cell_size[0], _ratio(rng, 0.01, 10) * GAP_SCALE
+    width, depth = rng.uniform(0.1, 3) * grid.cell_size[0], _ratio(rng, 0.01, 10) * HERTZ_HEIGHT
     shape = Slits(places, width, depth)
     return scene(shape), grid, EXACT, Finer((64, 1), EXACT)
 
 
-def needles(rng: np.random.Generator) -> Made:
+def needles(rng: np.random.Generator) -> CaseParts:
     """Return bumps of a third of a cell to one and a half."""
     cells = int(rng.integers(30, 50)), int(rng.integers(14, 30))
     grid = cs.Grid(cells, (3 * A, 3 * A * cells[1] / cells[0]))
     shape = Bumps(
-        _ratio(rng, 1e-3, 0.3) * GAP_SCALE,
+        _ratio(rng, 1e-3, 0.3) * HERTZ_HEIGHT,
         rng.uniform(0.3, 1.5) * grid.cell_size[0],
         (rng.uniform(5, 20) * grid.cell_size[0], grid.length / int(rng.integers(1, 4))),
         (rng.uniform(-1, 1) * A, rng.uniform(-1, 1) * A),
@@ -93,10 +83,10 @@ def needles(rng: np.random.Generator) -> Made:
     return scene(shape), grid, EXACT, Finer((12, 12), EXACT)
 
 
-def textures(rng: np.random.Generator) -> Made:
+def textures(rng: np.random.Generator) -> CaseParts:
     """Return grooves or dimples with one of three flanks."""
     profile = PROFILES[int(rng.integers(3))]
-    depth = _ratio(rng, 0.02, 5) * GAP_SCALE
+    depth = _ratio(rng, 0.02, 5) * HERTZ_HEIGHT
     if rng.random() < 0.5:
         grid = cs.Grid((int(rng.integers(50, 400)), 1), (2.9 * A, A))
         pitch = _ratio(rng, 4, 60) * grid.cell_size[0]
@@ -109,20 +99,20 @@ def textures(rng: np.random.Generator) -> Made:
     return scene(cs.Texture(dimple, (across, along))), grid, EXACT, Finer((6, 6), EXACT)
 
 
-def roughness(rng: np.random.Generator) -> Made:
+def roughness(rng: np.random.Generator) -> CaseParts:
     """Return roughness cut off at one to sixteen cells."""
     cells = int(rng.integers(60, 110))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
     cut_off = _ratio(rng, 1, 16) * grid.cell_size[0]
-    rms, hurst = _ratio(rng, 0.02, 1) * GAP_SCALE, rng.uniform(0.3, 0.9)
+    rms, hurst = _ratio(rng, 0.02, 1) * HERTZ_HEIGHT, rng.uniform(0.3, 0.9)
     roll_off = max(rng.uniform(0.3, 0.9) * A, cut_off)
     shape = rough(rms, hurst, roll_off, cut_off, int(rng.integers(1_000_000)))
     return scene(shape), grid, EXACT, FINER
 
 
-def measured(rng: np.random.Generator) -> Made:
+def measured(rng: np.random.Generator) -> CaseParts:
     """Return a ground surface at one to three cells per sampling interval."""
-    heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * GAP_SCALE
+    heights = ground((80, 40), int(rng.integers(1_000_000))) * _ratio(rng, 0.01, 0.8) * HERTZ_HEIGHT
     surface = cs.MeasuredSurface(heights, (80 * SAMPLING, 40 * SAMPLING), seam=cs.Tapered())
     per_point = rng.uniform(1, 3)
     cells = round(72 * per_point), round(40 * per_point)
@@ -130,7 +120,7 @@ def measured(rng: np.random.Generator) -> Made:
     return scene(surface), grid, EXACT, Finer((3, 3), EXACT)
 
 
-def coatings(rng: np.random.Generator) -> Made:
+def coatings(rng: np.random.Generator) -> CaseParts:
     """Return coatings 2 to 200 times stiffer than the substrate, of a tenth of a cell to thirty."""
     stiffer, cells = _ratio(rng, 2, 200), int(rng.integers(30, 150))
     coating, substrate = (cs.HalfSpace(2e11 * stiffer**power, 0.3) for power in (0.5, -0.5))
@@ -143,7 +133,7 @@ def coatings(rng: np.random.Generator) -> Made:
     return coated, grid, EXACT, Finer((16, 1), EXACT, 1e-8)
 
 
-def point_contacts(rng: np.random.Generator) -> Made:
+def point_contacts(rng: np.random.Generator) -> CaseParts:
     """Return spheres that touch in a few cells to some hundred."""
     point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     width = rng.uniform(2.2, 10) * point.contact_radius
@@ -153,7 +143,7 @@ def point_contacts(rng: np.random.Generator) -> Made:
     return ball, grid, (FREE, FREE), Finer((8, 8), (FREE, FREE))
 
 
-def rollers(rng: np.random.Generator) -> Made:
+def rollers(rng: np.random.Generator) -> CaseParts:
     """Return rollers of a tenth of a cell to all of the length, straight or crowned."""
     period = rng.uniform(3, 16) * A
     grid = cs.Grid((int(rng.integers(28, 60)), int(rng.integers(16, 80))), (4 * A, period))
@@ -161,23 +151,23 @@ def rollers(rng: np.random.Generator) -> Made:
     length = rng.uniform(0.1, 3) * grid.cell_size[1] if is_short else rng.uniform(0.6, 1) * period
     shapes: list[cs.Shape] = [cs.FiniteLength(length)]
     if rng.random() < 0.4:
-        shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * GAP_SCALE, length))
+        shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * HERTZ_HEIGHT, length))
     load = cs.LineLoad(SCENE.load.largest * length / period)
     ended = cs.Scene(load, SCENE.solids, (*SCENE.shapes, *shapes))
     return ended, grid, (FREE, FREE), Finer((3, 12), (FREE, FREE))
 
 
-def hard(rng: np.random.Generator) -> Made:
+def hard(rng: np.random.Generator) -> CaseParts:
     """Return roughness on a body with a hardness."""
     cells = int(rng.integers(40, 100))
     grid = cs.Grid((cells, cells // 2), (3.6 * A, 1.8 * A))
-    rms, cut_off = _ratio(rng, 0.05, 0.8) * GAP_SCALE, rng.uniform(0.1, 0.4) * A
+    rms, cut_off = _ratio(rng, 0.05, 0.8) * HERTZ_HEIGHT, rng.uniform(0.1, 0.4) * A
     shape = rough(rms, 0.8, 0.9 * A, cut_off, int(rng.integers(1_000_000)))
     soft = scene(shape, hardness=rng.uniform(0.7, 4) * P_H)
     return soft, grid, EXACT, FINER
 
 
-MAKERS: tuple[Callable[[np.random.Generator], Made], ...] = (
+MAKERS: tuple[Callable[[np.random.Generator], CaseParts], ...] = (
     waves, waves_of_few_cells, slits, needles, textures, roughness, measured, coatings, point_contacts, rollers, hard,
 )  # fmt: skip
 RANDOM = {f"random {make.__name__.replace('_', ' ')}": make for make in MAKERS}

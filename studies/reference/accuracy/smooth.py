@@ -12,17 +12,14 @@ from contactstudy.domain.fields import Array
 from studies.reference.accuracy.case import (
     EXACT,
     FREE,
-    GAP_SCALE,
     MODULUS,
-    P_H,
-    A,
     AccuracyCase,
     ClosedForm,
     Finer,
     Pressure,
     scene,
 )
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, P_H, SCENE, A
 
 STEEL = SCENE.solids
 
@@ -33,12 +30,12 @@ class Power:
 
     height: float
     power: float
-    aside: float = 0.0
+    offset: float = 0.0
     curvature: float = 1 / HERTZ.radius  # for the scales alone
 
     def gap(self, grid: cs.Grid) -> Array:
         """Return the heights [m]."""
-        return np.asarray(self.height * np.abs((grid.x - self.aside) / A) ** self.power)[:, None]
+        return np.asarray(self.height * np.abs((grid.x - self.offset) / A) ** self.power)[:, None]
 
 
 def cylinders() -> Iterator[AccuracyCase]:
@@ -55,14 +52,14 @@ def few_cells() -> Iterator[AccuracyCase]:
     for touching in (0.3, 0.6, 1.0, 1.4, 2.0, 2.6, 3.5, 5.0, 7.0, 10.0):
         for fraction in (0.0, 0.37):
             grid = cs.Grid((32, 1), (32 * 2 * A / touching, A))
-            aside = fraction * grid.cell_size[0]
-            truth = ClosedForm(_cylinder(aside), P_H, touching / 32, 512)
-            shifted = cs.Scene(SCENE.load, STEEL, (Power(GAP_SCALE, 2.0, aside),))
+            offset = fraction * grid.cell_size[0]
+            truth = ClosedForm(_cylinder(offset), P_H, touching / 32, 512)
+            shifted = cs.Scene(SCENE.load, STEEL, (Power(HERTZ_HEIGHT, 2.0, offset),))
             yield AccuracyCase("1-10 cells in contact", shifted, grid, EXACT, truth)
 
 
 def spheres() -> Iterator[AccuracyCase]:
-    """Yield point contacts on a free length."""
+    """Yield point contacts between free ends."""
     point = cs.analytic.HertzPoint(30.0, 0.01, MODULUS)
     for cells in (24, 33, 64):
         for width in (2.2, 2.6, 3.1):
@@ -95,7 +92,7 @@ def sharp() -> Iterator[AccuracyCase]:
     load = SCENE.load.largest
     for cells in (64, 128, 250, 512):
         grid = cs.Grid((cells, 1), (4 * A, A))
-        heights = np.where(np.abs(grid.x) < A, 0.0, -50 * GAP_SCALE)[:, None]
+        heights = np.where(np.abs(grid.x) < A, 0.0, -50 * HERTZ_HEIGHT)[:, None]
         punch = cs.Scene(SCENE.load, STEEL, (cs.MeasuredSurface(heights),))
         edge = (np.abs(grid.x) < A).sum() * grid.cell_size[0] / 2
 
@@ -118,7 +115,7 @@ def powers() -> Iterator[AccuracyCase]:
     for power, height, cells in (
         (1.2, 2.0, 160), (1.3, 1.0, 77), (1.5, 2.0, 56), (1.8, 3.0, 101), (1.86, 1.5, 20), (1.92, 1.0, 200),
     ):  # fmt: skip
-        apex = cs.Scene(SCENE.load, STEEL, (Power(height * GAP_SCALE, power, 0.013 * A),))
+        apex = cs.Scene(SCENE.load, STEEL, (Power(height * HERTZ_HEIGHT, power, 0.013 * A),))
         grid = cs.Grid((cells, 1), (7 * A, A))
         yield AccuracyCase("steps and kinks", apex, grid, EXACT, Finer((32, 1), EXACT))
 
@@ -153,8 +150,8 @@ def yielding() -> Iterator[AccuracyCase]:
             yield AccuracyCase("all yielding", scene(hardness=fraction * P_H), grid, EXACT, truth)
 
 
-def _cylinder(aside: float) -> Pressure:
-    return lambda x, y: HERTZ.pressure(x - aside)
+def _cylinder(offset: float) -> Pressure:
+    return lambda x, y: HERTZ.pressure(x - offset)
 
 
 def _under_wedge(x: Array, _: Array) -> Array:

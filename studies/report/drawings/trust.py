@@ -33,10 +33,7 @@ MAX_NAMES = 10  # of cases in a list
 def _groups(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
     """Return the cases of each group, in the order of the groups."""
     names = [str(name) for name in dataset["case"].values]
-    members = {
-        group: [name for name in names if name in CASES and CASES[name].group == group]
-        for group in GROUPS
-    }
+    members = {group: [name for name in names if name in GROUPS[group]] for group in GROUPS}
     return {group: dataset.sel(case=cases) for group, cases in members.items() if cases}
 
 

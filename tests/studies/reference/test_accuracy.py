@@ -8,10 +8,10 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from studies.reference.accuracy.case import GAP_SCALE, A, Errors, errors
+from studies.reference.accuracy.case import Errors, errors
 from studies.reference.accuracy.matrix import matrix
 from studies.reference.accuracy.smooth import Power
-from studies.reference.line_contact import HERTZ
+from studies.reference.line_contact import HERTZ, HERTZ_HEIGHT, A
 
 EVERY = 11  # a prime, so that no kind's own order is followed
 THINNED = tuple(matrix())[::EVERY]
@@ -29,7 +29,7 @@ def found() -> list[tuple[cs.ErrorEstimate, Errors]]:
 
 
 def test_a_cylinder_aside_is_a_parabola_about_its_axis() -> None:
-    shifted = Power(GAP_SCALE, 2.0, aside=0.25 * A)
+    shifted = Power(HERTZ_HEIGHT, 2.0, aside=0.25 * A)
     grid = cs.Grid((4, 1), (2.0 * A, A))
     heights = np.array([1.0, 0.25, 0.0, 0.25]) * A**2 / (2 * HERTZ.radius)
     np.testing.assert_allclose(shifted.gap(grid)[:, 0], heights, rtol=1e-12)

@@ -7,7 +7,7 @@ import contactstudy as cs
 from studies.reference.dense_solver import answer, stated_error
 from studies.reference.hard_case import EXACT, ROUGH, EquivalentForm, HardCase, grid, with_heights
 
-CASE = HardCase("judged", "nothing", with_heights(ROUGH), grid())
+CASE = HardCase(with_heights(ROUGH), grid())
 PAIR = (cs.PreconditionedCG(), (cs.ZeroPadding(), EXACT))
 
 

@@ -416,7 +416,7 @@ def grid_requirements(scene: Scene) -> GridRequirements:
             )
     length_scales = tuple(length_scales_of(scene.shapes))
     if isinstance(scene.load, TotalLoad) and any(scales.roller for scales in length_scales):
-        length_scales += (LengthScales(roller=scene.load.length or inf),)
+        length_scales += (LengthScales(roller=scene.load.roller_length),)
     coatings = tuple(solid for solid in scene.solids if isinstance(solid, Layered))
     requirements = GridRequirements(scene.hertz, length_scales, scene.hardness, coatings)
     if scene.friction is None:

@@ -154,7 +154,7 @@ class Scene:
         set_fields(self, hardness=in_range_or_infinite("Scene.hardness", self.hardness, remedy))
 
     def _check_load(self) -> None:
-        """Check the load; a total load takes the length of the shortest roller if it has none."""
+        """Check the load; a total load takes the length of the shortest roller."""
         remedy = "give a LineLoad, a TotalLoad, or one that changes in time, such as a LoadHistory"
         if not isinstance(self.load, ConstantLoad | Approach | PullOff):
             _instance("Scene.load", self.load, ChangingLoad, remedy)
@@ -165,14 +165,9 @@ class Scene:
                 )
             if hasattr(self.load, "check_compressive"):
                 self.load.check_compressive()
-        if isinstance(self.load, TotalLoad) and self.load.length is None:
+        if isinstance(self.load, TotalLoad):
             lengths = [d.roller for d in length_scales_of(self.shapes) if 0 < d.roller < inf]
-            if not lengths:
-                raise InvalidInput(
-                    "Scene.load is a TotalLoad, and no shape has the length of a roller: give "
-                    "TotalLoad.length [m], or a FiniteLength among the shapes."
-                )
-            set_fields(self, load=replace(self.load, length=min(lengths)))
+            set_fields(self, load=self.load.on_rollers(lengths))
 
     def _check_approach(self) -> None:
         """Check a search or an approach in place of a load, once every effect is checked."""

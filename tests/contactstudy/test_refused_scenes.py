@@ -58,6 +58,9 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         "*elastically dissimilar", SMOOTH,
         {"friction": SLIP, "solids": (cs.CoatedHalfSpace(STEEL, 1e-6, RIGID), STEEL)},
     ),
+    ("TotalLoad.length is 0.02, *: leave it out", SMOOTH, {
+        "load": cs.TotalLoad(1e3, 0.02), "shapes": (CYLINDER, cs.FiniteLength(0.01)),
+    }),
     ("Scene.friction", SMOOTH, {"friction": 0.3}),
     ("Scene.friction", SMOOTH, {"friction": cs.Sliding}),
     # equal at first, until one has crept
@@ -209,6 +212,9 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
         "TimeSteps.step_error is NONE beside an error of 0.01, *: leave one of them out.",
         lambda: held(times=(0.0, 1.0), error=1e-2, step_error=cs.StepError.NONE),
     ),
+    ("FiniteLength.length is 0.001: give cells along", lambda: cs.solve(
+        replace(SMOOTH, shapes=(CYLINDER, cs.FiniteLength(1e-3))), cs.Grid((16, 1), (1e-3, 2e-3)), FREE
+    )),
     # rolling
     ("*is a fluid", lambda: cs.solve(
         replace(ROLLING, solids=(cs.ViscoelasticHalfSpace(0.0, 0.3, ((1.0, 1.0),)), RIGID)), UNIT, EXACT

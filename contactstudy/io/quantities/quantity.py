@@ -95,7 +95,7 @@ def roller_length(posed: PosedScene | None) -> float | None:
         return None
     scene = posed.scene
     if isinstance(scene.load, TotalLoad):
-        length = scene.load.length
+        length = scene.load.roller_length
         is_period = length != posed.grid.length and scene.repeats(posed.padding)
         return None if is_period else length
     lengths = (scales.roller for scales in length_scales_of(scene.shapes))

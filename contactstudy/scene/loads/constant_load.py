@@ -1,12 +1,15 @@
 """Constant loads that press the bodies together."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from math import isclose
+from typing import Self
 
 from contactstudy.domain.checks import (
     InvalidInput,
     check_fields,
     in_range,
     in_range_or_zero,
+    set_fields,
     suggest_fields,
 )
 from contactstudy.domain.units import Metres, Newtons, NewtonsPerMetre
@@ -59,32 +62,57 @@ class TotalLoad:
     total
         Load [N], above zero; together with :class:`~contactstudy.Adhesion` of any sign.
     length
-        Length of the roller [m], over which the load is spread in Hertz's values. None takes it from the shapes of
-        the scene, such as :class:`~contactstudy.LundbergProfile` or :class:`~contactstudy.FiniteLength`.
+        Length of the roller [m], over which the load is spread in Hertz's values. None takes that of the shortest
+        roller among the shapes, such as a :class:`~contactstudy.LundbergProfile` or :class:`~contactstudy.FiniteLength`.
 
     Raises
     ------
     InvalidInput
         If the load is no finite number or the length is not above zero; in a scene, if no shape has a length and there
-        is none here, or if the load is not above zero and there is no adhesion.
+        is none here, if both differ, or if the load is not above zero and there is no adhesion.
     """
 
     total: Newtons
     length: Metres | None = None
+    _length_of_shapes: float | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         check_fields(self, total=(in_range_or_zero, "give a load above 0 N"))
         if self.length is not None:
             check_fields(self, length=(in_range, "give the roller's length above 0 m"))
 
+    def on_rollers(self, lengths: list[float]) -> Self:
+        """Return this load on the shortest of rollers with these `lengths` [m], which the shapes of a scene have."""
+        shortest = min(lengths, default=None)
+        length = self.length or shortest
+        if length is None:
+            raise InvalidInput(
+                "Scene.load is a TotalLoad, and no shape has the length of a roller: give TotalLoad.length [m], or a "
+                "FiniteLength among the shapes."
+            )
+        if not isclose(length, shortest or length):
+            raise InvalidInput(
+                f"TotalLoad.length is {length!r}, and the shortest roller among the shapes is {shortest!r} m long: "
+                "leave it out, or give the shapes that length."
+            )
+        load = replace(self)
+        set_fields(load, _length_of_shapes=shortest)
+        return load
+
     @property
-    def per_length(self) -> float:
-        """Mean load over the length of the roller [N/m]."""
-        if self.length is None:
+    def roller_length(self) -> float:
+        """Length of the roller [m]: that given, or else that of the shapes of its scene."""
+        length = self.length or self._length_of_shapes
+        if length is None:
             raise InvalidInput(
                 "TotalLoad.length is None, and no shape of the scene has a length: give the length of the roller."
             )
-        return self.total / self.length
+        return length
+
+    @property
+    def per_length(self) -> float:
+        """Mean load over the length of the roller [N/m]."""
+        return self.total / self.roller_length
 
     largest = per_length
 

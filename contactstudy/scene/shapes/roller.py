@@ -311,7 +311,15 @@ class FiniteLength:
         return LengthScales(roller=self.length)
 
     def gap(self, grid: Grid) -> Array:
-        """Return zero on the roller and `length` beyond it [m], of shape (1, ny), or (nx, 1) without an end."""
+        """Return zero on the roller and `length` beyond it [m], of shape (1, ny), or (nx, 1) without an end.
+
+        Raises :class:`~contactstudy.InvalidInput` for cells longer than the roller.
+        """
+        if (cell := grid.cell_size[1]) > self.length * (1 + 1e-9):
+            raise InvalidInput(
+                f"FiniteLength.length is {self.length!r}: give cells along the length no longer than that, these are "
+                f"{cell!r} m long."
+            )
         beyond = np.abs(grid.y) > self.length / 2
         return (
             np.where(beyond, self.length, 0.0)[None, :]

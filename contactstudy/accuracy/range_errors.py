@@ -10,6 +10,7 @@ from contactstudy.accuracy.discretisation.coarser import ADHESIVE_TOLERANCE, hal
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.units import readable
 from contactstudy.scene.scene import PosedScene
+from contactstudy.scene.solids.bodies import contact_modulus
 from contactstudy.solvers.solution import AdhesiveTraction, Solution
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
@@ -59,7 +60,7 @@ def range_errors(solution: Solution) -> tuple[float, float] | None:
         return None
     assert posed.scene.adhesion is not None
     touching, grid = solution.pressure > 0, problem.grid
-    modulus = posed.scene.contact_modulus
+    modulus = contact_modulus(posed.scene.solids, adhesion.cells_in_zone * grid.cell_size[0])
     zone = pi * modulus * adhesion.range**2 / (4 * posed.scene.adhesion.work)
     edges = RANGE_MARGIN * contact_perimeter(touching, grid, problem.paddings) / grid.cell_area
     net_traction = np.abs(solution.pressure - adhesion.attraction).sum()

@@ -51,11 +51,12 @@ def plan_of_adhesion(
     requirements, adhesion, radius = grid_requirements(scene), scene.adhesion, scene.radius
     assert adhesion is not None
     assert radius is not None
-    scale = (radius * (adhesion.work / scene.contact_modulus) ** 2) ** (1 / 3)
+    modulus = requirements.hertz.contact_modulus
+    scale = (radius * (adhesion.work / modulus) ** 2) ** (1 / 3)
     tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
     attraction_range = adhesion.range or scale / tabor
     strength = adhesion.work / attraction_range
-    zone = pi * scene.contact_modulus * adhesion.work / (4 * strength**2)
+    zone = pi * modulus * adhesion.work / (4 * strength**2)
     if grid is None:
         decay_distance = DECAY_DISTANCE * sqrt(2 * radius * attraction_range)
         grid = _grid(requirements, error, period, zone / ZONE_CELLS, decay_distance)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from contactstudy.analytic import HertzLine
 from contactstudy.domain.checks import (
     InvalidInput,
     check_fields,
@@ -19,7 +20,7 @@ from contactstudy.domain.units import JoulesPerSquareMetre, Metres, readable
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.loads.resulting_load import Approach
 from contactstudy.scene.shapes.roller import Sphere
-from contactstudy.scene.solids.bodies import SceneContext, creeps, yields
+from contactstudy.scene.solids.bodies import SceneContext, contact_modulus, creeps, yields
 from contactstudy.solvers.adhesion import AdhesiveSolver
 from contactstudy.solvers.cohesive_law import CohesiveLaw, Dugdale, Exponential
 from contactstudy.solvers.solution import Branch
@@ -144,7 +145,10 @@ class Adhesion:
         """
         if scene.radius is None:
             return 0.0
-        return float(2 * (pi * scene.contact_modulus * self.work**2 * scene.radius) ** (1 / 3))
+        load = 2 * (pi * scene.contact_modulus * self.work**2 * scene.radius) ** (1 / 3)
+        width = HertzLine(load, scene.radius, scene.contact_modulus).half_width
+        ratio = contact_modulus(scene.solids, width) / scene.contact_modulus
+        return float(load * ratio ** (1 / 3))
 
     def reference_pressure(self, scene: SceneContext, width: float) -> float:
         """Return Griffith's tensile stress [Pa] of a crack of half-length `width` [m], ``sqrt(2 E* w / (pi width))``."""
@@ -154,7 +158,8 @@ class Adhesion:
         """Return the traction as a function of the gap, on cells of this size [m]."""
         if self.range is not None:
             return LAWS[self.law](self.work, self.range)
-        strength = sqrt(pi * scene.contact_modulus * self.work / (4 * ZONE_CELLS * cell))
+        modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
+        strength = sqrt(pi * modulus * self.work / (4 * ZONE_CELLS * cell))
         return LAWS[self.law](self.work, self.work / strength)
 
     def solver_on(self, scene: SceneContext, gap: Array, grid: Grid) -> AdhesiveSolver:
@@ -165,10 +170,12 @@ class Adhesion:
         varies = bool((gap != gap[:, :1]).any())
         cell = max(grid.cell_size) if varies else grid.cell_size[0]
         law = self.cohesive(scene, cell)
-        zone = pi * scene.contact_modulus * self.work / (4 * law.strength**2)
+        # a coating thinner than the zone has little part in it
+        modulus = contact_modulus(scene.solids, ZONE_CELLS * cell)
+        zone = pi * modulus * self.work / (4 * law.strength**2)
         cells = zone / cell
         if cells < MIN_ZONE_CELLS:
-            shortest = sqrt(4 * MIN_ZONE_CELLS * cell * self.work / (pi * scene.contact_modulus))
+            shortest = sqrt(4 * MIN_ZONE_CELLS * cell * self.work / (pi * modulus))
             raise InvalidInput(
                 f"Adhesion.range is {self.range!r}: its cohesive zone of {readable(zone)} is {cells:.2g} cells of this "
                 f"grid wide; give a range of at least {readable(shortest)}, cells of at most "
@@ -180,7 +187,7 @@ class Adhesion:
                 (shape.radius for shape in scene.shapes if isinstance(shape, Sphere)), default=None
             )
         if radius is not None:
-            ratio = radius * (self.work / scene.contact_modulus) ** 2
+            ratio = radius * (self.work / modulus) ** 2
             tabor = float(np.cbrt(ratio)) * law.strength / self.work
         return AdhesiveSolver(
             law, BRANCHES[self.branch], float(cells), tabor, regularised=self.range is None

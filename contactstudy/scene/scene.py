@@ -248,6 +248,9 @@ class Scene:
         largest = self.load.largest
         if isinstance(self.load, Approach) and self.radius is not None:
             largest = self.load.estimated_load(self.contact_modulus)
+            if largest > 0:  # the half-width under it is that of any modulus
+                width = HertzLine(largest, self.radius, self.contact_modulus).half_width
+                largest = self.load.estimated_load(contact_modulus(self.solids, width))
         adhesion = self.adhesion
         return largest if adhesion is None else max(largest, adhesion.reference_load(self))
 

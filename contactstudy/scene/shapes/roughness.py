@@ -165,13 +165,15 @@ class Roughness:
         return self.rms.rms if isinstance(self.rms, Sa) else self.rms
 
     def _rms_height_and_slope(self) -> tuple[float, float]:
-        """Return rms height [m] and rms slope, the missing one from the spectrum of an infinite surface without lay."""
+        """Return rms height [m] and rms slope, the missing one from the spectrum of an infinite surface."""
         # the moments of k^(-2 (1 + H)) between the wave numbers, flat below the first
         low, high = 2 * np.pi / self.roll_off, 2 * np.pi / self.cut_off
         span, hurst = high / low, self.hurst
         height = 1 / 2 + (1 - span ** (-2 * hurst)) / (2 * hurst)
         slope = low**2 * (1 / 4 + (span ** (2 - 2 * hurst) - 1) / (2 - 2 * hurst))
-        ratio = float(np.sqrt(slope / height))
+        # along the lay waves are longer, and slopes less
+        stretch = min(self.peklenik, 1 / self.peklenik)
+        ratio = float(np.sqrt(slope / height * (1 + stretch**2) / 2))
         if isinstance(self.rms, RmsSlope):
             return self.rms.slope / ratio, self.rms.slope
         return self._rms, self._rms * ratio

@@ -74,6 +74,23 @@ def test_without_a_range_six_cells_are_in_the_zone_on_any_grid() -> None:
         assert solution.adhesion.cells_in_zone == pytest.approx(6.0)
 
 
+@pytest.mark.parametrize("modulus", [5e4, 2e7])
+def test_a_coating_thinner_than_the_cells_leaves_the_pull_off_to_its_substrate(
+    modulus: float,
+) -> None:
+    coated = cs.CoatedHalfSpace(cs.HalfSpace(modulus, 0.5), 1e-9, SOFT)
+    found, bare = (
+        cs.solve(
+            replace(SCENE, load=cs.PullOff(2.0), solids=(body, RIGID)),
+            cs.Grid((128, 1), (4e-3, 1.0)),
+            LINE,
+        )
+        for body in (coated, SOFT)
+    )
+    assert found.load_per_length == pytest.approx(bare.load_per_length, rel=1e-3)
+    assert found.error.l1.range == pytest.approx(bare.error.l1.range, rel=1e-2)
+
+
 @pytest.mark.parametrize("adhesion", [None, cs.Adhesion(0.05)])
 def test_the_approach_of_a_loaded_contact_gives_back_its_load(adhesion: cs.Adhesion | None) -> None:
     near = replace(SCENE, adhesion=adhesion, load=cs.Approach(4e-5))

@@ -1,6 +1,6 @@
 from dataclasses import replace
 from itertools import product
-from math import inf
+from math import inf, log, sqrt
 
 import numpy as np
 import pytest
@@ -181,9 +181,12 @@ def test_the_modulus_of_its_hertz_contact_is_that_at_the_half_width(
 ) -> None:
     """Of an incompressible cover too, whose modulus falls as the cube of the half-width."""
     solids = cs.CoatedHalfSpace(cs.HalfSpace(1e7, 0.5), thickness, substrate), RIGID
-    hertz = cs.Scene(cs.LineLoad(1e4), solids, (cs.Cylinder(0.1),)).hertz
-    modulus = 1 / solids[0].compliance_at(hertz.half_width)
-    assert hertz.contact_modulus == pytest.approx(modulus, rel=1e-6)
+    for load in (cs.LineLoad(1e4), cs.Approach(1e-4)):
+        hertz = cs.Scene(load, solids, (cs.Cylinder(0.1),)).hertz
+        modulus = 1 / solids[0].compliance_at(hertz.half_width)
+        assert hertz.contact_modulus == pytest.approx(modulus, rel=1e-6)
+    # of an approach, the half-width is that of any modulus
+    assert hertz.half_width == pytest.approx(sqrt(4 * 0.1 * 1e-4 / (2 * log(8) + 1)), rel=1e-6)
 
 
 @pytest.mark.parametrize("wave", [(1, 0), (0, 1), (2, 3)], ids=str)

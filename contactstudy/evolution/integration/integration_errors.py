@@ -95,8 +95,7 @@ class IntegrationErrors:
         """Keep the errors of contacts that stopped before the tolerance, on whose pressure later states depend."""
         for contact in contacts:
             if not contact.status.has_converged and contact.pressure.any():
-                _, by_residual = residual_errors(contact)
-                total = by_residual * float(contact.pressure.sum())
+                total = residual_errors(contact).l1 * float(contact.pressure.sum())
                 self.largest_by_residual = max(self.largest_by_residual, total)
 
     @cached_property

@@ -4,7 +4,7 @@ from contactstudy.io.pictures.figure import panels
 from .engine.options import RunOptions
 from .engine.run import run
 from .model.axis import Axis
-from .model.case import Case, OperatorCase, error_estimates
+from .model.case import Case, error_estimates
 from .model.drawing import CaptionedFigure, Drawing, Finding, Table
 from .model.study import Study
 from .registry import load
@@ -16,7 +16,6 @@ __all__ = [
     "Case",
     "Drawing",
     "Finding",
-    "OperatorCase",
     "RunOptions",
     "Study",
     "Table",

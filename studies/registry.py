@@ -66,9 +66,9 @@ def load_drawing(name: str, figures: str = "curves", plot: Sequence[str] = ()) -
         return default_drawing(figures, plot)
     part = _file_module(name) if name.endswith(".py") else _part("studies.report.drawings", name)
     if isinstance(part, Drawing):
-        return part.reduced()
+        return part
     findings, tables = getattr(part, "findings", no_items), getattr(part, "tables", no_items)
-    return Drawing(part.figure, findings, tables, getattr(part, "KNOWN_AXES", ())).reduced()
+    return Drawing(part.figure, findings, tables)
 
 
 def default_drawing(figures: str = "curves", plot: Sequence[str] = ()) -> Drawing:

@@ -134,40 +134,6 @@ class SceneCase(PosedCase):
         }
 
 
-@dataclass(frozen=True)
-class OperatorCase:
-    """A convolution that is set up, then applied once.
-
-    Parameters
-    ----------
-    contact_modulus
-        Contact modulus E* [Pa].
-    grid, padding
-        Cells and boundary conditions.
-    datum
-        Distance [m] at which the displacement is zero.
-    """
-
-    contact_modulus: float
-    grid: cs.Grid
-    padding: cs.Padding | cs.Paddings
-    datum: float
-
-    def prepare(self) -> cs.Convolution:
-        """Return the convolution, with its influence coefficients and their transform."""
-        return cs.convolution(self.contact_modulus, self.grid, self.padding, self.datum)
-
-    def run(self, prepared: cs.Convolution) -> cs.Convolution:
-        """Apply the convolution to a uniform pressure, and return it."""
-        prepared(np.ones(self.grid.cells))
-        return prepared
-
-    def record(self, result: cs.Convolution) -> Mapping[str, xr.Variable]:
-        """Return the number of cells that are transformed."""
-        cells = int(np.prod(result.padded))
-        return {"padded_cells": dimensionless(cells, "cells of the padded grid")}
-
-
 def recorded(answer: cs.Contact | cs.LubricatedContact | cs.Evolution) -> dict[str, xr.Variable]:
     """Return the numbers of the solver of any answer, and its status as CF flags."""
     counts = {name: dimensionless(value, label) for name, (value, label) in answer.counts.items()}

@@ -206,7 +206,7 @@ def is_contended(samples: Sequence[TimedRun], calibration_time: float = np.inf) 
 CONTENDED = ("no", "yes", "not_timed")
 PARTS = {
     "setup": "to set up coefficients and transforms, where a solve does not do it itself",
-    "solve": "to solve, or to apply an operator once",
+    "solve": "to solve",
 }
 
 

@@ -110,7 +110,7 @@ def _solvers_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-solvers = Drawing(_solvers_figures, _solvers_findings, axes=("solver", "surface", "grid"))
+solvers = Drawing(_solvers_figures, _solvers_findings)
 
 
 # speed
@@ -234,7 +234,7 @@ def _speed_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-speed = Drawing(_speed_figures, _speed_findings, axes=("surface", *FAMILY, *WAYS, "grid"))
+speed = Drawing(_speed_figures, _speed_findings)
 
 
 # peers
@@ -272,4 +272,4 @@ def _peers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     return (captioned("peers", fig, caption),)
 
 
-peers = Drawing(_peers_figures, axes=("program", "boundary", "threads", "grid"))
+peers = Drawing(_peers_figures)

@@ -63,7 +63,7 @@ def _coating_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-coating = Drawing(_coating_figures, _coating_findings, axes=("ratio", "thickness", "grid"))
+coating = Drawing(_coating_figures, _coating_findings)
 
 
 # friction
@@ -127,9 +127,7 @@ def _friction_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-friction = Drawing(
-    _friction_figures, _friction_findings, axes=("poisson_ratio", "grid", "rough_grid")
-)
+friction = Drawing(_friction_figures, _friction_findings)
 
 
 # creep
@@ -199,7 +197,7 @@ def _creep_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-creep = Drawing(_creep_figures, _creep_findings, axes=("steps", "grid"))
+creep = Drawing(_creep_figures, _creep_findings)
 
 
 # wear
@@ -262,7 +260,7 @@ def _wear_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     )
 
 
-wear = Drawing(_wear_figures, _wear_findings, axes=("scheme", "steps", "grid"))
+wear = Drawing(_wear_figures, _wear_findings)
 
 
 # plastic
@@ -353,6 +351,4 @@ def _plastic_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
     return cap, cost
 
 
-plastic = Drawing(
-    _plastic_figures, _plastic_findings, axes=("pressure", "hardening", "steps", "grid")
-)
+plastic = Drawing(_plastic_figures, _plastic_findings)

@@ -18,8 +18,6 @@ from studies.report.style import (
     select_evenly,
 )
 
-KNOWN_AXES = ("load", "viscosity", "rms", "cavitation", "grid")
-
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw films beside the formula of Moes, error against cost, and what roughness and cavitation do where varied."""

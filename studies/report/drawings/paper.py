@@ -5,7 +5,7 @@ import xarray as xr
 
 from studies.model.drawing import CaptionedFigure, Finding, Table
 from studies.reference.line_contact import HAS_IMAGES, total_time
-from studies.report.drawings.settings import AXES, ERROR, against, is_of_hertz, is_timed, shown_at
+from studies.report.drawings.settings import ERROR, against, is_of_hertz, is_timed, shown_at
 from studies.report.style import (
     LAW_STYLE,
     WIDTH,
@@ -20,7 +20,6 @@ from studies.report.style import (
 )
 from studies.report.wording import seconds_text
 
-KNOWN_AXES = AXES
 # Headings of the errors against Hertz that the table has; for other scenes it has all.
 ERRORS = {
     "axis_pressure_error": "axis error",

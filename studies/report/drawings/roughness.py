@@ -21,8 +21,6 @@ from studies.report.style import (
     setting_label,
 )
 
-KNOWN_AXES = ("rms", "hurst", "peklenik", "seed", "images", "period", "grid")
-
 
 def figure(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
     """Draw the effect of roughness, and the error of each padding."""

@@ -26,7 +26,6 @@ from studies.report.wording import DECADES, seconds_text
 
 ERROR = "pressure_error_l1"
 LABEL = "L1 error of the pressure"
-AXES = ("padding", "images", "period", "grid", "solver_tolerance")
 # Axes over which errors are drawn as lines.
 OVER = {
     "images": "n + ½  (n periods on each side)",
@@ -328,4 +327,4 @@ def _which_grid(dataset: xr.Dataset) -> Finding:
     )
 
 
-padding = period = images = grid = pareto = Drawing(_figure, _findings, _tables, AXES)
+padding = period = images = grid = pareto = Drawing(_figure, _findings, _tables)

@@ -129,9 +129,7 @@ def _stability_tables(dataset: xr.Dataset) -> tuple[Table, ...]:
     )  # fmt: skip
 
 
-stability = Drawing(
-    _stability_figures, _stability_findings, _stability_tables, ("case", "padding", "solver")
-)
+stability = Drawing(_stability_figures, _stability_findings, _stability_tables)
 
 
 # accuracy
@@ -282,4 +280,4 @@ def _fraction_text(fraction: float) -> str:
     return "none" if np.isnan(fraction) else f"{100 * fraction:.1f} %"
 
 
-accuracy = Drawing(_accuracy_figures, _accuracy_findings, _accuracy_tables, axes=("case", "seed"))
+accuracy = Drawing(_accuracy_figures, _accuracy_findings, _accuracy_tables)

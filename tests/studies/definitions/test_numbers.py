@@ -11,7 +11,6 @@ from scipy.special import erf
 import contactstudy as cs
 from studies.definitions import stability
 from studies.definitions.speed import SLOPE, self_affine
-from studies.model.case import OperatorCase
 from studies.reference.line_contact import HERTZ, SCENE
 from studies.registry import load
 from tests.studies.conftest import measured
@@ -45,20 +44,6 @@ def test_memory_of_a_solve_is_counted_in_fields_of_eight_bytes_a_cell() -> None:
     found = load("solvers").measures(Hoard(40_000_000), TOUCHING)  # type: ignore[arg-type]
     assert float(found["memory"]) == pytest.approx(40_000_000 / (64 * 4 * 8), rel=1e-2)
     assert float(found["contact_fraction"]) == 0.25
-
-
-@pytest.mark.parametrize(
-    ("padding", "padded"),
-    [
-        (cs.ZeroPadding(), (2 * 64) * (2 * 4)),
-        (cs.Superposition(3), (2 * 64) * (2 * 4)), (cs.DuplicatedPadding(), (2 * 64) * 4),
-        (cs.CircularSuperposition(3), (2 * 64) * 4), (cs.ExactPeriodicity(), (2 * 64) * 4),
-    ],
-    ids=str,
-)  # fmt: skip
-def test_only_an_axis_that_does_not_wrap_is_doubled(padding: cs.Padding, padded: int) -> None:
-    case = OperatorCase(1e11, LINE, padding, datum=1.0)
-    assert int(case.record(case.prepare())["padded_cells"]) == padded
 
 
 def test_the_error_of_creep_falls_with_the_steps_under_its_estimate() -> None:

@@ -244,22 +244,6 @@ def stored(out: Path, tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, 
     return Stored()
 
 
-@pytest.mark.parametrize("name", ["images", "paper", "stability"])
-def test_a_new_axis_leaves_the_figures_and_is_named_in_the_captions(
-    name: str, stored: Mapping[str, xr.Dataset]
-) -> None:
-    dataset, drawing = stored[name], load_drawing(name)
-    wider = dataset.expand_dims(width=[2.4, 3.0])
-    before, after = drawing.figure(dataset), drawing.figure(wider)
-    assert [one.name for one in after] == [one.name for one in before]
-    for one, other in zip(before, after, strict=True):
-        assert other.caption == f"{one.caption} Shown at width = 2.4 (the first of 2)."
-    findings = drawing.findings(dataset), drawing.findings(wider)
-    assert [one.claim for one in findings[1]] == [one.claim for one in findings[0]]
-    assert all("width = 2.4" in one.measured for one in findings[1])
-    assert all("width = 2.4" in one.caption for one in drawing.tables(wider))
-
-
 @pytest.mark.parametrize("name", DRAWN)
 def test_a_study_of_one_point_and_axes_of_one_value_are_drawn(
     name: str, stored: Mapping[str, xr.Dataset]

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -10,14 +11,17 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
-from studies.advice.compared_scene import Setting
+from studies.advice.compared_scene import SceneText, Setting
 from studies.advice.comparison import Comparison, MeasuredPadding, MeasuredSetting, name_and_images
+from studies.advice.measuring import compare_settings
+from studies.advice.nested_answers import Budget
+from studies.model.plain_text import Log
 from studies.reference.line_contact import padding_at
 from studies.store.fingerprint.modules import digest
-from studies.store.netcdf import check_kind, read, write
+from studies.store.netcdf import check_kind, open_folder, read, write
 from studies.store.provenance import provenance
 
-NAME = "settings"
+SETTINGS = "settings"
 # Attributes that must be equal for stored times and errors to be those of a scene, here and now.
 MATCHED_ATTRIBUTES = ("cpu", "source", "sources", "key")
 ERROR, TIME = (
@@ -38,7 +42,7 @@ AS_JSON = (
 
 def path_in(out: Path) -> Path:
     """Return the file of a comparison in a folder."""
-    return out / f"{NAME}.nc"
+    return out / f"{SETTINGS}.nc"
 
 
 def store(comparison: Comparison, key: str, out: Path) -> xr.Dataset:
@@ -70,6 +74,38 @@ def stored(key: str, out: Path) -> Comparison | None:
     if any(dataset.attrs.get(name) != now[name] for name in MATCHED_ATTRIBUTES):
         return None
     return from_dataset(dataset)
+
+
+def comparison_of(
+    described: SceneText, error: float, budget: Budget, out: Path, log: Log
+) -> Comparison:
+    """Return the comparison of a scene that a folder has, if it answers the request; else measure and store it.
+
+    One that does not meet the request answers it unless there are more seconds now.
+
+    Parameters
+    ----------
+    described
+        The scene.
+    error
+        Requested relative L1 error of the pressure.
+    budget
+        Seconds for a measurement.
+    out
+        Folder of the file.
+    log
+        Takes a sentence on each step.
+    """
+    comparison = stored(described.key, out)
+    if comparison is not None:
+        verdict = comparison.verdict(error)
+        had_time = comparison.error == error and budget.seconds <= comparison.budget
+        if had_time or (verdict is not None and verdict.meets and verdict.best.rounds):
+            log(f"read the rounds stored in {path_in(out)}")
+            return replace(comparison, error=error)
+    comparison = compare_settings(described.subject(error), error, budget, log)
+    store(comparison, described.key, open_folder(out))
+    return comparison
 
 
 def to_dataset(comparison: Comparison) -> xr.Dataset:

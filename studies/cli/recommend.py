@@ -95,7 +95,7 @@ def measured_scene(
     start = perf_counter()
     from studies.advice.compared_scene import paper_scene, scene_in
     from studies.advice.nested_answers import Budget
-    from studies.report.scene_sections import comparison_of
+    from studies.advice.stored import comparison_of
 
     reserved = kept * (perf_counter() - start)
     budget = Budget(seconds, start - min(reserved, 0.75 * seconds))

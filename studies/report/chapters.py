@@ -6,11 +6,10 @@ from itertools import chain
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
+from studies.advice.stored import SETTINGS
 from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, load
 
-# Name of the part that shows the comparison of settings, which is not a study.
-SETTINGS = "settings"
 # Seconds that each study takes on two cores, with its times and its figures.
 SECONDS = {
     "padding": 3, "period": 4, "images": 3, "grid": 1, "paper": 2, "settings": 12, "pareto": 12, "stability": 4,

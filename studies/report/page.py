@@ -14,7 +14,7 @@ from contactstudy.domain.files import replacing
 from studies.advice.compared_scene import paper_scene
 from studies.advice.comparison import Comparison
 from studies.advice.nested_answers import Budget
-from studies.advice.stored import from_dataset, path_in
+from studies.advice.stored import SETTINGS, comparison_of, from_dataset, path_in
 from studies.engine.options import RunOptions
 from studies.engine.progress import progress_of
 from studies.engine.run import run
@@ -23,10 +23,11 @@ from studies.model.outcome import CaseStatus
 from studies.model.plain_text import Log
 from studies.model.study import Study
 from studies.registry import BUILT_IN, load_drawing
-from studies.report.chapters import CHAPTERS, MAIN, SETTINGS, Chapter, Part, chapter_of_study
-from studies.report.scene_sections import comparison_of, introduction, scene_sections
+from studies.report.chapters import CHAPTERS, MAIN, Chapter, Part, chapter_of_study
+from studies.report.drawings import comparison as settings
 from studies.report.section import FORMATS, Section, embedded, is_claim, saved
 from studies.report.style import marked, plain
+from studies.report.wording import introduction
 from studies.store.netcdf import read
 
 MAX_LISTED = 10  # of an axis that a page lists
@@ -78,10 +79,8 @@ def _without_gaps(study: Study, out: Path) -> xr.Dataset:
     return dataset.sel(values) if has_gaps and are_there else dataset
 
 
-def section(
-    part: Part, dataset: xr.Dataset, out: Path, formats: Sequence[str] = FORMATS
-) -> Section:
-    """Draw the part of a study that a chapter shows, and return it with findings and tables."""
+def section(part: Part, dataset: xr.Dataset) -> Section:
+    """Return the figures of a study that a chapter shows, with findings and tables."""
     study, drawing = part.study(), load_drawing(part.name)
     if not (dataset["case_status"] == CaseStatus.OK).any():
         drawing = NOTHING_TO_DRAW
@@ -90,10 +89,10 @@ def section(
     return Section(
         name=part.name,
         title=part.title or study.title.rstrip("."),
-        axes_text=axes_text(study, dataset),
         findings=drawing.findings(dataset),
-        figures=[embedded(figure, part.name, out, formats) for figure in shown],
+        figures=shown,
         tables=drawing.tables(dataset),
+        axes_text=axes_text(study, dataset),
     )
 
 
@@ -124,8 +123,8 @@ def write_scene(comparison: Comparison, out: Path, formats: Sequence[str] = FORM
     chapter = Chapter(
         MAIN.name, f"{comparison.name}: which padding and which grid", (), introduction(comparison)
     )
-    sections = scene_sections(comparison, out, formats)
-    return write_page(chapter, sections, {SETTINGS: read(path_in(out))}, out)
+    sections = settings.sections(comparison)
+    return write_page(chapter, sections, {SETTINGS: read(path_in(out))}, out, formats)
 
 
 def draw_and_write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS) -> Path:
@@ -138,17 +137,21 @@ def draw_and_write(chapter: Chapter, out: Path, formats: Sequence[str] = FORMATS
                     f"Comparison {str(path_in(out))!r} does not exist: run contactstudy report first."
                 )
             datasets[SETTINGS] = read(path_in(out))
-            sections += scene_sections(from_dataset(datasets[SETTINGS]), out, formats, max_parts=1)
+            sections += settings.sections(from_dataset(datasets[SETTINGS]))[:1]
             continue
         datasets[part.name] = _without_gaps(part.study(), out)
-        sections.append(section(part, datasets[part.name], out, formats))
-    return write_page(chapter, sections, datasets, out)
+        sections.append(section(part, datasets[part.name]))
+    return write_page(chapter, sections, datasets, out, formats)
 
 
 def write_page(
-    chapter: Chapter, sections: Sequence[Section], datasets: Mapping[str, xr.Dataset], out: Path
+    chapter: Chapter,
+    sections: Sequence[Section],
+    datasets: Mapping[str, xr.Dataset],
+    out: Path,
+    formats: Sequence[str],
 ) -> Path:
-    """Write the page of a chapter whose studies are drawn, with the provenance of their files; return its path."""
+    """Save the figures of a chapter, write its page with the provenance of their files, and return its path."""
     environment = Environment(
         loader=PackageLoader("studies.report", "."),
         autoescape=select_autoescape(),
@@ -163,6 +166,10 @@ def write_page(
         main_is_there=(out / MAIN.page).is_file(),
         explored={path.name for path in out.glob("*-explore.html")},
         sections=_with_claims_beside_the_paper(sections),
+        figures={
+            part.name: [embedded(figure, part.data, out, formats) for figure in part.figures]
+            for part in sections
+        },
         provenance={name: dataset.attrs for name, dataset in datasets.items()},
         others=_others(chapter, out) if chapter.parts else (),
     )

@@ -15,28 +15,26 @@ CLAIM_PREFIX = "The paper's"  # findings about the paper stand in its section
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """The part of a page that shows a study.
+    """The part of a page that shows a study or answers a question.
 
     Attributes
     ----------
     name, title
         Anchor on the page, and heading.
+    findings, figures, tables
+        What it says, draws and lists.
     axes_text
         Axes with their values; empty without any.
-    findings, tables
-        Findings and tables.
-    figures
-        Of each figure, what :func:`embedded` returns.
     file
-        Name of the netCDF file without its ending, `name` if empty.
+        Name of the netCDF file without its ending, and of the folder of figures; `name` if empty.
     """
 
     name: str
     title: str
-    axes_text: str
     findings: Sequence[Finding]
-    figures: Sequence[Mapping[str, str]]
+    figures: Sequence[CaptionedFigure]
     tables: Sequence[Table]
+    axes_text: str = ""
     file: str = ""
 
     @property

@@ -162,3 +162,16 @@ def reported_quantities(comparison: Comparison) -> Sequence[tuple[str, str]]:
     """Return the numbers whose change by a padding is known, each with its name for people."""
     names = {name for padding in comparison.paddings for name in padding.changes}
     return [(name, long_name) for name, long_name in REPORTED.items() if name in names]
+
+
+def introduction(comparison: Comparison) -> str:
+    """Return an introduction: the scene, the paddings and the measure of error."""
+    width, length = (1e3 * side for side in comparison.extent)
+    return (
+        f"The scene {comparison.name} on {width:.4g} mm x {length:.4g} mm, solved with every padding on finer and finer "
+        "grids. Neighbouring periods can be ignored (zero), copied once (duplicated), summed over n periods on each "
+        "side in a window fixed to the domain (superposed) or moving with the point (circular), or summed to infinity "
+        f"in closed form (exact){'; free ends have none' * (comparison.boundary_label == 'free')}. The L1 error is the "
+        f"mean absolute error of the pressure over the mean pressure. Measured in "
+        f"{comparison.seconds:.0f} s, times on one thread."
+    )

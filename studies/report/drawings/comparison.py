@@ -1,7 +1,6 @@
 """The comparison of a scene's settings: the price of accuracy, what each padding does, and what each grid does."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import inf, isfinite
 from operator import attrgetter
 from typing import Any
@@ -18,7 +17,9 @@ from studies.advice.comparison import (
     label_of,
     name_and_images,
 )
+from studies.advice.stored import SETTINGS
 from studies.model.drawing import CaptionedFigure, Finding, Table
+from studies.report.section import Section
 from studies.report.style import (
     WIDTH,
     captioned,
@@ -51,18 +52,7 @@ LABEL_DISTANCE = 0.04
 HOLLOW = {"ls": "none", "markerfacecolor": "white"}
 
 
-@dataclass(frozen=True, eq=False)
-class Topic:
-    """A question with its answer: what is drawn, said and listed of it."""
-
-    name: str
-    title: str
-    findings: Sequence[Finding]
-    figures: Sequence[CaptionedFigure]
-    tables: Sequence[Table]
-
-
-def parts(comparison: Comparison) -> Sequence[Topic]:
+def sections(comparison: Comparison) -> Sequence[Section]:
     """Return the price of accuracy, what each padding and each grid does, and what errors are against."""
     verdict = comparison.verdict()
     if verdict is None:
@@ -71,26 +61,20 @@ def parts(comparison: Comparison) -> Sequence[Topic]:
         verdict_text(comparison, verdict), alternatives_text(comparison, verdict), "Which setting?"
     )
     costs = _costs(comparison)
-    price = Topic(
-        "settings",
-        "The price of accuracy",
-        [claim],
-        [_front(comparison, verdict)],
-        [costs] if costs.rows else [],
-    )
-    reference_part = Topic(
-        "reference", "What the errors are against", [_reference(comparison)], [], []
-    )
-    if not comparison.paddings:
-        return price, reference_part
-    causes = Topic(
-        "paddings",
-        "What each padding does, and what each grid does",
-        [_which_n(comparison, verdict)],
-        [_causes(comparison, verdict)],
-        [_changes(comparison)],
-    )
-    return price, causes, reference_part
+    tables = [costs] if costs.rows else []
+    figures = [_front(comparison, verdict)]
+    parts = [Section(SETTINGS, "The price of accuracy", [claim], figures, tables)]
+    if comparison.paddings:
+        title = "What each padding does, and what each grid does"
+        finding, figure = _which_n(comparison, verdict), _causes(comparison, verdict)
+        parts.append(
+            Section("paddings", title, [finding], [figure], [_changes(comparison)], file=SETTINGS)
+        )
+    against = _reference(comparison)
+    return [
+        *parts,
+        Section("reference", "What the errors are against", [against], [], [], file=SETTINGS),
+    ]
 
 
 def _style(label: str) -> dict[str, Any]:

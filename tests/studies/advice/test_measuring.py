@@ -36,9 +36,8 @@ from studies.advice.front import pareto_front
 from studies.advice.measuring import compare_settings
 from studies.advice.nested_answers import Budget, NestedAnswers
 from studies.advice.rounds import median_ratio_and_p, times_in_rounds
-from studies.advice.stored import as_text, from_text, path_in, store, stored
+from studies.advice.stored import as_text, comparison_of, from_text, path_in, store, stored
 from studies.reference.line_contact import HERTZ, SCENE, hertz_means, relative_l1
-from studies.report.scene_sections import comparison_of
 from studies.store.netcdf import check_kind
 
 EXAMPLES = Path(__file__).parents[3] / "examples"

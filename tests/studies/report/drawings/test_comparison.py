@@ -1,19 +1,12 @@
 """The drawing of a comparison of settings, by hand."""
 
 from math import inf
-from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
-from studies.advice.nested_answers import Budget
-from studies.advice.stored import store
-from studies.report.drawings.comparison import parts
-from studies.report.scene_sections import comparison_of
+from studies.report.drawings.comparison import sections
 from studies.report.wording import alternatives_text, verdict_text
 from tests.studies.advice.test_measuring import COPIED, EXACT, of, one
-from tests.studies.conftest import quiet
 
 COARSE = one(EXACT, 32, 0.04, 1e-3)
 FINE = one(EXACT, 64, 0.02, 4e-3)
@@ -69,13 +62,13 @@ def test_without_a_bound_the_nearest_setting_is_named_and_nothing_claimed() -> N
     measured = of(FINE, reference_bound=inf)
     verdict = measured.verdict()
     text = verdict_text(measured, verdict)
-    assert not parts(measured)[0].tables
+    assert not sections(measured)[0].tables
     assert text.startswith("No setting can be shown to meet 3.0\xa0%")
     assert "64 x 64 cells" in text
 
 
 def test_a_table_of_costs_lists_the_quickest_setting_of_each_error_that_is_reached() -> None:
-    price, _, _ = parts(of(COARSE, FINE, OTHER, reference_bound=0.004))
+    price, _, _ = sections(of(COARSE, FINE, OTHER, reference_bound=0.004))
     (table,) = price.tables
     shown = {row[0]: (row[2], row[5], row[6]) for row in table.rows}
     assert shown["10\xa0%"] == ("32 x 32 cells", "1 ms", "duplicated: 6 times")
@@ -84,16 +77,8 @@ def test_a_table_of_costs_lists_the_quickest_setting_of_each_error_that_is_reach
     assert "2.0\xa0% ± 0.40\xa0%" in table.caption
 
 
-def test_a_comparison_stored_for_the_same_error_is_read_and_not_measured(tmp_path: Path) -> None:
-    nothing_meets = of(FINE, reference_bound=inf)
-    store(nothing_meets, "key", tmp_path)
-    unmeasurable: Any = SimpleNamespace(key="key", subject=None)
-    found = comparison_of(unmeasurable, 0.03, Budget(1.0), tmp_path, quiet)
-    assert found.settings == nothing_meets.settings
-
-
 def test_what_a_padding_alone_does_is_listed_with_its_sign() -> None:
-    _, causes, _ = parts(of(FINE, OTHER))
+    _, causes, _ = sections(of(FINE, OTHER))
     (table,) = causes.tables
     assert table.head == ("padding", "pressure in L1", "mean gap")
     assert table.rows == (("duplicated", "2.0\xa0%", "+10\xa0%"),)
@@ -101,7 +86,7 @@ def test_what_a_padding_alone_does_is_listed_with_its_sign() -> None:
 
 @pytest.mark.parametrize("floor", [0.0, 0.004])
 def test_the_page_says_what_errors_are_against(floor: float) -> None:
-    *_, about = parts(of(FINE, reference_bound=floor))
+    *_, about = sections(of(FINE, reference_bound=floor))
     (finding,) = about.findings
     assert "96 x 96 cells" in finding.claim
     assert "Without a bound even there: peak pressure." in finding.measured

@@ -66,6 +66,8 @@ class _DryContact:
         That of the peak pressure is the largest of any cell. That of the area counts cells in contact in one of both
         alone, and is at least that in L1, since a small change may move no edge to another cell.
         """
+        if not self.pressure.any():  # no solution
+            return dict.fromkeys(("l1", "peak_pressure", "contact_area"), inf)
         touching, change = self.pressure > 0, np.abs(self.pressure - coarse.pressure)
         moved = np.count_nonzero(touching ^ (coarse.pressure > 0)) / np.count_nonzero(touching)
         l1 = change.sum() / self.pressure.sum()
@@ -176,7 +178,7 @@ class _WearingContact(Generic[Contact]):
         error: float,
         progress: Callable[[float, float], None] | None = None,
     ) -> list[_Instant[Contact]]:
-        """Return the contact at each of `times`, by pairs of steps beside one of twice the length.
+        """Return the contact at each of `times`, or up to one without a solution, by pairs of steps beside one of both.
 
         Parameters
         ----------
@@ -195,6 +197,8 @@ class _WearingContact(Generic[Contact]):
         rate = float(self.rate(fine.contact).max())
         length = self.first_depth / rate if rate else inf
         work = np.array((0.0, *self.solves_and_iterations(first), 0.0))
+        if first.status.is_failure:
+            return [replace(fine, coarse=coarse, work=work)]
         instants, status = [], first.status
         for target in times:
             span = target - fine.time
@@ -213,6 +217,8 @@ class _WearingContact(Generic[Contact]):
                     continue
                 fine, coarse = end, double
                 status = worst((status, middle.status, end.status, double.status))
+                if not np.isfinite(change):
+                    return [*instants, replace(fine, status=status, coarse=coarse, work=work)]
                 # a step shortened to end at an instant does not limit the next one
                 length = max(next_length, length if duration < length else 0.0)
                 if progress is not None:

@@ -307,7 +307,7 @@ def follow_wear(
             replace(
                 frame_in_equilibrium(
                     instant.time,
-                    scene.load.largest,
+                    scene.mean_load(grid, padding),
                     solution,
                     instant.contact.rolling,
                 ),

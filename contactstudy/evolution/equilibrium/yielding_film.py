@@ -28,7 +28,7 @@ from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import LineLoad
 from contactstudy.scene.loads.load_history import ChangingLoad, loads_between
-from contactstudy.scene.scene import AnyLoad, Scene
+from contactstudy.scene.scene import Scene
 from contactstudy.scene.solids.bodies import instantaneous
 from contactstudy.solvers.plasticity.contact_tangent import ContactTangent
 from contactstudy.solvers.solution import Solution, Status, worst
@@ -162,7 +162,10 @@ def _with_increments(
     progress: Callable[[float, float], None] | None,
 ) -> YieldingFilms:
     """Return the film at all instants, after a `factor` times the least load increments to each."""
-    paths = _load_paths(scene.load, instants)
+    if isinstance(scene.load, ChangingLoad):
+        paths = _load_paths(scene.load, instants)
+    else:
+        paths = [[scene.mean_load(grid, padding)] for _ in instants]
     largest = max(value for path in paths for value in path)
     controls = FilmControls(tolerance=options.tolerance, max_iterations=options.max_iterations)
     dry = replace(scene, lubrication=None, solids=instantaneous(scene.solids), outputs=())
@@ -211,13 +214,11 @@ def _with_increments(
     )
 
 
-def _load_paths(load: AnyLoad, instants: list[float]) -> list[list[float]]:
+def _load_paths(load: ChangingLoad, instants: list[float]) -> list[list[float]]:
     """Return, for each instant [s], the loads [N/m] to go through since the one before: where it turns, then its own.
 
     A load of zero, under which no film has a thickness, is left out.
     """
-    if not isinstance(load, ChangingLoad):
-        return [[load.largest] for _ in instants]
     paths, previous = [], -inf
     for time in instants:
         loads = [*loads_between(load, previous, time), load.at(time)]

@@ -3,6 +3,7 @@ from functools import cache
 from math import inf
 
 import numpy as np
+import pytest
 
 import contactstudy as cs
 from contactstudy.evolution.equilibrium.surface_depth import SurfaceDepth
@@ -96,6 +97,14 @@ def test_a_dent_is_that_of_the_largest_load_whether_it_is_recorded_or_not() -> N
     assert isinstance(missed, cs.Evolution)
     dents = (found.quantities["dent_depth"].value for found in (missed, solved(scene(BODY))))
     assert next(dents) == next(dents) > 0
+
+
+def test_a_total_load_on_a_crowned_roller_is_spread_over_the_length_of_the_grid() -> None:
+    roller, never = cs.Crown(5.0, 2e-4), replace(BODY, yield_stress=1e12)
+    pressed = replace(scene(never), load=cs.TotalLoad(40.0, 2e-4))
+    crowned = replace(pressed, shapes=(*pressed.shapes, roller))
+    found = cs.solve(crowned, cs.Grid((64, 4), (1.2e-3, 4e-4)), EXACT, times=(0.0, 1.0))
+    assert found.frames[-1].load_per_length == pytest.approx(40.0 / 4e-4, rel=1e-6)
 
 
 def test_the_pressure_below_a_film_has_the_error_of_its_load_increments_and_no_step_has_one() -> (

@@ -33,8 +33,10 @@ from contactstudy.scene.solids.bodies import creeps, hertz_line, instantaneous, 
 from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
-# End of the outlet from the axis, over the half-width that carries load.
-OUTLET = 1.5
+# End of the outlet from the end of the dry contact, or of the half-width that carries load, over that half-width.
+OUTLET = 0.5
+# Tolerance of the dry contact that a film starts from.
+DRY_TOLERANCE = 1e-4
 # Least width of a grid over that of the pressure.
 MIN_WIDTH = 1.2
 # A gap that varies along the length by more than CROWNED [a^2 / R] is that of a crowned roller, by more than SHARP_END
@@ -173,17 +175,11 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             f"padding is {padding!r}: a film flows in at one side and out at the other, and is periodic along the "
             "length: give a padding along the length that wraps, such as ExactPeriodicity()."
         )
-    pressure_half_width = scales.relative_half_width * scales.hertz.half_width
+    half_width = pressure_half_width = scales.relative_half_width * scales.hertz.half_width
     if grid.cell_size[0] > pressure_half_width:
         least = ceil(grid.extent[0] / pressure_half_width)
         raise InvalidInput(
             f"Grid.cells[0] is {grid.cells[0]}, of cells wider than half the contact: give {least} at the least."
-        )
-    if grid.extent[0] < 2 * MIN_WIDTH * pressure_half_width:
-        raise InvalidInput(
-            f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that carries load over "
-            f"{readable(2 * pressure_half_width)}: "
-            f"give {readable(2 * MIN_WIDTH * pressure_half_width)} at the least, or take contactstudy.plan(scene).grid."
         )
     assert isinstance(scene.load, ConstantLoad)
     sudden = instantaneous(scene.solids)
@@ -194,8 +190,17 @@ def pose(scene: Scene, grid: Grid, padding: Padding | Paddings) -> PosedFilm:
             f"Scene.shapes open the gap by {readable(opening)} along the length, as a roller's sharp end does: a film "
             "that ends there is not supported, give a Crown or a LundbergProfile, and a longer period."
         )
+    if opening > CROWNED * scales.film:  # a part of the length carries more than the mean load
+        dry = solve_contact(problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure
+        half_width = max(half_width, float(np.abs(grid.x[dry.any(axis=1)]).max()))
+    if grid.extent[0] < 2 * MIN_WIDTH * half_width:
+        raise InvalidInput(
+            f"Grid.extent[0] is {readable(grid.extent[0])}, too narrow for a film that carries load over "
+            f"{readable(2 * half_width)}: "
+            f"give {readable(2 * MIN_WIDTH * half_width)} at the least, or take contactstudy.plan(scene).grid."
+        )
     hertz = scales.hertz
-    upstream_cells = np.count_nonzero(grid.x < OUTLET * pressure_half_width)
+    upstream_cells = np.count_nonzero(grid.x < half_width + OUTLET * pressure_half_width)
     rows = min(ROW_MULTIPLE * ceil(upstream_cells / ROW_MULTIPLE), grid.cells[0])
     oil, peak = scales.lubrication.lubricant, hertz.peak_pressure
     bodies = rolling_bodies(scene.solids, scales.lubrication.contact_speeds)
@@ -328,7 +333,9 @@ def _dry_pressure(posed: PosedFilm) -> Array:
     """Return the pressure of the dry contact over p_H, averaged over the cells of the grid ``upstream``."""
     (nx, ny), fine = posed.upstream.cells, posed.problem.grid
     across = round(posed.upstream.cell_size[0] / fine.cell_size[0])
-    dry = solve_contact(posed.problem, SolveOptions(tolerance=1e-4)).pressure[: nx * across]
+    dry = solve_contact(posed.problem, SolveOptions(tolerance=DRY_TOLERANCE)).pressure[
+        : nx * across
+    ]
     blocks = dry.reshape(nx, across, ny, fine.cells[1] // ny)
     return np.asarray(blocks.mean(axis=(1, 3)) / posed.scales.hertz.peak_pressure)
 

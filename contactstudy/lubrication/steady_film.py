@@ -273,7 +273,9 @@ def _status(posed: PosedFilm, last: FilmIteration, tolerance: float) -> Status:
         return Status.FILM_NOT_CONVERGED
     equation = posed.equation
     axis = int(np.argmin(np.abs(posed.x)))
-    film = float(last.film.thickness[axis].mean())
+    # a crowned film matters where it carries load
+    load = last.film.total_pressure.sum(axis=0)
+    film = float(last.film.thickness[axis] @ load / load.sum())
     steep = not equation.boundary_film and rise_beside_lowest(last.film.thickness) > UNRESOLVED_RISE
     if film < SWEEP * equation.cell[0] ** 1.5 or steep:
         return Status.FILM_BELOW_CELL

@@ -129,6 +129,18 @@ def test_a_crowned_roller_has_its_film_in_the_middle_and_none_beyond_its_ends() 
     assert contact.film[24, 0] > 3 * contact.film[24, 8]
 
 
+def test_a_film_of_a_short_contact_is_as_wide_as_the_dry_contact() -> None:
+    """2.2 half-widths of the mean load, which is 2.8 times the mean in the middle."""
+    crowned, cells = by_moes(20, 2, cs.Crown(0.01, 20 * A)), grid(96, 6.0, 16, period=20.0)
+    contact = solve_lubricated(crowned, cells)
+    assert contact.status is not cs.Status.FILM_NOT_CONVERGED
+    dry = cs.solve(replace(crowned, lubrication=None), cells, cs.ExactPeriodicity())
+    assert dry.pressure[cells.x > 2 * A].any()
+    assert contact.peak_pressure == pytest.approx(dry.pressure.max(), rel=0.02)
+    with pytest.raises(cs.InvalidInput, match="too narrow for a film that carries load over"):
+        solve_lubricated(crowned, grid(48, 2.0, 16, period=20.0))
+
+
 def test_a_texture_and_a_measured_surface_carry_a_film(tmp_path: Path) -> None:
     depth = 0.4 * film_scale(by_moes(20, 5))
     rng = np.random.default_rng(5)

@@ -1,10 +1,8 @@
 import numpy as np
 import pytest
 
-import contactstudy as cs
 from studies.definitions import coating
 from studies.definitions.friction import COEFFICIENTS
-from studies.registry import load
 from tests.studies.conftest import measured
 
 
@@ -36,16 +34,6 @@ def test_friction_is_measured() -> None:
     assert steel["superposition_error"] > 0.02
     # without Poisson's ratio all shear is along the force
     assert cork["transverse_traction"] < 1e-3 < steel["transverse_traction"] < 1
-
-
-@pytest.mark.parametrize(
-    ("axis", "value", "said"),
-    [("grid", 31, "at least 32 cells"), ("rough_grid", 15, "at least 16 cells")],
-)
-def test_a_grid_that_shows_no_contact_is_refused(axis: str, value: int, said: str) -> None:
-    point = {"poisson_ratio": 0.3, "grid": 32, "rough_grid": 16} | {axis: value}
-    with pytest.raises(cs.InvalidInput, match=said):
-        load("friction").case_at(point)
 
 
 @pytest.mark.parametrize("ratio", [0.25, 4.0])

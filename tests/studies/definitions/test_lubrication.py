@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import contactstudy as cs
 from contactstudy.analytic import moes_film
 from contactstudy.lubrication.film_equation import FilmScales
 from studies.definitions.lubrication import case_at, measures
@@ -36,17 +35,6 @@ def test_a_rough_point_has_a_thinner_film_than_a_smooth_one() -> None:
     rough, plain = (measures(part, part.run()) for part in (case, smooth))
     assert float(rough["converged"]) == 1
     assert float(rough["minimum_film"]) < float(plain["minimum_film"])
-
-
-@pytest.mark.parametrize("field", ["load", "grid"])
-def test_a_point_without_sense_is_refused(field: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=field):
-        case_at(POINT | {field: 0})
-
-
-def test_a_law_of_cavitation_that_is_not_known_is_refused() -> None:
-    with pytest.raises(cs.InvalidInput, match="elrod-adams"):
-        case_at(POINT | {"cavitation": "none"})
 
 
 def test_the_finding_says_how_many_films_do_not_converge() -> None:

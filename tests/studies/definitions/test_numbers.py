@@ -63,11 +63,6 @@ def test_the_error_of_creep_falls_with_the_steps_under_its_estimate() -> None:
     assert float(halfway) == pytest.approx(np.sqrt(1 + 1.5 * (1 - np.exp(-1))), abs=0.36 / 64 / 0.1)
 
 
-def test_wear_is_not_compared_with_a_reference_of_as_many_steps() -> None:
-    with pytest.raises(cs.InvalidInput, match=r"^steps is 512: give at most 256, half of the 512"):
-        measured("wear", steps=512)
-
-
 def test_explicit_wear_breaks_before_its_limit_and_implicit_never() -> None:
     error = {}
     for scheme, steps in itertools.product(("explicit", "implicit", "two-stage"), (8, 32)):
@@ -106,12 +101,6 @@ def test_a_contact_that_yields_nears_the_known_one_and_a_hardness_does_not() -> 
     assert known["hardness_limited_difference"] > 0.1
 
 
-POINT = {
-    "surface": "self-affine", "hurst": 0.5, "cut_off": 4.0, "fraction": 0.3, "precision": "double",
-    "device": "cpu", "threads": 1, "grid": 32,
-}  # fmt: skip
-
-
 def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_cells() -> None:
     """Persson (2001): the fraction is erf(sqrt(2) p / (E* slope)), p the mean pressure."""
     grid = cs.Grid((64, 64), (3e-3, 3e-3))
@@ -124,22 +113,6 @@ def test_a_self_affine_surface_bears_the_load_of_its_share_and_ends_at_so_many_c
     waves = np.abs(np.fft.rfft2(scene.shapes[0].gap(grid)))  # type: ignore[union-attr]
     index = np.hypot(*np.meshgrid(np.fft.fftfreq(64), np.fft.rfftfreq(64), indexing="ij"))
     assert waves[index > 1.001 / 4].max() < 1e-12 * waves.max() < waves[index > 0.9 / 4].max()
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"fraction": 1.0}, r"^fraction is 1\.0: give a fraction between 0 and 1\."),
-        ({"cut_off": 0.0}, r"^cut_off is 0\.0: give a number of cells above 0\."),
-        ({"threads": 0}, r"^threads is 0: must be a whole number of threads, at least 1\."),
-        ({"device": "gpu"}, "^Gpu "),
-        ({"surface": "smoth"}, "^surface is 'smoth': did you mean 'smooth'"),
-        ({"precision": "half"}, "^precision is 'half': give 'single' or 'double'"),
-    ],
-)
-def test_a_point_that_is_none_is_refused(change: dict[str, object], message: str) -> None:
-    with pytest.raises(cs.InvalidInput, match=message):
-        load("speed").case_at(POINT | change)
 
 
 DONE, LIMIT, STALLED = cs.Status.CONVERGED, cs.Status.PRECISION_LIMIT, cs.Status.STALLED

@@ -5,7 +5,6 @@ from math import pi
 import pytest
 import xarray as xr
 
-from contactstudy import InvalidInput
 from studies.definitions.roughness import case_at, measures
 from studies.registry import load
 
@@ -86,17 +85,3 @@ def test_without_roughness_all_choices_are_one_case() -> None:
     study = load("roughness").override({"rms": "0,0.1", "seed": "1,2"})
     smooth = len(study.cases()) // 2
     assert len(set(study.cases())) == 1 + smooth
-
-
-@pytest.mark.parametrize(
-    ("axis", "values", "message"),
-    [
-        ("rms", "-0.1", "rms is -0.1: give an rms height of 0 or more"),
-        ("period", "1", "the rough surface's length is .*: give a length that divides the period"),
-        ("peklenik", "0", "Roughness.peklenik is 0.0"),
-        ("images", "-1", "images is -1"),
-    ],
-)
-def test_a_point_that_cannot_be_is_refused(axis: str, values: str, message: str) -> None:
-    with pytest.raises(InvalidInput, match=f"^{message}"):
-        load("roughness").override({axis: values}).cases()

@@ -12,25 +12,20 @@ from studies.store.journal import Journal
 from studies.store.provenance import machine
 from studies.store.request import Request
 from tests.campaigns.conftest import case_count
-from tests.campaigns.victim import Kill, study
 from tests.studies.conftest import quiet
+from tests.studies.engine import trouble
 
-NUMBERS = range(12)
+NUMBERS = [number + 0.5 for number in range(12)]
 ALONE = RunOptions(workers=0, repeats=0)
 Said = dict[str, object]
-
-
-def plain(tmp_path: Path) -> Kill:
-    (tmp_path / "events").mkdir(exist_ok=True)
-    return Kill(str(tmp_path / "events"), "nobody", 0, "never", 0)
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, Request]:
     folder = tmp_path_factory.mktemp("whole")
-    sweep = study(plain(folder), NUMBERS)
+    sweep = trouble.study(NUMBERS)
     run(sweep, folder, options=ALONE, log=quiet)
-    return (folder / "victim.journal.jsonl").read_bytes(), Request.of(sweep)
+    return (folder / "trouble.journal.jsonl").read_bytes(), Request.of(sweep)
 
 
 def content(path: Path, request: Request) -> Said:
@@ -72,7 +67,7 @@ def damages(raw: bytes) -> Iterator[bytes]:
 
 def test_no_damage_makes_a_wrong_value(whole: tuple[bytes, Request], tmp_path: Path) -> None:
     raw, request = whole
-    path = tmp_path / "victim.journal.jsonl"
+    path = tmp_path / "trouble.journal.jsonl"
     path.write_bytes(raw)
     right = content(path, request)
     assert len(right) == len(NUMBERS)
@@ -88,14 +83,14 @@ def test_no_damage_makes_a_wrong_value(whole: tuple[bytes, Request], tmp_path: P
     "foreign", ["precious without newline", "a\nb\n", "\0" * 100, "{}\n", "[1]\n"]
 )
 def test_a_file_that_is_no_journal_is_left_as_it_is(foreign: str, tmp_path: Path) -> None:
-    path = tmp_path / "victim.journal.jsonl"
+    path = tmp_path / "trouble.journal.jsonl"
     path.write_text(foreign)
     with pytest.raises(InvalidInput, match="is not a journal of this program: move the file away"):
-        run(study(plain(tmp_path), [1]), tmp_path, options=ALONE, log=quiet)
+        run(trouble.study([1]), tmp_path, options=ALONE, log=quiet)
     assert path.read_text(encoding="utf-8") == foreign
 
 
-@pytest.mark.parametrize("name", ["victim.journal.jsonl", ".victim.lock"])
+@pytest.mark.parametrize("name", ["trouble.journal.jsonl", ".trouble.lock"])
 def test_a_link_is_not_followed(name: str, tmp_path: Path) -> None:
     victim = tmp_path / "precious"
     victim.write_text("precious")
@@ -103,5 +98,5 @@ def test_a_link_is_not_followed(name: str, tmp_path: Path) -> None:
     folder.mkdir()
     (folder / name).symlink_to(victim)
     with pytest.raises(InvalidInput, match="it is a symbolic link, which is not followed"):
-        run(study(plain(tmp_path), [1]), folder, options=ALONE, log=quiet)
+        run(trouble.study([1]), folder, options=ALONE, log=quiet)
     assert victim.read_text(encoding="utf-8") == "precious"

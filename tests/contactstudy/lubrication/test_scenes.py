@@ -6,8 +6,6 @@ import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import film_grid, solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
-OIL = cs.Lubricant(0.04, 2e-8)
-
 
 def test_a_dry_scene_is_sent_to_the_dry_solver_and_a_lubricated_one_to_this() -> None:
     with pytest.raises(cs.InvalidInput, match=r"or call contactstudy\.solve"):

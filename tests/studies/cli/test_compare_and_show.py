@@ -44,19 +44,6 @@ def test_a_solution_says_where_it_came_from(folder: Path) -> None:
     assert cs.read_scene(scene).scene == cs.read_scene(folder / "smooth.toml").scene
 
 
-def test_solutions_of_several_loads_open_as_one_dataset(folder: Path) -> None:
-    paths = [folder / "out" / f"{name}.nc" for name in ("smooth", "heavy")]
-    both = xr.concat(
-        [
-            xr.load_dataset(path)[["load_per_length", "status", "hertz_half_width"]]
-            for path in paths
-        ],
-        "load",
-    )
-    np.testing.assert_allclose(both["load_per_length"], [1e5, 1.1e5])
-    assert both["hertz_half_width"][0] < both["hertz_half_width"][1]
-
-
 def test_two_solutions_are_compared(folder: Path) -> None:
     words = folder / "out" / "smooth.nc", folder / "out" / "heavy.nc"
     text = said("compare", *words, "--out", folder / "compared")

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.accuracy.estimate import error_estimate
-from studies.definitions.accuracy import KINDS, USES, case_at, use_of
+from studies.definitions.accuracy import KINDS, USES, case_at
 from studies.reference.accuracy.case import errors
 from studies.reference.accuracy.matrix import matrix
 from studies.reference.accuracy.random_scenes import RANDOM
@@ -39,12 +39,6 @@ def test_a_bound_that_is_missing_without_a_reason_is_counted() -> None:
     # it says that the contact is cut off
     assert float(found["l1_bound"]) == float("inf")
     assert float(found["missing_without_reason"]) == 0
-
-
-def test_margins_are_judged_on_the_other_half_and_on_random_contacts() -> None:
-    assert use_of("rollers 3") == "validation"
-    assert use_of("rollers 4") == "calibration"
-    assert use_of("random rollers 3") == "random"
 
 
 def test_a_seed_chooses_other_random_contacts_and_the_same_matrix() -> None:

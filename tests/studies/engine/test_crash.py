@@ -14,7 +14,6 @@ import pytest
 import xarray as xr
 
 from contactstudy import InvalidInput
-from contactstudy.domain.files import locked
 from studies.engine.options import RunOptions
 from studies.engine.run import run
 from studies.engine.workers.process import METHOD
@@ -153,19 +152,6 @@ def test_failures_are_kept_until_they_are_to_be_tried_again(tmp_path: Path) -> N
     again = replace(ALONE, repeats=0, retry=frozenset({CaseStatus.FAILED}))
     run(study, tmp_path, options=again, log=quiet)
     assert lines(log) == ["3.0"]
-
-
-@pytest.mark.whole
-def test_a_second_run_says_who_holds_the_output_and_waits(start: Start, tmp_path: Path) -> None:
-    log = tmp_path / "log"
-    with locked(tmp_path / ".trouble.lock", quiet):
-        second = start(log, 0, 3, math.inf)
-        assert f"waiting for process {os.getpid()} on " in second.stdout.readline()
-        assert not lines(log)
-    _, err = second.communicate()
-    assert second.returncode == 0, err
-    assert len(lines(log)) == 3
-    assert not (tmp_path / ".trouble.holder").exists()
 
 
 def test_a_full_disk_is_said_and_what_was_stored_stays(tmp_path: Path) -> None:

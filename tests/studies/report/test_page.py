@@ -268,13 +268,6 @@ def test_every_chapter_is_drawn_from_what_is_stored(
         assert f'<h2 id="{part.name}">' in text
 
 
-def test_many_cases_are_told_by_the_number_of_their_kinds() -> None:
-    cases = list(matrix())[:12]
-    kinds = ("case", "seed"), [[float(number // 4)] for number in range(12)]
-    dataset = xr.Dataset({"kind": kinds}, {"case": cases, "seed": [1]})
-    assert "12 cases of 3 kinds" in report.axes_text(load("accuracy"), dataset)
-
-
 @pytest.mark.parametrize(
     ("text", "html", "unmarked"),
     [

@@ -199,7 +199,8 @@ class _WearingContact(Generic[Contact]):
         work = np.array((0.0, *self.solves_and_iterations(first), 0.0))
         if first.status.is_failure:
             return [replace(fine, coarse=coarse, work=work)]
-        instants, status = [], first.status
+        instants: list[_Instant[Contact]] = []
+        status = first.status
         for target in times:
             span = target - fine.time
             while (remaining := target - fine.time) > SHORTEST * span:

@@ -426,8 +426,8 @@ def _cut_off(solution: Solution) -> str:
 
 def _unresolved_length(problem: Problem) -> str:
     """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
-    finest = problem.source.finest if problem.source is not None else (inf, inf)
-    for axis, (cell, length) in enumerate(zip(problem.grid.cell_size, finest, strict=True)):
+    shortest = problem.source.shortest_wavelengths if problem.source is not None else (inf, inf)
+    for axis, (cell, length) in enumerate(zip(problem.grid.cell_size, shortest, strict=True)):
         if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
             count = int(np.ceil(2 * problem.grid.extent[axis] / length))
             return (

@@ -236,7 +236,7 @@ def _with_error(
 def varies_along(shape: object) -> bool:
     """Return whether a shape varies along the length by its length scales; True if it has none."""
     scales = getattr(shape, "length_scales", None)
-    return scales is None or scales.finest[1] < inf or scales.roller > 0
+    return scales is None or scales.shortest_wavelengths[1] < inf or scales.roller > 0
 
 
 def film_error(contact: FilmSolution) -> ErrorEstimate:

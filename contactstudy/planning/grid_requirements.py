@@ -118,8 +118,8 @@ class GridRequirements:
     def shortest_wavelengths(self) -> tuple[float, float]:
         """The shortest wavelengths (across, along) of all shapes [m]; infinite where there are none."""
         return (
-            min((scales.finest[0] for scales in self.length_scales), default=inf),
-            min((scales.finest[1] for scales in self.length_scales), default=inf),
+            min((scales.shortest_wavelengths[0] for scales in self.length_scales), default=inf),
+            min((scales.shortest_wavelengths[1] for scales in self.length_scales), default=inf),
         )
 
     @property
@@ -152,7 +152,7 @@ class GridRequirements:
     @property
     def longest_wavelength(self) -> float:
         """The longest wavelength along the length [m]."""
-        return max((scales.longest for scales in self.length_scales), default=0.0)
+        return max((scales.longest_wavelength for scales in self.length_scales), default=0.0)
 
     @property
     def known_width(self) -> float:

@@ -77,12 +77,12 @@ class Source(Protocol):
     """Origin of a problem, which can discretise it again on another grid of the same extent."""
 
     @property
-    def finest(self) -> tuple[float, float]:
+    def shortest_wavelengths(self) -> tuple[float, float]:
         """Shortest wavelengths (across, along) of the heights [m]; infinite if unknown."""
 
     @property
     def has_length_scales(self) -> bool:
-        """True if `finest` is known for every shape."""
+        """True if `shortest_wavelengths` is known for every shape."""
 
     @property
     def ends_along(self) -> bool:

@@ -34,10 +34,12 @@ class ShapesSource:
     sampled: tuple[Grid, Array] | None = None
 
     @property
-    def finest(self) -> tuple[float, float]:
+    def shortest_wavelengths(self) -> tuple[float, float]:
         """Shortest wavelengths (across, along) and rollers [m] of all shapes that name theirs; infinite if none does."""
         length_scales = length_scales_of(self.shapes)
-        across, along = zip((inf, inf), *(scales.finest for scales in length_scales), strict=True)
+        across, along = zip(
+            (inf, inf), *(scales.shortest_wavelengths for scales in length_scales), strict=True
+        )
         return min(across), min(*along, *(scales.roller or inf for scales in length_scales), inf)
 
     @property

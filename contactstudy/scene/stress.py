@@ -41,9 +41,9 @@ class SubsurfaceStress:
 
     In a Dataset they are ``stress`` (component, z, x, y) [Pa], tension positive, with x across the contact, y along
     it and z into the body, and ``von_mises`` (z, x, y) [Pa]. They are computed when the Dataset is made. Poisson's
-    ratio of the body sets xx, yy and xy. In a coated body these three jump at the bond: a depth equal to the thickness
-    is the coating's side, any larger one is in the substrate. In a body that yields they include the residual stress,
-    interpolated between the middles of its layers.
+    ratio of the body sets xx, yy and xy. In a coated body these three jump at the interface: a depth equal to the
+    thickness is the coating's side, any larger one is in the substrate. In a body that yields they include the residual
+    stress, interpolated between the middles of its layers.
 
     Parameters
     ----------

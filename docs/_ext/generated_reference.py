@@ -89,7 +89,7 @@ INNER = (
     "scene.solids.stress_model.HalfSpaceStress",
     "scene.solids.coated_stress.CoatedStress",
     "scene.surfaces.preparation.Missing",
-    "scene.surfaces.preparation.Seam",
+    "scene.surfaces.preparation.PeriodicExtension",
     "solvers.friction.laws.PartialSlipShear",
     "solvers.friction.laws.FullSliding",
     "solvers.friction.laws.CiavarellaJaeger",

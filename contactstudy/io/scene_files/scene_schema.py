@@ -69,8 +69,8 @@ from contactstudy.scene.surfaces.preparation import (
     HarmonicFill,
     Mirrored,
     Missing,
+    PeriodicExtension,
     RefuseMissing,
-    Seam,
     Tapered,
     Tile,
     Trend,
@@ -103,8 +103,8 @@ class MeasuredSurfaceTable:
     unit: str | None = None
     missing: Missing = field(default_factory=RefuseMissing)
     trend: Trend = Trend.PLANE
-    seam: Seam = field(default_factory=Tapered)
-    seam_across: Seam | None = None
+    seam: PeriodicExtension = field(default_factory=Tapered)
+    seam_across: PeriodicExtension | None = None
     turn: Turn = Turn.NONE
     tile: Tile | None = None
 
@@ -269,7 +269,7 @@ KINDS: Mapping[Any, Mapping[str, type]] = {
     Output: _kinds(SubsurfaceStress),
     Profile: _kinds(Parabolic, Cosine, FlatBottomed),
     Missing: _kinds(RefuseMissing, HarmonicFill),
-    Seam: _kinds(AsMeasured, Mirrored, Tapered),
+    PeriodicExtension: _kinds(AsMeasured, Mirrored, Tapered),
     Solver: _kinds(PreconditionedCG, PolonskyKeer),
     ViscosityLaw: _kinds(Roelands, Barus),
     DensityLaw: _kinds(DowsonHigginson, ConstantDensity),

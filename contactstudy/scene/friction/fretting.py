@@ -143,7 +143,7 @@ class Fretting:
         return cls(coefficient, (amplitude, *down, *(-force for force in down)))
 
     def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
+        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
         self._check_motion(scene)
         check_tangential_response(scene, "Fretting", creep="follows")
         check_similar(scene, "Fretting")
@@ -170,7 +170,7 @@ class Fretting:
         load = scene.load
         if self.displacements is not None and isinstance(load, ChangingLoad):
             raise InvalidInput(
-                "Scene.load changes in time together with Fretting.displacements: the shear locked in by a rising "
+                "Scene.load changes in time together with Fretting.displacements: the traction locked in by a rising "
                 "pressure follows from forces only, give Fretting.forces, or a LineLoad."
             )
 
@@ -207,7 +207,7 @@ class Fretting:
         return shear_response(shearable(scene.solids), grid, paddings, datum)
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on the solves of the shear."""
+        """Return a sentence on the solves of the traction."""
         count = len(self.forces or self.displacements or ())
         return (
             f"friction: fretting by Newton's method, {count} steps of 20 to 60 applications of the "

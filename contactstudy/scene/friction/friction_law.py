@@ -70,8 +70,8 @@ def dundurs(solids: tuple[Body, ...]) -> float:
     """Return Dundurs' beta of the instantaneous response of two bodies, 0 for two equal bodies of any kind.
 
     That of a coated body is the largest in magnitude, by its coating and by its substrate. Source: Dundurs
-    (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to shear is
-    not known.
+    (1969); Johnson (1985), sect. 5.4. Raises :class:`~contactstudy.InvalidInput` for bodies whose response to traction
+    is not known.
     """
     first, second = solids
     if first == second:
@@ -100,7 +100,7 @@ def _materials(solid: Body) -> tuple[Homogeneous, ...]:
     if isinstance(solid, Homogeneous) and not is_layered(solid):
         return (solid,)
     raise InvalidInput(
-        "Scene.solids are dissimilar together with friction, and the response to shear of a "
+        "Scene.solids are dissimilar together with friction, and the response to traction of a "
         f"{type(solid).__name__} is not known: give two equal bodies, or HalfSpace and CoatedHalfSpace."
     )
 
@@ -149,17 +149,17 @@ def check_tangential_response(
     alternative: str = "",
     creep: Literal["follows", "refused"] = "refused",
 ) -> None:
-    """Raise InvalidInput for a body whose response to shear the law of friction `name` does not support."""
+    """Raise InvalidInput for a body whose response to traction the law of friction `name` does not support."""
     for number, solid in enumerate(scene.solids):
         follows = creeps(solid) and creep == "follows"
         elastic = isinstance(solid, Inelastic) and not creeps(solid) and not yields(solid)
         if follows or elastic or isinstance(solid, HalfSpace | CoatedHalfSpace):
             continue
-        reason = "its response to shear is not known"
+        reason = "its response to tangential traction is not known"
         if yields(solid):
-            reason = "shear makes it flow along its surface, which is not computed"
+            reason = "tangential traction makes it flow along its surface, which is not computed"
         elif creeps(solid):
-            reason = "it keeps shear from before, which is not computed"
+            reason = "it keeps displacement by earlier traction, which is not computed"
         raise InvalidInput(
             f"Scene.solids[{number}] is of the type {type(solid).__name__} together with {name}: {reason}, give a "
             f"HalfSpace or a CoatedHalfSpace{alternative}."
@@ -189,11 +189,11 @@ def check_static(scene: SceneContext, name: str, remedy: str = "") -> None:
     """Raise :class:`~contactstudy.InvalidInput` if `scene` changes in time or rolls, together with the law `name`."""
     if scene.rolling is not None:
         raise InvalidInput(
-            f"Scene.rolling is {scene.rolling!r} together with {name}: material carries shear through a rolling "
+            f"Scene.rolling is {scene.rolling!r} together with {name}: material carries traction through a rolling "
             "contact, give TractiveRolling, which has a speed of its own."
         )
     if (changing := scene.time_dependent_field) is not None:
         raise InvalidInput(
-            f"{changing} changes in time together with {name}: shear depends on the path of its forces, "
+            f"{changing} changes in time together with {name}: traction depends on the path of its forces, "
             f"{remedy or 'give Fretting with times'}."
         )

@@ -28,9 +28,10 @@ from contactstudy.solvers.friction.laws import CiavarellaJaeger, PartialSlipShea
 class PartialSlip:
     """Partial slip under a tangential force that friction holds back.
 
-    The bodies are pressed first, sheared after, and never unloaded. Shear is found by Ciavarella and Jaeger's
-    superposition where that is exact: under a load on half-spaces without adhesion or a hardness, where the gap does
-    not vary along an exactly periodic length, or Poisson's ratio is 0. Else both components of shear are solved for.
+    The bodies are pressed first, then loaded tangentially, and never unloaded. Traction is found by Ciavarella and
+    Jaeger's superposition where that is exact: under a load on half-spaces without adhesion or a hardness, where the
+    gap does not vary along an exactly periodic length, or Poisson's ratio is 0. Else both components of traction are
+    solved for.
 
     Parameters
     ----------
@@ -59,7 +60,7 @@ class PartialSlip:
         )
 
     def check(self, scene: SceneContext) -> None:
-        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its shear is not supported."""
+        """Raise :class:`~contactstudy.InvalidInput` if the contact cannot stick, or its traction is not supported."""
         check_static(scene, "PartialSlip")
         check_tangential_response(scene, "PartialSlip", ", or Sliding")
         check_similar(scene, "PartialSlip", ", or Sliding")
@@ -85,7 +86,7 @@ class PartialSlip:
         return PartialSlipShear(self.coefficient, self.tangential, response)
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on the solves: two normal contacts where they are exact, else two components of shear."""
+        """Return a sentence on the solves: two normal contacts where they are exact, else two components of traction."""
         if self.superposes(scene, varies=varies, paddings=paddings):
             is_plane = not varies and paddings[1].window is None
             return (
@@ -93,7 +94,7 @@ class PartialSlip:
                 + ("nothing varies along the length." if is_plane else "Poisson's ratio is 0.")
             )
         return (
-            "friction: partial slip for both components of shear, since "
+            "friction: partial slip for both components of traction, since "
             + (
                 "a hardness limits the pressure;"
                 if scene.hardness != inf
@@ -110,7 +111,7 @@ class PartialSlip:
 
     @staticmethod
     def superposes(scene: SceneContext, *, varies: bool, paddings: Paddings) -> bool:
-        """Return whether two normal contacts make up the shear exactly."""
+        """Return whether two normal contacts make up the traction exactly."""
         # a pressure that is capped or attracted is no difference of two contacts, and the second needs a load
         is_elastic = scene.hardness == inf and scene.adhesion is None
         is_loaded = not isinstance(scene.load, Approach)

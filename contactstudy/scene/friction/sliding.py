@@ -26,8 +26,8 @@ from contactstudy.solvers.friction.laws import FullSliding
 class Sliding:
     """Full sliding: the tangential traction is the coefficient times the pressure, on the first body along +x.
 
-    Between elastically dissimilar bodies (Dundurs' beta) shear makes the pressure asymmetric; between similar ones the
-    pressure is that without friction.
+    Between elastically dissimilar bodies (Dundurs' beta) traction makes the pressure asymmetric; between similar ones
+    the pressure is that without friction.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ class Sliding:
         beta = dundurs(scene.solids)
         if scene.rolling is not None and scene.rolling.passes is not None:
             raise InvalidInput(
-                f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: shear by repeated rolling is "
-                "not supported, leave one of them out."
+                f"Scene.rolling has {scene.rolling.passes} passes together with Sliding: traction in repeated rolling "
+                "is not supported, leave one of them out."
             )
         if are_similar(scene.solids) or self.coefficient == 0:
             return
@@ -75,7 +75,7 @@ class Sliding:
     def solver(
         self, scene: SceneContext, gap: Array, grid: Grid, paddings: Paddings, datum: float
     ) -> FullSliding:
-        """Return the solver of this scene on a grid, with the coupling of shear and normal displacement."""
+        """Return the solver of this scene on a grid, with the coupling of traction and normal displacement."""
         if self.coefficient == 0:
             return FullSliding(self.coefficient, None)
         coupling = shear_coupling(scene.solids, "x", grid, paddings, datum)
@@ -90,7 +90,7 @@ class Sliding:
                 "friction, in one solve."
             )
         return (
-            f"friction: full sliding of dissimilar bodies (Dundurs' beta {beta:.3g}), solved with the shear of "
+            f"friction: full sliding of dissimilar bodies (Dundurs' beta {beta:.3g}), solved with the traction of "
             f"the previous solve, in about {_outer_iterations(abs(beta) * self.coefficient)} outer iterations."
         )
 

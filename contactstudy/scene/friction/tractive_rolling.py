@@ -25,7 +25,7 @@ from contactstudy.scene.solids.viscoelastic import rolling_bodies
 from contactstudy.solvers.friction.rolling_traction import Creepage
 from contactstudy.solvers.friction.tractive_rolling import ShearPressureCoupling, TractiveShear
 
-STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: shear under moving roughness is not computed."
+STATIONARY_HEIGHTS = "The heights are fixed in the frame of the contact: traction under moving heights is not computed."
 
 
 @suggest_fields
@@ -36,9 +36,9 @@ class TractiveRolling:
     The contact moves over both bodies, to larger x at a positive speed, and material enters it ahead. Heights are fixed
     in the frame of the contact: profiles, roller ends, circumferential lay. Creepage is the relative
     rigid-body velocity of the second body against the first over the rolling speed, so that a positive creepage makes a
-    positive tangential traction on the first body. Between dissimilar bodies shear changes the pressure, and they slip
-    under the normal load alone. Bodies that creep follow pressure and shear with their delay, which makes a rolling
-    resistance.
+    positive tangential traction on the first body. Between dissimilar bodies traction changes the pressure, and they
+    slip under the normal load alone. Bodies that creep follow pressure and traction with their delay, which makes a
+    rolling resistance.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class TractiveRolling:
         if any(map(yields, scene.solids)):
             raise InvalidInput(
                 f"Scene.friction is {self!r}, which is steady, together with a body that yields, whose strain grows "
-                "from pass to pass: give Rolling its passes, without shear, or elastic bodies."
+                "from pass to pass: give Rolling its passes, without traction, or elastic bodies."
             )
         check_tangential_response(scene, "TractiveRolling", creep="follows")
         if scene.rolling is not None:
@@ -150,13 +150,15 @@ class TractiveRolling:
     @staticmethod
     def _has_moving_roughness(scene: SceneContext) -> bool:
         """Return whether a shape has waves across, which would travel with a real surface."""
-        return any(not isinf(scales.finest[0]) for scales in length_scales_of(scene.shapes))
+        return any(
+            not isinf(scales.shortest_wavelengths[0]) for scales in length_scales_of(scene.shapes)
+        )
 
     def explanation(self, scene: SceneContext, *, varies: bool, paddings: Paddings) -> str:
-        """Return a sentence on the solves of the shear."""
-        sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the shear operator"
+        """Return a sentence on the solves of the traction."""
+        sentence = "friction: tractive rolling by Newton's method, 10 to 60 applications of the tangential compliance"
         if not are_similar(scene.solids):
-            sentence += ", and again with the pressure under this shear until neither changes"
+            sentence += ", and again with the pressure under this traction until neither changes"
         return f"{sentence}." + f" {STATIONARY_HEIGHTS}" * self._has_moving_roughness(scene)
 
 

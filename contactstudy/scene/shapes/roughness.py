@@ -151,9 +151,9 @@ class Roughness:
         across, along = max(self.peklenik, 1), max(1 / self.peklenik, 1)
         rms, slope = self._rms_height_and_slope()
         return LengthScales(
-            finest=(self.cut_off * across, self.cut_off * along),
+            shortest_wavelengths=(self.cut_off * across, self.cut_off * along),
             period=self.extent[1] if self.extent else 0.0,
-            longest=self.roll_off * along,
+            longest_wavelength=self.roll_off * along,
             height=HEIGHT_OVER_RMS * rms,
             slope=slope,
         )

@@ -34,11 +34,11 @@ class LengthScales:
 
     Parameters
     ----------
-    finest
+    shortest_wavelengths
         Shortest wavelengths (across, along) [m], infinite where the shape is smooth.
     period
         Period [m] of the shape along the length, zero if any will do.
-    longest
+    longest_wavelength
         Longest wavelength along the length [m].
     roller
         Length [m] of a roller that the shape ends or crowns, infinite if the shape names no length, zero for other
@@ -53,9 +53,9 @@ class LengthScales:
         Distance of the measured points (across, along) [m]; None for other shapes.
     """
 
-    finest: tuple[float, float] = (inf, inf)
+    shortest_wavelengths: tuple[float, float] = (inf, inf)
     period: float = 0.0
-    longest: float = 0.0
+    longest_wavelength: float = 0.0
     roller: float = 0.0
     height: float = 0.0
     slope: float = 0.0

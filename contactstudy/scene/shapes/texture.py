@@ -302,7 +302,7 @@ class Waviness:
         period = self.along if self.along < inf else 0.0
         slope = np.sqrt(2) * np.pi * abs(self.amplitude) * np.hypot(1 / self.across, 1 / self.along)
         return LengthScales(
-            (self.across, self.along), period, 0.0, height=abs(self.amplitude), slope=float(slope)
+            (self.across, self.along), period, height=abs(self.amplitude), slope=float(slope)
         )
 
     def gap(self, grid: Grid) -> Array:

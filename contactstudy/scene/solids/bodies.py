@@ -104,7 +104,7 @@ class HalfSpace:
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return Cerruti's coefficients and weights (Johnson 1985, eqs. 3.75)."""
-        # imported only where something is sheared
+        # imported only where there is friction
         from contactstudy.elasticity.tangential import half_space_shear_compliance
 
         return half_space_shear_compliance(self.compliance, self.poisson_ratio, datum)

@@ -27,7 +27,7 @@ EQUIVALENT_WAVE_NUMBER = 1.2
 @suggest_fields
 @dataclass(frozen=True)
 class CoatedHalfSpace:
-    """Layer of one material, bonded to a half-space of another; the bond neither slips nor opens.
+    """Layer of one material, bonded to a half-space of another; their interface neither slips nor opens.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class CoatedHalfSpace:
 
     def shear_compliance(self, datum: float) -> "ShearCompliance":
         """Return the displacement under traction of a half-space of the coating, and the change by the substrate."""
-        # imported only where something is sheared
+        # imported only where there is friction
         from contactstudy.elasticity.coating import CoatingShearCoefficients
 
         alone = self.coating.shear_compliance(datum)

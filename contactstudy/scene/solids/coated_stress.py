@@ -1,4 +1,4 @@
-"""Stress in a coating and in its substrate, as coefficients of cells under pressure and shear."""
+"""Stress in a coating and in its substrate, as coefficients of cells under pressure and tangential traction."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from contactstudy.elasticity.kernels.layer.stress_waves import FAMILIES, StressW
 from contactstudy.elasticity.kernels.layer.wave_coefficients import WaveCoefficients
 from contactstudy.scene.solids.stress_model import StressCoefficients
 
-# The substrate's side of the bond, over the thickness.
+# The substrate's side of the interface, over the thickness.
 BELOW = 1 + 1e-12
 
 
@@ -17,10 +17,10 @@ BELOW = 1 + 1e-12
 class CoatedStress:
     """Layer of one material on a half-space of another, as a body that is under stress.
 
-    The stress in the layer is the sum of that in a half-space of its material; at the depth mirrored in the bond, of
-    the layer's stress under the strain in a half-space of the substrate, less that in a half-space of the layer; and of
-    a remainder that decays within the thickness. Below the bond it is that in a half-space of the substrate and a
-    remainder. At the depth of the bond it is that of the layer; only a larger depth is in the substrate.
+    The stress in the layer is the sum of that in a half-space of its material; at the depth mirrored in the interface,
+    of the layer's stress under the strain in a half-space of the substrate, less that in a half-space of the layer; and
+    of a remainder that decays within the thickness. Below the interface it is that in a half-space of the substrate and
+    a remainder. At the depth of the interface it is that of the layer; only a larger depth is in the substrate.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class CoatedStress:
 
     @property
     def faces(self) -> tuple[float, ...]:
-        """Depths [m] on either side of the bond, where stress jumps."""
+        """Depths [m] on either side of the interface, where stress jumps."""
         return self.thickness, self.thickness * BELOW
 
     def coefficients(

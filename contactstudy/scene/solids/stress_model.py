@@ -1,4 +1,4 @@
-"""Stress in a body under pressure and shear on one cell of its surface."""
+"""Stress in a body under pressure and tangential traction on one cell of its surface."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
@@ -13,7 +13,7 @@ from contactstudy.elasticity.kernels.stress_periodic import (
 
 
 class StressModel(Protocol):
-    """Stress in a body under pressure and shear on one cell of its surface."""
+    """Stress in a body under pressure and tangential traction on one cell of its surface."""
 
     @property
     def faces(self) -> tuple[float, ...]:
@@ -24,7 +24,7 @@ class StressModel(Protocol):
     ) -> tuple[tuple[Coefficients, float], ...]:
         """Return coefficients with their weights of a stress `component` at a `depth` [m].
 
-        The `traction` is "pressure", or shear "across" or "along".
+        The `traction` is "pressure", or tangential traction "across" or "along".
         """
 
 
@@ -59,7 +59,7 @@ class HalfSpaceStress:
 
 @dataclass(frozen=True)
 class StressCoefficients:
-    """Influence coefficients of one stress component at one depth, over pressure or tangential traction (shear).
+    """Influence coefficients of one stress component at one depth, over pressure or tangential traction.
 
     Parameters
     ----------
@@ -85,18 +85,18 @@ class StressCoefficients:
         return StressCoefficients(self.component.swap_axes(), self.depth, self.poisson_ratio)
 
     def cell(self, x: Array, y: Array, dx: float, dy: float) -> Array:
-        """Return the stress over the pressure or shear on one cell."""
+        """Return the stress over the traction on one cell."""
         return stress_cell(self.component, x, y, self.depth, dx, dy, self.poisson_ratio)
 
     def row(self, x: Array, y: Array, dx: float, dy: float, period: float) -> Array:
-        """Return the stress over the pressure or shear on a cell and an infinite row of its images along y."""
+        """Return the stress over the traction on a cell and an infinite row of its images along y."""
         cell = self.depth, dx, dy
         return stress_cell_periodic(self.component, x, y, *cell, period, self.poisson_ratio)
 
     def lattice(
         self, x: Array, y: Array, dx: float, dy: float, width: float, period: float
     ) -> Array:
-        """Return the stress over the pressure or shear on a cell and an infinite lattice of its images."""
+        """Return the stress over the traction on a cell and an infinite lattice of its images."""
         periods = width, period
         arguments = x, y, self.depth, dx, dy, *periods, self.poisson_ratio
         return stress_cell_doubly_periodic(self.component, *arguments)

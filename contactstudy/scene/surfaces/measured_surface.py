@@ -24,8 +24,8 @@ from contactstudy.scene.surfaces import measurement
 from contactstudy.scene.surfaces.preparation import (
     AsMeasured,
     Missing,
+    PeriodicExtension,
     RefuseMissing,
-    Seam,
     Tapered,
     Tile,
     Trend,
@@ -82,13 +82,13 @@ class MeasuredSurface:
     extent: tuple[Metres, Metres] | None = None
     missing: Missing = field(default_factory=RefuseMissing)
     trend: Trend = Trend.NONE
-    seam: Seam = field(default_factory=AsMeasured)
+    seam: PeriodicExtension = field(default_factory=AsMeasured)
     file: str | None = field(default=None, compare=False, repr=False)
     is_turned: bool = field(default=False, compare=False, repr=False)
     tile: Tile | None = field(default=None, compare=False, repr=False)
     unit: str | None = field(default=None, compare=False, repr=False)
     file_extent: tuple[Metres, Metres] | None = field(default=None, compare=False, repr=False)
-    seam_across: Seam = field(default_factory=AsMeasured)
+    seam_across: PeriodicExtension = field(default_factory=AsMeasured)
     digest: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -118,8 +118,8 @@ class MeasuredSurface:
         unit: str | None = None,
         missing: Missing | None = None,
         trend: Trend = Trend.PLANE,
-        seam: Seam | None = None,
-        seam_across: Seam | None = None,
+        seam: PeriodicExtension | None = None,
+        seam_across: PeriodicExtension | None = None,
     ) -> Self:
         """Read a surface from a file; by default its tilt is subtracted and its ends are tapered.
 
@@ -222,7 +222,7 @@ class MeasuredSurface:
             return LengthScales(height=height)
         period = self.seam.lengths * extent[1]
         return LengthScales(
-            finest=(2 * steps[0], 2 * steps[1] if along.any() else inf),
+            shortest_wavelengths=(2 * steps[0], 2 * steps[1] if along.any() else inf),
             period=period if along.any() else 0.0,
             height=height,
             slope=slope,
@@ -253,7 +253,7 @@ class MeasuredSurface:
             heights, 0, extent=width, cells=grid.cells[0], width=grid.extent[0], ends="not-a-knot"
         )
 
-    def _periodic(self, heights: Array, axis: int, seam: Seam, grid: Grid) -> Array:
+    def _periodic(self, heights: Array, axis: int, seam: PeriodicExtension, grid: Grid) -> Array:
         """Return means over the cells along an axis of one period, or of its middle where the grid's is shorter."""
         assert self.extent is not None
         count, length = heights.shape[axis], self.extent[axis]

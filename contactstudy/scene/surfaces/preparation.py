@@ -195,7 +195,7 @@ def _from_middle(count: int) -> Array:
     return np.asarray((2 * np.arange(count) - (count - 1)) / max(count - 1, 1), dtype=np.float64)
 
 
-class Seam(Protocol):
+class PeriodicExtension(Protocol):
     """Rule of the periodic extension of a measured surface, such as a tapering window or mirroring."""
 
     @property

@@ -254,16 +254,6 @@ def test_an_edge_and_waves_within_cells_leave_no_bound_whatever_is_given(
         assert any(reason in said for said in estimate.warnings)
 
 
-@pytest.mark.parametrize("length", [0.1, 0.3, 0.9])
-def test_a_roller_within_a_cell_leaves_no_bound(length: float, line_contact: LineContact) -> None:
-    grid = line_contact.grid((48, 16), 1.0, width=3.0)
-    roller = cs.FiniteLength(length * grid.cell_size[1])
-    scene = line_contact.with_shapes(roller)
-    estimate = error_estimate(cs.solve(scene.problem(grid, cs.ZeroPadding())))
-    assert estimate.l1.total == estimate.mean_gap.total == inf
-    assert "do not resolve lengths" in estimate.warnings[0]
-
-
 @dataclass(frozen=True)
 class Slit:
     """A user's own shape: a slit about one place."""

@@ -54,18 +54,18 @@ def requirements(
     return GridRequirements(HERTZ, length_scales, hardness, **more)
 
 
-WAVES = LengthScales(finest=(inf, 0.2))
+WAVES = LengthScales(shortest_wavelengths=(inf, 0.2))
 
 
 def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
-    waves = requirements(replace(WAVES, period=0.25, longest=0.125))
+    waves = requirements(replace(WAVES, period=0.25, longest_wavelength=0.125))
     assert "is a multiple of every repeat length" in waves.period_check(0.5)
     assert "not a multiple of 250 mm" in waves.period_check(0.6)
     assert (
         "is only 2 longest wavelengths (125 mm) long, too short to be representative: give 500 mm"
         in waves.period_check(0.25)
     )
-    rough = requirements(replace(WAVES, longest=0.25))
+    rough = requirements(replace(WAVES, longest_wavelength=0.25))
     for fraction, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
         assert ("is a multiple of every repeat length" in rough.period_check(fraction)) == enough
     assert "any period" in requirements(LengthScales()).period_check(0.1)
@@ -87,7 +87,7 @@ def test_a_contact_wider_than_a_tenth_of_the_radius_is_not_one_of_half_spaces() 
 
 
 def test_a_wave_needs_two_cells_along_each_axis() -> None:
-    waves = GridRequirements(THICK, (LengthScales(finest=(0.5, 0.25)),), inf)
+    waves = GridRequirements(THICK, (LengthScales(shortest_wavelengths=(0.5, 0.25)),), inf)
     assert waves.warnings(cs.Grid((32, 32), (8.0, 4.0))) == ()
     (said,) = waves.warnings(cs.Grid((31, 32), (8.0, 4.0)))
     assert said.startswith("Grid.cells[0] is 31")

@@ -2,8 +2,8 @@
 
 With the wave number k, ``t = k z`` and Airy's stress function ``f(t) cos(k x) / k^2``, a pressure ``P cos`` and a
 traction ``Q sin`` along x give ``s_zz = -f cos``, ``s_xz = f' sin`` and ``s_xx = f'' cos``. Displacements and traction
-are continuous at the bond. Two bases are used: exponentials from either face of the layer, and for long waves, where
-these become alike, the matrix exponential of the state (2 G k U, 2 G k V, s_zz, s_xz).
+are continuous at the interface. Two bases are used: exponentials from either face of the layer, and for long waves,
+where these become alike, the matrix exponential of the state (2 G k U, 2 G k V, s_zz, s_xz).
 
 Source: plane strain of a bonded layer (Burmister 1945; Johnson 1985, sect. 5.8), with shear on its surface.
 """
@@ -48,7 +48,7 @@ class LayerStress:
 
     @property
     def in_layer(self) -> bool:
-        """True if the depth is in the layer, to which the bond belongs."""
+        """True if the depth is in the layer, to which the interface belongs."""
         return self.depth <= 1
 
     @property
@@ -78,7 +78,7 @@ class LayerStress:
         """Return :meth:`plane` less what is known in closed form: zero at k = 0, decaying as exp(-k `decay_rate`).
 
         In the layer the closed form is the stress in a half-space of its material, and a change of s_xx at the depth
-        of the point mirrored in the bond, from the stress there to that of the layer under the substrate's strain.
+        of the point mirrored in the interface, from the stress there to that of the layer under the substrate's strain.
         Below the layer it is the stress in a half-space of the substrate.
         """
         remainder: RealOrComplex = self.plane(k) - np.array(half_space(k * self.depth))
@@ -123,12 +123,12 @@ class LayerStress:
         return layer.shear_ratio, layer.coating_poisson_ratio, layer.substrate_poisson_ratio
 
     def _by_exponentials(self, k: RealOrComplex) -> RealOrComplex:
-        """Return the stress of short waves, from ``exp(-t), t exp(-t)`` and the same from the bond."""
+        """Return the stress of short waves, from ``exp(-t), t exp(-t)`` and the same from the interface."""
         ratio, nu1, nu2 = self._ratios
         unity, none = np.ones_like(k), np.zeros_like(k)
         top = _decaying(none), _reversed(_decaying(k))
-        bond = _decaying(k), _reversed(_decaying(none))
-        surface, faces = np.concatenate(top), np.concatenate(bond)
+        interface = _decaying(k), _reversed(_decaying(none))
+        surface, faces = np.concatenate(top), np.concatenate(interface)
         below = ratio * _displacements(_decaying(none), nu2)
         rows = np.zeros((k.size, 6, 6), dtype=k.dtype)
         rows[:, 0, :4], rows[:, 1, :4] = surface[:, 0].T, surface[:, 1].T

@@ -29,12 +29,12 @@ def test_a_wave_has_its_lengths_its_amplitude_and_its_slope(across: float, along
     wave = cs.Waviness(0.01, across=across, along=along, phase=0.3)
     height, slope = measured(wave, FINE)
     scales = wave.length_scales
-    assert scales.finest == (across, along)
+    assert scales.shortest_wavelengths == (across, along)
     assert scales.period == (along if along < inf else 0.0)
     # a difference over a step is less than a slope by (2 pi step / length)^2 / 24
     assert scales.height == pytest.approx(height, rel=1e-3)
     assert scales.slope == pytest.approx(slope, rel=2e-3)
-    assert (scales.longest, scales.roller, scales.known_width) == (0.0, 0.0, inf)
+    assert (scales.longest_wavelength, scales.roller, scales.known_width) == (0.0, 0.0, inf)
     assert wave.curvature == 0
     assert cs.Waviness(0.0, across=across).length_scales == LengthScales()
 
@@ -63,7 +63,7 @@ def test_a_texture_is_as_fine_as_its_features_and_lands(
     feature: Any, pitch: tuple[float, float], finest: tuple[float, float], slope: float
 ) -> None:
     scales = cs.Texture(feature, pitch).length_scales
-    assert scales.finest == pytest.approx(finest)
+    assert scales.shortest_wavelengths == pytest.approx(finest)
     assert scales.period == (pitch[1] if pitch[1] < inf else 0.0)
     assert scales.slope == pytest.approx(slope)
     assert (scales.height, scales.roller) == (0.0, 0.0)
@@ -76,8 +76,8 @@ def test_a_rough_surface_has_its_waves_by_its_lay_and_its_slope(peklenik: float)
     )
     scales = shape.length_scales
     wide, long = max(peklenik, 1), max(1 / peklenik, 1)
-    assert scales.finest == pytest.approx((0.05 * wide, 0.05 * long))
-    assert (scales.period, scales.longest) == pytest.approx((3.0, 0.5 * long))
+    assert scales.shortest_wavelengths == pytest.approx((0.05 * wide, 0.05 * long))
+    assert (scales.period, scales.longest_wavelength) == pytest.approx((3.0, 0.5 * long))
     # four times the rms height, of some hundred waves a side
     height, slope = measured(shape, FINE)
     assert scales.height == pytest.approx(0.04)
@@ -99,7 +99,7 @@ def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> N
     heights = np.random.default_rng(0).standard_normal((8, 6))
     surface = cs.MeasuredSurface(heights, extent=(4.0, 1.5), seam=cs.Mirrored())
     scales = surface.length_scales
-    assert scales.finest == (1.0, 0.5)
+    assert scales.shortest_wavelengths == (1.0, 0.5)
     assert (scales.period, scales.known_width) == (3.0, 4.0)
     assert scales.height == pytest.approx(heights.max() - heights.mean())
     across, along = np.diff(heights, axis=0) / 0.5, np.diff(heights, axis=1) / 0.25
@@ -107,7 +107,7 @@ def test_a_measured_surface_is_as_fine_as_two_points_and_as_wide_as_it_is() -> N
     bare = cs.MeasuredSurface(heights).length_scales
     assert bare == LengthScales(height=scales.height)
     profile = cs.MeasuredSurface(heights[:, :1], extent=(4.0, 1.5)).length_scales
-    assert (profile.finest, profile.period) == ((1.0, inf), 0.0)
+    assert (profile.shortest_wavelengths, profile.period) == ((1.0, inf), 0.0)
 
 
 def test_rollers_say_their_length() -> None:

@@ -114,7 +114,7 @@ def stress_errors(
     upper_stress = largest * (1 + usual + local)
     cells = float(upper_stress.max() / peak - 1)
     residual = float((largest * (1 + unsolved)).max() / peak - 1)
-    reason = next(iter(estimate.warnings), NO_COARSER) if cells == inf else ""
+    reason = next(iter(estimate.warnings), NO_COARSER) if max(cells, images) == inf else ""
     stress = ErrorParts(images, cells, residual, reason=reason)
     if len(depths) == 1:
         return stress, ErrorParts(0.0, 0.0, 0.0)

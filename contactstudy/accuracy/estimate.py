@@ -19,7 +19,11 @@ from contactstudy.accuracy.discretisation.coarser import (
     compare_grids,
 )
 from contactstudy.accuracy.discretisation.subcell import CONFIDENCE, SubgridEffect, SubgridHeights
-from contactstudy.accuracy.image_errors import L1_OVER_NARROWING, image_errors
+from contactstudy.accuracy.image_errors import (
+    L1_OVER_NARROWING,
+    coupling_image_error,
+    image_errors,
+)
 from contactstudy.accuracy.plausibility import beyond_strength, implausible
 from contactstudy.accuracy.range_errors import (
     PEAK_WITHOUT_LIMIT,
@@ -43,6 +47,10 @@ SHARP_EDGE = "a sharp edge or corner"
 NO_DATUM = (
     "No bound at a given approach: it counts from a place that depends on the images that the padding leaves out, give "
     "ExactPeriodicity."
+)
+NO_SLIP_OF_IMAGES = (
+    "No bound where dissimilar bodies roll: their slip, and with it the traction, lacks that of the images that the "
+    "padding leaves out, give ExactPeriodicity."
 )
 UNKNOWN_HEIGHTS = (
     "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
@@ -174,6 +182,11 @@ def error_estimate(
     peak_images, l1_images = image_errors(
         solution.pressure, problem.grid, problem.paddings, ends_along=ends_along
     )
+    if l1_images and (beta := _dundurs_of_shear(solution)):
+        by_shear = coupling_image_error(
+            solution.pressure, solution.shear[0], problem.grid, problem.paddings[1], beta
+        )
+        peak_images, l1_images = peak_images + by_shear, l1_images + by_shear
     change = 0.0
     if solution.adhesion is not None:
         from contactstudy.solvers.adhesion import (
@@ -206,12 +219,12 @@ def error_estimate(
         change + residual.gap / abs(solution.mean_gap) if solution.mean_gap else inf,
     )
     load = ErrorParts(l1_images, cells.load, residual.l1) if cells.load is not None else None
-    if problem.control.approach is not None and l1_images:
-        l1, peak, area, gap, load = (
-            replace(parts, images=inf, reason=NO_DATUM)
-            for parts in (l1, peak, area, gap, load or ErrorParts())
+    if l1_images and (reason := _needs_images(solution)):
+        l1, peak, area, gap = (
+            replace(parts, images=inf, reason=reason) for parts in (l1, peak, area, gap)
         )
-        cells = replace(cells, warnings=(NO_DATUM, *cells.warnings))
+        load = load and replace(load, images=inf, reason=reason)
+        cells = replace(cells, warnings=(reason, *cells.warnings))
     if by_range := range_errors(solution):
         l1_by_range, area_by_range = by_range
         l1 = replace(l1, range=l1_by_range)
@@ -382,6 +395,24 @@ def _gap_error(solution: Solution, l1: float, change: float, hidden: float) -> f
         return inf
     shift = CONSTANTS.gap_error * l1 * max(float(solution.displacement.std()), gap)
     return max(change, shift / gap) + hidden / gap
+
+
+def _dundurs_of_shear(solution: Solution) -> float:
+    """Return Dundurs' beta of the bodies of a solution with a tangential traction; 0 without one."""
+    posed = solution.problem.description
+    if solution.traction is None or not isinstance(posed, PosedScene):
+        return 0.0
+    from contactstudy.scene.friction.friction_law import dundurs  # imported only where it is named
+
+    return dundurs(posed.scene.solids)
+
+
+def _needs_images(solution: Solution) -> str:
+    """Return why a contact has no bound where its padding leaves out images; an empty string where it has one."""
+    if solution.problem.control.approach is not None:
+        return NO_DATUM
+    rolls = solution.traction is not None and hasattr(solution.traction, "creepage")
+    return NO_SLIP_OF_IMAGES if rolls and _dundurs_of_shear(solution) else ""
 
 
 def _gap_by_images(solution: Solution, l1: float) -> float:

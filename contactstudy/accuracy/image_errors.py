@@ -6,7 +6,7 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.fields import Array
 from contactstudy.domain.grid import ExactPeriodicity, Grid, Padding, Paddings
 
-# L1 change of Hertz's ellipse over the small fraction by which it is made narrower.
+# L1 change of Hertz's ellipse over the small fraction of its half-width by which it is made narrower, or shifted.
 L1_OVER_NARROWING = 4 / np.pi
 # The line load of a window centred on the domain varies by END_VARIATION (a / L)^0.7 / (2 n + 1)^2 in the mean
 # over the length: measured for L from 0.15 to 9.6 half-widths, on 32 to 288 cells.
@@ -67,6 +67,38 @@ def image_errors(
     narrowing = margin * _narrowing(half_width, period, pressure.shape[1], along)
     peak, mean = _end_errors(pressure, along, half_width / period)
     return float((1 + narrowing) * (1 + peak) - 1), float(L1_OVER_NARROWING * narrowing + mean)
+
+
+def coupling_image_error(
+    pressure: Array, shear: Array, grid: Grid, along: Padding, beta: float
+) -> float:
+    """Return the relative error in L1 by the images of a traction along x on bodies with Dundurs' `beta`.
+
+    Images of the line load Q of the traction beyond the distance D tilt the surfaces by ``2 beta Q / (pi E* D)``, which
+    shifts a contact under the line load W by ``beta Q / W a^2 / (2 D)``.
+
+    Parameters
+    ----------
+    pressure
+        Pressure (x, y).
+    shear
+        Tangential traction along x (x, y).
+    grid
+        Their grid.
+    along
+        Padding along; images that are left out across balance each other.
+    beta
+        Dundurs' beta.
+    """
+    if along.window is None:
+        return 0.0
+    half_width, reach = _half_width(pressure, grid.x), along.reach(grid.length)
+    distances = (
+        np.full(2, reach) if along.wraps else np.concatenate([reach - grid.y, reach + grid.y])
+    )
+    inverse = float((1 / np.maximum(distances, half_width)).mean())
+    shift = abs(beta * float(shear.sum()) / float(pressure.sum())) * half_width * inverse / 2
+    return L1_OVER_NARROWING * shift
 
 
 def with_all_images(paddings: Paddings) -> Paddings:

@@ -30,6 +30,10 @@ if TYPE_CHECKING:
 ENERGY_ERROR, SLIP_ZONE_MARGIN = 1.0, 1.25
 # Relative difference of largest values that are equal but for the residual of the solver.
 SYMMETRY = 1e-7
+NO_BOUND_WITHOUT_IMAGES = (
+    "No bound: the slip of a rolling contact lacks that of the images which the padding leaves out; give "
+    "ExactPeriodicity."
+)
 NO_BOUND_OF_ONE_CELL = (
     "No bound: the slip zone is at most one cell wide; solve again on cells of half the width."
 )
@@ -97,7 +101,7 @@ def contact_quantities(
     if solution.traction is not None:
         quantities |= _of_traction(solution, solution.traction, estimate)
         if isinstance(solution.traction, RollingTraction):
-            quantities |= _of_creepage(solution.traction, grid, length)
+            quantities |= _of_creepage(solution.traction, estimate, grid, length)
         if isinstance(solution.traction, FrettingTraction):
             quantities |= _of_cycle(solution, solution.traction, estimate, length)
     if solution.adhesion is not None:
@@ -194,7 +198,9 @@ def _of_traction(
     coefficient = Quantity(force / load if load else 0.0, "1", "tangential force over load")
     # at a given approach the load is a result
     load_error = 0.0 if estimate.load is None else estimate.load.total
-    if isinstance(traction, RollingTraction) and isfinite(traction.errors.force + load_error):
+    if isinstance(traction, RollingTraction) and estimate.l1.images:
+        coefficient = replace(coefficient, reason=NO_BOUND_WITHOUT_IMAGES)
+    elif isinstance(traction, RollingTraction) and isfinite(traction.errors.force + load_error):
         by_cells = traction.errors.force * pressed / abs(load) if load else 0.0
         bound = by_cells + (solution.residual + load_error) * coefficient.value
         coefficient = replace(coefficient, bound=bound, reason="")
@@ -208,7 +214,9 @@ def _of_traction(
     sticking = float(np.count_nonzero(traction.stick) / touching) if touching else 0.0
     stick = Quantity(sticking, "1", "fraction of the contact that sticks")
     area = estimate.contact_area
-    if area is not None and isfinite(area.total) and touching:
+    if coefficient.reason == NO_BOUND_WITHOUT_IMAGES:
+        stick = replace(stick, reason=NO_BOUND_WITHOUT_IMAGES)
+    elif area is not None and isfinite(area.total) and touching:
         at_boundary = np.count_nonzero(_at_stick_slip_boundary(solution, traction)) / touching
         bound = at_boundary + area.total * stick.value
         stick = replace(stick, bound=bound, reason="")
@@ -268,7 +276,7 @@ def _of_cycle(
 
 
 def _of_creepage(
-    traction: RollingTraction, grid: Grid, length: float | None
+    traction: RollingTraction, estimate: ErrorEstimate, grid: Grid, length: float | None
 ) -> dict[str, Quantity]:
     """Return what tractive rolling adds to the numbers of a traction: creepage, and power with its bound."""
     total = float(traction.power.sum() * grid.cell_area)
@@ -276,11 +284,15 @@ def _of_creepage(
     over_length = 1.0 if length is not None else 1 / grid.length
     outside = traction.power_outside_contact * abs(power.value)
     bound = outside + traction.errors.power * over_length
-    if isfinite(bound):
+    if estimate.l1.images:
+        power = replace(power, reason=NO_BOUND_WITHOUT_IMAGES)
+    elif isfinite(bound):
         power = replace(power, bound=bound, reason="")
     creepage = Quantity(traction.creepage.longitudinal, "1", "longitudinal creepage")
     of_creepage = 0.0 if traction.creepage_given else traction.errors.creepage
-    if isfinite(of_creepage):
+    if of_creepage and estimate.l1.images:
+        creepage = replace(creepage, reason=NO_BOUND_WITHOUT_IMAGES)
+    elif isfinite(of_creepage):
         creepage = replace(creepage, bound=of_creepage, reason="")
     return {
         "creepage": creepage,

@@ -95,6 +95,40 @@ def test_every_number_of_a_contact_that_lacks_images_is_within_its_bound(
         assert abs(ours.value - true.value) <= ours.bound + true.bound
 
 
+@pytest.mark.parametrize("padding", [cs.CircularSuperposition(2), cs.Superposition(2)], ids=str)
+@pytest.mark.parametrize(
+    "friction", [cs.Sliding(0.9), cs.TractiveRolling(0.3, longitudinal=5e-3)], ids=str
+)
+def test_images_of_a_traction_on_dissimilar_bodies_shift_the_contact_within_its_bound(
+    friction: cs.Sliding | cs.TractiveRolling, padding: cs.Padding
+) -> None:
+    """They tilt it by one power of their distance; the slip of rolling has no bound without them."""
+    solids, cylinder = (cs.HalfSpace(2e9, 0.1), STEEL), (cs.Cylinder(0.01),)
+    scene = cs.Scene(cs.LineLoad(1e4), solids, cylinder, friction=friction)
+    assert scene.hertz is not None
+    a = scene.hertz.half_width
+    cut, whole = (
+        cs.solve(scene, cs.Grid((96, along), (3 * a, 5 * a)), one)
+        for along, one in ((1 if padding.wraps else 16, padding), (1, EXACT))
+    )
+    moved = np.abs(cut.pressure - whole.pressure).mean() / whole.pressure.mean()
+    assert moved <= cut.error.l1.images
+    rolls = isinstance(friction, cs.TractiveRolling)
+    assert (cut.error.l1.images == np.inf) is rolls
+    for name in ("traction_coefficient", "stick_fraction", "frictional_power") if rolls else ():
+        assert "ExactPeriodicity" in cut.quantities[name].reason
+
+
+def test_images_left_out_beside_a_body_that_creeps_as_it_rolls_have_no_bound() -> None:
+    """Within 2.5 half-widths they change the pressure by 8 % in L1, the resistance by 22 %."""
+    solids = cs.ViscoelasticHalfSpace(0.4, 0.0, ((0.6, 0.4),)), cs.HalfSpace(np.inf, 0.3)
+    scene = cs.Scene(cs.LineLoad(0.02), solids, (cs.Cylinder(1.0),), rolling=cs.Rolling(1.0))
+    for padding, is_bounded in ((cs.CircularSuperposition(2), False), (EXACT, True)):
+        contact = cs.solve(scene, cs.Grid((64, 1), (0.64, 0.16)), padding)
+        for name in ("peak_pressure", "mean_gap", "rolling_resistance"):
+            assert (contact.quantities[name].bound < np.inf) is is_bounded
+
+
 @pytest.mark.parametrize("across", [EXACT, cs.DuplicatedPadding()], ids=str)
 def test_windows_beside_images_are_refused(across: cs.Padding) -> None:
     grid = cs.Grid(cells=(8, 8), extent=(1.0, 1.0))

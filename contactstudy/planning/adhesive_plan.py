@@ -6,12 +6,14 @@ from math import pi, sqrt
 from contactstudy.domain.grid import Grid
 from contactstudy.planning.cost import CostModel, memory
 from contactstudy.planning.forecast import CONSTANTS as FORECAST
+from contactstudy.planning.forecast import with_width
 from contactstudy.planning.grid_requirements import (
     GridRequirements,
     grid_requirements,
     halvable_count,
 )
 from contactstudy.planning.planned import Plan
+from contactstudy.planning.transient_requirements import TransientRequirements
 from contactstudy.scene.adhesion import ZONE_CELLS
 from contactstudy.scene.loads.resulting_load import PullOff
 from contactstudy.scene.scene import Scene
@@ -32,6 +34,7 @@ def plan_of_adhesion(
     period: float | None,
     grid: Grid | None,
     instants: int = 0,
+    transient: TransientRequirements | None = None,
 ) -> Plan:
     """Return the plan of a scene with adhesion.
 
@@ -47,11 +50,13 @@ def plan_of_adhesion(
         Grid to keep; chosen if None.
     instants
         Instants that are recorded of a load history; 0 of a constant load.
+    transient
+        Requirements of bodies that creep or yield: the cohesive zone shrinks as the modulus relaxes.
     """
     requirements, adhesion, radius = grid_requirements(scene), scene.adhesion, scene.radius
     assert adhesion is not None
     assert radius is not None
-    modulus = requirements.hertz.contact_modulus
+    modulus = requirements.hertz.contact_modulus if transient is None else transient.relaxed_modulus
     scale = (radius * (adhesion.work / modulus) ** 2) ** (1 / 3)
     tabor = TABOR_VARYING if requirements.varies else TABOR_SMOOTH
     attraction_range = adhesion.range or scale / tabor
@@ -59,7 +64,10 @@ def plan_of_adhesion(
     zone = pi * modulus * adhesion.work / (4 * strength**2)
     if grid is None:
         decay_distance = DECAY_DISTANCE * sqrt(2 * radius * attraction_range)
-        grid = _grid(requirements, error, period, zone / ZONE_CELLS, decay_distance)
+        base = requirements.grid(error, period)
+        if transient is not None and transient.width > base.extent[0]:
+            base = with_width(base, transient.width)
+        grid = _grid(base, requirements, zone / ZONE_CELLS, decay_distance)
     cell = max(grid.cell_size) if requirements.varies else grid.cell_size[0]
     if adhesion.range is None:
         law = adhesion.cohesive(scene, cell)
@@ -95,15 +103,8 @@ def plan_of_adhesion(
     )
 
 
-def _grid(
-    requirements: GridRequirements,
-    error: float,
-    period: float | None,
-    cell: float,
-    decay_distance: float,
-) -> Grid:
-    """Return the grid of the surfaces alone, wider by `decay_distance` [m] and with cells of at most `cell` [m]."""
-    base = requirements.grid(error, period)
+def _grid(base: Grid, requirements: GridRequirements, cell: float, decay_distance: float) -> Grid:
+    """Return the grid `base` of the surfaces alone, wider by `decay_distance` [m], with cells of at most `cell` [m]."""
     width = min(base.extent[0] + 2 * decay_distance, requirements.known_width)
     across = halvable_count(width / min(base.cell_size[0], cell))
     along = base.cells[1]

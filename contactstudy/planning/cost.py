@@ -41,7 +41,7 @@ class TimingConstants:
     sample_cells, sample_images
         Cells along an axis of the solve that is timed where there is no timing, and its numbers of images.
     stress_cells
-        Most cells (across, along) on which stress is timed.
+        Cells along an axis of the two grids on which stress is timed, at the most.
     large_sample
         Largest number of cells along an axis of the solve that is timed on a device.
     min_total_seconds
@@ -58,7 +58,7 @@ class TimingConstants:
     tolerance: float = 1e-8
     sample_cells: int = 128
     sample_images: tuple[int, ...] = (1, 6)
-    stress_cells: tuple[int, int] = (64, 64)
+    stress_cells: tuple[int, int] = (64, 256)
     large_sample: int = 512
     min_total_seconds: float = 0.02
     min_seconds: float = 1e-6
@@ -172,27 +172,32 @@ def timed(
 
 
 def stress_seconds(scene: Scene, grid: Grid, padding: Padding | Paddings) -> float:
-    """Return the seconds of the stress that a scene names on a grid, from that at one depth on few of its cells.
+    """Return the seconds of the stress that a scene names on a grid, from that at one depth on fewer of its cells.
 
-    A tangential traction takes as long again as the pressure.
+    They have a part in proportion to the cells, from two such grids, and one that is the same on any. Each component of
+    a tangential traction takes as long again as the pressure.
     """
     from contactstudy.scene.stress import SubsurfaceStressOperator
 
-    most = CONSTANTS.stress_cells if grid.cells[1] > 1 else (prod(CONSTANTS.stress_cells), 1)
-    across, along = (min(pair) for pair in zip(grid.cells, most, strict=True))
-    sample, seconds = Grid((across, along), grid.extent), 0.0
-    for output in scene.problem(sample, padding).outputs:
-        if not isinstance(output, SubsurfaceStressOperator):
+    paddings, seconds = across_and_along(padding), 0.0
+    for output in scene.outputs:
+        operator = output.of(scene.solids, grid, paddings)
+        if not isinstance(operator, SubsurfaceStressOperator):
             continue
-        count = len(output.depths) or replace(output, grid=grid).count_searched(grid.extent[0])
-        at_one_depth = replace(output, depths=(grid.extent[0] / 8,))
-        stamps = [process_time()]
-        for _ in range(2):  # the first fills caches
+        count = len(operator.depths) or operator.count_searched(grid.extent[0])
+        cells, durations = [], []
+        for most in (CONSTANTS.stress_cells[0], *CONSTANTS.stress_cells):  # the first fills caches
+            side = most if grid.cells[1] > 1 else most**2
+            sample = Grid((min(grid.cells[0], side), min(grid.cells[1], most)), grid.extent)
+            at_one_depth = replace(operator, grid=sample, depths=(grid.extent[0] / 8,))
+            start = process_time()
             at_one_depth(np.ones(sample.cells))
-            stamps.append(process_time())
-        seconds += count * (stamps[-1] - stamps[-2])
-    loads = 1 if scene.friction is None else 2
-    return loads * seconds * prod(grid.cells) / prod(sample.cells)
+            durations.append(process_time() - start)
+            cells.append(prod(sample.cells))
+        beyond = (prod(grid.cells) - cells[-1]) / max(cells[-1] - cells[-2], 1)
+        seconds += count * (durations[-1] + max(durations[-1] - durations[-2], 0.0) * beyond)
+    sticks = getattr(scene.friction, "sticks", False) and grid.cells[1] > 1
+    return seconds * (1 if scene.friction is None else 2 + sticks)
 
 
 def sample_timings(grid: Grid, padding: Padding | Paddings) -> tuple[Timing, ...]:

@@ -110,7 +110,7 @@ def pilot(
     scene: Scene,
     grid: Grid,
     padding: Padding | Paddings,
-    error: float,
+    error: float | None,
     steps: TimeSteps,
     *,
     refines: bool,
@@ -128,9 +128,9 @@ def pilot(
     grid, padding
         Planned cells and boundary conditions.
     error
-        Relative L1 error of the pressure, of discretisation and time steps together.
+        Relative L1 error of the pressure, of discretisation and time steps together; None takes the steps as they are.
     steps
-        Instants that are recorded.
+        Instants that are recorded, and how steps are taken.
     refines
         Whether the grid is refined until its bound meets the error.
     """
@@ -139,11 +139,13 @@ def pilot(
     plastic = expected_plastic_zone(scene) if rolls_repeatedly else requirements.plastic
     nx, ny = grid.cells
     across = CONSTANTS.cells[0] if plastic is None else CONSTANTS.yielding_cells
-    coarse = Grid((min(nx, across), min(ny, CONSTANTS.cells[1])), grid.extent)
+    # coarse cells do not hold the cohesive zone
+    coarse = grid
+    if scene.adhesion is None:
+        coarse = Grid((min(nx, across), min(ny, CONSTANTS.cells[1])), grid.extent)
+    step_error = steps.error or (error and (1 - GRID.cell_fraction) * error)
     try:
-        seconds, solves = seconds_and_solves(
-            scene, coarse, padding, (1 - GRID.cell_fraction) * error, steps
-        )
+        seconds, solves = seconds_and_solves(scene, coarse, padding, step_error, steps)
     except InvalidInput as refused:
         return Pilot(inf, 1, f"seconds: unknown, since {refused}")
     if plastic is not None:
@@ -171,7 +173,7 @@ def pilot(
 
 
 def seconds_and_solves(
-    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
+    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float | None, steps: TimeSteps
 ) -> tuple[float, int]:
     """Return the seconds and the solves of `scene` on `grid`, extrapolated from what is done within the time limit."""
     if scene.wears_steadily:
@@ -213,7 +215,7 @@ class _Watch:
 
 
 def _of_wear(
-    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
+    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float | None, steps: TimeSteps
 ) -> tuple[float, int]:
     """Return the seconds and the solves of a contact that wears and is steady at each instant."""
     # imported only for scenes that roll and wear
@@ -275,32 +277,32 @@ def _of_steady_rolling(
 
 
 def _in_time(
-    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float, steps: TimeSteps
+    scene: Scene, grid: Grid, padding: Padding | Paddings, error: float | None, steps: TimeSteps
 ) -> tuple[float, int]:
     """Return the seconds and the solves of a scene with state variables, at the smallest error that is practical."""
-    error_factor = 1.0
     times = steps.instants_of(scene.load, getattr(scene.friction, "history", None))
-    by_error = steps.step_error is StepError.STEP_DOUBLING
+    doubles = steps.step_error is StepError.STEP_DOUBLING
+    allowed = min(error, CONSTANTS.max_error) if error and doubles else None
     while True:
         watch = _Watch(CONSTANTS.time_limit)
-        allowed = min(error_factor * error, CONSTANTS.max_error)
-        error_factor = allowed / error
+        error_factor = allowed / error if allowed and error else 1.0
         try:
             trajectory = evolve(
                 scene,
                 grid,
                 padding,
                 times=times,
-                error=allowed if by_error else None,
+                error=allowed,
                 step_error=steps.step_error,
+                scheme=steps.scheme,
                 progress=watch,
             )
         except _TimeLimitReached:
             is_far = watch.fraction < CONSTANTS.min_progress
-            if by_error and is_far and allowed < CONSTANTS.max_error:
-                error_factor *= CONSTANTS.error_step
+            if allowed and is_far and allowed < CONSTANTS.max_error:
+                allowed = min(CONSTANTS.error_step * allowed, CONSTANTS.max_error)
                 continue
             factor = error_factor / watch.fraction
-            each = CONSTANTS.solves_per_double_step if by_error else 1
+            each = CONSTANTS.solves_per_double_step if doubles else 1
             return factor * watch.seconds, round(factor * each * len(watch.reports))
         return error_factor * watch.seconds, round(error_factor * trajectory.solves)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, positive
+from contactstudy.domain.checks import InvalidInput, checked_relative_error, positive
 from contactstudy.domain.device import ONE_THREAD, Device, available_bytes, checked
 from contactstudy.domain.grid import ExactPeriodicity, Grid
 from contactstudy.domain.units import readable
@@ -36,6 +36,7 @@ from contactstudy.scene.shapes.shape import LengthScales
 
 if TYPE_CHECKING:
     from contactstudy.evolution.time_steps import TimeSteps
+    from contactstudy.planning.transient_requirements import TransientRequirements
 
 # Relative error that is planned where none is requested: of the pressure in L1, of a lubricated scene that of the film.
 DEFAULT_ERROR = 1e-2
@@ -48,7 +49,7 @@ MEMORY_FRACTION = 0.8
 def plan(
     scene: Scene,
     *,
-    error: float | None = None,
+    error: float | str | None = None,
     period: float | None = None,
     grid: Grid | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
@@ -64,9 +65,9 @@ def plan(
     scene
         The scene, which may change in time or roll.
     error
-        Relative L1 error of the pressure, above 0; of a film, that of its thickness, friction, temperatures and the
-        fraction of the load that asperities carry. If it is None, a measured surface of a static dry contact without
-        adhesion is solved at its own points, and any other scene to 1 %.
+        Relative L1 error of the pressure, above 0 and below 1, or a text such as ``"1 %"``; of a film, that of its
+        thickness, friction, temperatures and the fraction of the load that asperities carry. If it is None, a measured
+        surface of a static dry contact without adhesion is solved at its own points, and any other scene to 1 %.
     period
         Length of the grid [m]; chosen if None.
     grid
@@ -83,23 +84,22 @@ def plan(
         roller a FiniteLength.
     """
     planned = plan_grid(scene, error=error, period=period, grid=grid, times=times, device=device)
-    if scene.time_dependent_field is None and scene.outputs:
+    if scene.outputs and not scene.takes_times:
         stress = stress_seconds(scene, planned.grid, planned.padding)
         planned = replace(planned, seconds=planned.seconds + stress)
-    if (
-        scene.lubrication is not None
-        or not (scene.rolls or scene.time_dependent_field)
-        or scene.adhesion is not None
-    ):
+    is_steady = not (scene.rolls or scene.time_dependent_field)
+    follows_adhesion = scene.adhesion is not None and scene.evolves_without_states
+    if scene.lubrication is not None or is_steady or follows_adhesion:
         return planned
     # imported only for scenes in time
     from contactstudy.planning.pilot import pilot
 
+    requested = DEFAULT_ERROR if error is None and grid is None else error
     work = pilot(
         scene,
         planned.grid,
         planned.padding,
-        error or DEFAULT_ERROR,
+        None if requested is None else checked_relative_error("plan.error", requested),
         _time_steps(times),
         refines=grid is None,
     )
@@ -114,7 +114,7 @@ def plan(
 def plan_grid(
     scene: Scene,
     *,
-    error: float | None = None,
+    error: float | str | None = None,
     period: float | None = None,
     grid: Grid | None = None,
     times: "ArrayLike | TimeSteps | None" = None,
@@ -126,7 +126,7 @@ def plan_grid(
     """
     checked(device, "plan.device")
     if error is not None:
-        error = positive("plan.error", error, "give a relative error above 0, such as 1e-3")
+        error = checked_relative_error("plan.error", error)
     if grid is not None and period is not None and not isclose(period, grid.length):
         raise InvalidInput(f"plan.period is {period!r}: leave it out, since the grid has its own.")
     if times is not None and not scene.takes_times:
@@ -151,8 +151,13 @@ def plan_grid(
         # imported only for scenes with adhesion
         from contactstudy.planning.adhesive_plan import plan_of_adhesion
 
-        instants = _count_of_instants(scene, times)
-        return plan_of_adhesion(scene, error or DEFAULT_ERROR, period, grid, instants)
+        instants, request = _count_of_instants(scene, times), (error or DEFAULT_ERROR, period, grid)
+        if scene.time_dependent_field is None or scene.evolves_without_states:
+            return plan_of_adhesion(scene, *request, instants)
+        from contactstudy.planning.transient_requirements import transient_requirements
+
+        transient = transient_requirements(scene, _time_steps(times).last)
+        return _with_states(plan_of_adhesion(scene, *request, instants, transient), transient)
     if scene.time_dependent_field is not None or scene.rolls:
         return _plan_time_dependent(scene, error, period, grid, _time_steps(times))
     return _plan_static(scene, error, period, grid, device)
@@ -218,7 +223,7 @@ def _plan_static(
         forecast = forecast_of_refinement(scene, requirements, target, period, limit)
         grid = forecast.grid
         if width > grid.extent[0]:
-            grid = with_width(grid, width)
+            grid = with_width(grid, min(width, requirements.known_width))
     else:
         target = inf
         smaller = within_memory(grid, padding, limit)
@@ -281,17 +286,28 @@ def _plan_time_dependent(
     narrow_plan = _plan_static(
         transient.narrow, discretisation_error, period, grid, ONE_THREAD, width=transient.width
     )
-    memory = 8 * transient.fields * prod(narrow_plan.grid.cells)
-    reasons = transient.reasons
+    return _with_states(replace(narrow_plan, error=narrow_plan.error * error_factor), transient)
+
+
+def _with_states(planned: Plan, transient: "TransientRequirements") -> Plan:
+    """Return a plan with the bytes of what a contact keeps in time, and what is said of it."""
+    grid, plastic = planned.grid, transient.plastic
+    bytes_of_states = 8 * transient.fields * prod(grid.cells)
+    reasons, warnings = transient.reasons, transient.warnings
     if plastic is not None:
-        memory += plastic.bytes(narrow_plan.grid)
-        reasons = (*reasons, plastic.reason(narrow_plan.grid))
+        bytes_of_states += plastic.bytes(grid)
+        reasons = (*reasons, plastic.reason(grid))
+    if transient.width > grid.extent[0] * (1 + 1e-9):
+        warnings = (
+            *warnings,
+            f"Grid.extent[0] is {readable(grid.extent[0])}: the contact grows in time and may need "
+            f"{readable(transient.width)}, give a grid or a measured surface of that width.",
+        )
     return replace(
-        narrow_plan,
-        error=narrow_plan.error * error_factor,
-        bytes=narrow_plan.bytes + memory,
-        reasons=(*narrow_plan.reasons, *reasons),
-        warnings=(*narrow_plan.warnings, *transient.warnings),
+        planned,
+        bytes=planned.bytes + bytes_of_states,
+        reasons=(*planned.reasons, *reasons),
+        warnings=(*planned.warnings, *warnings),
     )
 
 
@@ -332,7 +348,7 @@ def _warnings(
 
 
 def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> int:
-    """Return the number of instants that are recorded of `scene`: 0 of a static one, else 2 where nothing has an end."""
+    """Return the instants that are recorded of `scene`, or its given steps: 0 of a static one, 2 where nothing ends."""
     if scene.time_dependent_field is None:
         return 0
     speed = None if scene.lubrication is None else scene.lubrication.mean_speed
@@ -341,4 +357,7 @@ def _count_of_instants(scene: Scene, times: "ArrayLike | TimeSteps | None") -> i
     if steps.last is None and not any(hasattr(history, "end") for history in histories):
         return 2
     recorded = steps.instants_of(*histories)
-    return 2 if recorded is None else np.size(recorded)
+    if recorded is None:
+        return 2
+    duration = float(np.ptp(recorded))
+    return max(np.size(recorded), int(duration / steps.step) if steps.step else 0)

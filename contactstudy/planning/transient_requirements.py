@@ -5,15 +5,16 @@ from math import inf, pi, prod, sqrt
 
 import numpy as np
 
+from contactstudy.analytic import HertzLine
 from contactstudy.domain.grid import Grid
 from contactstudy.domain.units import readable
 from contactstudy.elasticity.eigenstrain.volume import Volume
 from contactstudy.evolution.states.plastic_volume import layers
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
-from contactstudy.scene.loads.constant_load import LineLoad
+from contactstudy.scene.loads.constant_load import LineLoad, TotalLoad
 from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import AnyLoad, Scene
-from contactstudy.scene.solids.bodies import Body, instantaneous, yields
+from contactstudy.scene.solids.bodies import Body, instantaneous, is_layered, yields
 from contactstudy.scene.solids.viscoelastic import ViscoelasticHalfSpace
 
 
@@ -146,6 +147,8 @@ class TransientRequirements:
         needs the finest cells.
     width
         Width [m] that holds the widest contact.
+    relaxed_modulus
+        Contact modulus [Pa] of the bodies once they have crept.
     fields
         Fields held between solves, in addition to one solve.
     reasons
@@ -158,6 +161,7 @@ class TransientRequirements:
 
     narrow: Scene
     width: float
+    relaxed_modulus: float
     fields: int
     reasons: tuple[str, ...]
     warnings: tuple[str, ...] = ()
@@ -174,7 +178,8 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     end
         Last time [s]; None ends where the load does.
     """
-    load = LineLoad(scene.load.largest)
+    # the length of a roller may be that of its total load
+    load = scene.load if isinstance(scene.load, TotalLoad) else LineLoad(scene.load.largest)
     # forces in time do not change the grid, and belong to loads of other times
     friction = None if getattr(scene.friction, "times", None) else scene.friction
     elastic = replace(
@@ -191,10 +196,10 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     start = getattr(scene.load, "start", 0.0)
     last = end if end is not None else getattr(scene.load, "end", start)
     duration = max(last - start, 0.0)
-    relaxed_compliance = sum(_relaxed_compliance(body, duration) for body in scene.solids)
     hertz = elastic.hertz
+    relaxed_compliance = sum(_relaxed_compliance(body, duration, hertz) for body in scene.solids)
     half_width = (
-        sqrt(4 * load.per_length * hertz.radius * relaxed_compliance / pi) if hertz else 0.0
+        sqrt(4 * hertz.load_per_length * hertz.radius * relaxed_compliance / pi) if hertz else 0.0
     )
     fields = (
         2 * sum(len(body.creep.terms) + bool(body.creep.fluidity) for body in bodies)
@@ -202,7 +207,8 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     )
     if scene.rolls:
         width = 2 * GRID.width_factor * half_width * CONSTANTS.rolling_widening
-        return TransientRequirements(elastic, width, CONSTANTS.rolling_fields, ())
+        fields = CONSTANTS.rolling_fields
+        return TransientRequirements(elastic, width, 1 / relaxed_compliance, fields, ())
     plastic = expected_plastic_zone(scene)
     if plastic is not None:
         half_width = max(half_width, plastic.half_extent / GRID.width_factor)
@@ -215,9 +221,11 @@ def transient_requirements(scene: Scene, end: float | None = None) -> TransientR
     reasons: tuple[str, ...] = ()
     if least < load.per_length:
         reasons = (f"load: the cells are for loads from {readable(least, 'N m-1')} on.",)
+    narrow = elastic if least == load.per_length else replace(elastic, load=LineLoad(least))
     return TransientRequirements(
-        replace(elastic, load=LineLoad(least)),
+        narrow,
         2 * GRID.width_factor * half_width,
+        1 / relaxed_compliance,
         fields,
         reasons,
         warnings,
@@ -243,8 +251,10 @@ def _smallest_load(load: AnyLoad, end: float) -> tuple[float, tuple[str, ...]]:
     )
 
 
-def _relaxed_compliance(body: Body, end: float) -> float:
+def _relaxed_compliance(body: Body, end: float, hertz: HertzLine | None) -> float:
     """Return the equilibrium compliance [1/Pa] of `body`, of a fluid that after `end` [s] of load."""
+    if is_layered(body) and hertz is not None:
+        return body.compliance_at(hertz.half_width)
     if not isinstance(body, ViscoelasticHalfSpace):
         return body.compliance
     relaxed = body.creep.equilibrium_compliance

@@ -61,6 +61,14 @@ def test_a_pilot_ends_at_its_time_limit_and_forecasts_the_rest(
     assert all_solves / 5 < forecast < 5 * all_solves  # the first steps of wear are short
 
 
+def test_the_solves_of_a_plan_are_those_of_the_steps_that_are_given() -> None:
+    creep = rolling_cylinder(SOLID, cs.LoadHistory((0.0, 2.0), (LOAD, LOAD)))
+    for named in ({"instants": 3}, {"times": (0.0, 0.1, 2.0), "error": 3e-4}):
+        steps = cs.TimeSteps(**named)  # type: ignore[arg-type]
+        found = cs.solve(creep, GRID, EXACT, times=steps)
+        assert cs.plan(creep, grid=GRID, times=steps).solves == found.trajectory.solves
+
+
 def test_the_steps_of_passes_grow_with_the_cells_of_the_plan() -> None:
     """Passes of 0.4 m roll by one cell a step: 8 steps each on cells of 5 cm."""
     scene = replace(yielding_cylinder(2.2), rolling=cs.Rolling(passes=3, distance=0.4))

@@ -153,6 +153,11 @@ def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     assert planned.warnings[0].startswith("plan.error is 1e-06: ")
 
 
+def test_a_plan_of_a_film_counts_the_steps_that_are_given() -> None:
+    loaded = replace(films.by_moes(20, 2), load=cs.LoadHistory((0.0, 1.0), (1.0, 2.0)))
+    assert cs.plan(loaded, times=cs.TimeSteps(step=1e-3)).solves > 1000
+
+
 def test_a_planned_texture_meets_its_error_whatever_its_lands(line_contact: LineContact) -> None:
     a, gap = line_contact.hertz.half_width, line_contact.hertz.half_width**2 / 0.01 / 2
     for fraction, profile in ((0.3, cs.Parabolic()), (0.9, cs.FlatBottomed()), (0.7, cs.Cosine())):
@@ -193,6 +198,10 @@ def test_a_plan_stays_on_the_measured_surface_and_in_the_memory(
     said = cs.plan(narrow, error=0.1)
     assert said.error == inf
     assert "known over" in " ".join(said.warnings)
+    worn = replace(narrow, wear=cs.Wear(1e-13, 1.0))
+    in_time = cs.plan(worn, grid=None, error=0.3, times=(0.0, 1.0))
+    assert in_time.grid.extent[0] <= 1.5 * a * (1 + 1e-12)
+    assert "the contact grows in time" in " ".join(in_time.warnings)
     monkeypatch.setattr("contactstudy.planning.plan.available_bytes", lambda: 4e6)
     wide = line_contact.with_shapes(cs.MeasuredSurface(heights / 10, extent=(6 * a, 3 * a)))
     small = cs.plan(wide, error=1e-4)
@@ -222,6 +231,17 @@ def test_a_plan_of_adhesion_resolves_the_waves_of_the_surfaces(line_contact: Lin
     adhesion = cs.Adhesion(0.05, range=1e-7)
     planned = cs.plan(replace(line_contact.scene, shapes=shapes, adhesion=adhesion), error=1e-2)
     assert 8 < 4e-6 / planned.grid.cell_size[0] < 50
+
+
+def test_a_plan_of_adhesion_resolves_the_zone_and_the_width_of_what_has_crept() -> None:
+    """The zone ``pi E* w / (4 sigma0^2)`` has six cells; the relaxed contact is four times as wide as Hertz's."""
+    soft = cs.ViscoelasticHalfSpace(1e5, 0.0, ((1.5e6, 1.0),))
+    bodies, adhesion = (soft, cs.HalfSpace(inf, 0.0)), cs.Adhesion(0.05, range=1e-5)
+    scene = cs.Scene(cs.LineLoad(100.0), bodies, (cs.Cylinder(0.01),), adhesion=adhesion)
+    planned = cs.plan(scene, error=0.1, times=(0.0, 1.0, 1e3))
+    assert planned.grid.cell_size[0] <= np.pi * 1e5 * 0.05 / (4 * (0.05 / 1e-5) ** 2) / 6
+    assert planned.grid.extent[0] > 2 * 4 * scene.hertz.half_width
+    assert planned.seconds < inf
 
 
 def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
@@ -260,10 +280,15 @@ def test_the_seconds_of_a_plan_grow_with_the_depths_at_which_stress_is_asked_for
 ) -> None:
     """A thousand depths take longer than any solve of a smooth contact on few cells."""
     depths = tuple(np.linspace(1e-6, 1e-3, 1000))
-    stressed = replace(line_contact.scene, outputs=(cs.SubsurfaceStress(depths),))
-    plain, planned = cs.plan(line_contact.scene), cs.plan(stressed)
-    assert planned.grid == plain.grid
-    assert planned.seconds > 2 * plain.seconds
+    for scene in (
+        line_contact.scene,
+        replace(line_contact.scene, rolling=cs.Rolling(1.0)),
+        films.by_moes(20, 2),
+    ):
+        stressed = replace(scene, outputs=(cs.SubsurfaceStress(depths),))
+        plain, planned = cs.plan(scene), cs.plan(stressed)
+        assert planned.grid == plain.grid
+        assert planned.seconds > 2 * plain.seconds
 
 
 def test_a_plan_says_that_a_solve_may_end_on_other_cells(line_contact: LineContact) -> None:

@@ -15,7 +15,7 @@ import contactstudy as cs
 from contactstudy.domain.checks import whole_number
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, dimensionless
+from studies.model.case import dimensionless, recorded
 from studies.model.study import Point
 from studies.reference.accuracy.case import AccuracyCase, Errors, errors
 from studies.reference.accuracy.matrix import matrix
@@ -64,8 +64,7 @@ class AccuracyRun:
 
     def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
-        case = self.case
-        return Case(case.scene, case.grid, case.padding).record(result)
+        return recorded(result)
 
 
 def case_at(point: Point) -> AccuracyRun:

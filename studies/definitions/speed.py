@@ -17,7 +17,7 @@ from contactstudy.elasticity.transforms import transforms
 from studies.definitions import solvers
 from studies.definitions.solvers import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, contact_fraction, dimensionless
+from studies.model.case import Case, contact_fraction, dimensionless, recorded
 from studies.model.study import Point
 from studies.reference.line_contact import HERTZ, SCENE
 
@@ -69,7 +69,7 @@ class CaseOnDevice:
 
     def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
-        return self.case.record(result)
+        return recorded(result)
 
 
 def clock_of(device: Device) -> Callable[[], float]:

@@ -10,7 +10,7 @@ import xarray as xr
 import contactstudy as cs
 from contactstudy.io.dataset import flags
 from studies.model.axis import Axis, one_of
-from studies.model.case import Case, dimensionless
+from studies.model.case import dimensionless, recorded
 from studies.model.study import Point
 from studies.reference.hard_case import PADDINGS, SOLVERS
 from studies.reference.hard_cases import CASES
@@ -58,8 +58,7 @@ class HardCaseRun:
 
     def record(self, result: cs.Contact) -> Mapping[str, xr.Variable]:
         """Return the solver's numbers."""
-        hard_case = CASES[self.case]
-        return Case(hard_case.scene, hard_case.grid, PADDINGS[self.padding]).record(result)
+        return recorded(result)
 
 
 def case_at(point: Point) -> HardCaseRun:

@@ -10,13 +10,6 @@ from studies.advice.stored import SETTINGS
 from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, load
 
-# Seconds that each study takes on two cores, with its times and its figures.
-SECONDS = {
-    "padding": 3, "period": 4, "images": 3, "grid": 1, "paper": 2, "settings": 12, "pareto": 12, "stability": 4,
-    "roughness": 2, "coating": 2, "friction": 3, "creep": 3, "wear": 3, "plastic": 2, "accuracy": 10, "lubrication": 4,
-    "solvers": 9, "speed": 9, "peers": 120,
-}  # fmt: skip
-
 
 @dataclass(frozen=True)
 class Part:
@@ -61,11 +54,6 @@ class Chapter:
     def command(self) -> str:
         """Command that makes the page."""
         return "contactstudy report" + f" {self.name}" * (self.name != MAIN.name)
-
-    @property
-    def seconds(self) -> int:
-        """Expected time on two cores [s]."""
-        return sum(SECONDS[part.name] for part in self.parts)
 
 
 MAIN = Chapter(

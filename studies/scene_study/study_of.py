@@ -24,7 +24,7 @@ from contactstudy.planning.plan import DEFAULT_ERROR, MEMORY_FRACTION
 from contactstudy.scene_file import SceneFile, read_scene, scene_file_from
 from studies.advice.reference_error import ReferencedCase
 from studies.model.axis import Value, check_count
-from studies.model.case import Case, Computation
+from studies.model.case import Computation
 from studies.model.study import Point, Study
 from studies.scene_study.fields import document_of
 from studies.scene_study.measures import measures
@@ -35,7 +35,7 @@ from studies.scene_study.variation import Variation, joint_variation, variation,
 MAX_PLANNED = 8
 
 
-def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str, ...]]:
+def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[ReferencedCase], tuple[str, ...]]:
     """Return every point on its grid, and notes on the grids.
 
     Points with the same grid and plan settings in their file share a grid, with the width of the widest and the
@@ -65,8 +65,11 @@ def on_shared_grids(points: Sequence[SceneFile]) -> tuple[list[Case], tuple[str,
     return placed, tuple(dict.fromkeys(notes))
 
 
-def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> Case:
-    """Return one point on its grid, with random surfaces of the common extent."""
+def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None) -> ReferencedCase:
+    """Return one point on its grid, with random surfaces of the common extent.
+
+    Where the file gives its grid and no error, none is requested, and each step goes from one instant to the next.
+    """
     shapes = tuple(
         replace(shape, extent=extent)
         if isinstance(shape, Roughness) and shape.extent is None and extent is not None
@@ -76,7 +79,10 @@ def _case_on(point: SceneFile, grid: cs.Grid, extent: tuple[float, float] | None
     for number, shape in enumerate(shapes):
         _check(f"Scene.shapes[{number}]", shape, grid)
     padding = point.padding or grid_requirements(point.scene).padding()
-    return Case(replace(point.scene, shapes=shapes), grid, padding, point.options)
+    scene = replace(point.scene, shapes=shapes)
+    steps = point.time_steps if scene.takes_times else None
+    error = point.plan_settings.error or (DEFAULT_ERROR if point.grid is None else None)
+    return ReferencedCase(scene, grid, padding, point.options, steps, error)
 
 
 def _check(name: str, shape: object, grid: cs.Grid) -> None:
@@ -244,7 +250,7 @@ def study_of(
         scene_file_from(with_values(document, zip(axes, point, strict=True))) for point in points
     ]
     placed, notes = on_shared_grids(files)
-    cases = dict(zip(points, map(_computation, placed, files), strict=True))
+    cases = dict(zip(points, placed, strict=True))
     if name is None:
         # not the name of the scene, which contactstudy solve gives to its file
         name = f"{Path(scene).stem}-sweep" if isinstance(scene, str | PathLike) else "scene"
@@ -304,13 +310,3 @@ def _read(scene: Scene | SceneFile | str | PathLike[str]) -> tuple[SceneFile, Pa
     raise InvalidInput(
         f"scene is {scene!r}: give a Scene, a SceneFile or the path of a scene file."
     )
-
-
-def _computation(case: Case, file: SceneFile) -> ReferencedCase:
-    """Return the computation of a scene, with the instants of its file where it changes in time.
-
-    Where the file gives its grid and no error, none is requested, and each step goes from one instant to the next.
-    """
-    steps = file.time_steps if case.scene.takes_times else None
-    error = file.plan_settings.error or (DEFAULT_ERROR if file.grid is None else None)
-    return ReferencedCase(case.scene, case.grid, case.padding, case.options, steps, error)

@@ -144,11 +144,11 @@ def point_contacts(rng: np.random.Generator) -> CaseParts:
 
 
 def rollers(rng: np.random.Generator) -> CaseParts:
-    """Return rollers of a tenth of a cell to all of the length, straight or crowned."""
+    """Return rollers of a cell to all of the length, straight or crowned."""
     period = rng.uniform(3, 16) * A
     grid = cs.Grid((int(rng.integers(28, 60)), int(rng.integers(16, 80))), (4 * A, period))
     is_short = rng.random() < 0.3
-    length = rng.uniform(0.1, 3) * grid.cell_size[1] if is_short else rng.uniform(0.6, 1) * period
+    length = rng.uniform(1, 3) * grid.cell_size[1] if is_short else rng.uniform(0.6, 1) * period
     shapes: list[cs.Shape] = [cs.FiniteLength(length)]
     if rng.random() < 0.4:
         shapes.append(cs.Crown.of_drop(_ratio(rng, 0.5, 30) * HERTZ_HEIGHT, length))

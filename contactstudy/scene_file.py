@@ -32,7 +32,6 @@ from contactstudy.scene.loads.load_history import ChangingLoad
 from contactstudy.scene.scene import Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.shape import LengthScales, Shape
-from contactstudy.scene.solids.bodies import contact_modulus
 from contactstudy.solvers.solve import SolveOptions
 from contactstudy.solving import solve
 
@@ -183,14 +182,13 @@ def write_scene(described: Scene | SceneFile, path: str | PathLike[str]) -> None
 
 def scene_file_from(document: SceneDocument, folder: Path = Path()) -> SceneFile:
     """Return the scene of `document`; files of surfaces start at `folder`."""
-    modulus = contact_modulus(document.solids)
     curvature = sum(getattr(shape, "curvature", 0.0) for shape in document.shapes)
 
     def read(shape: Any) -> Shape:
         if isinstance(shape, MovingShapeTable):
             return MovingShape(read(shape.shape), shape.body)
         if isinstance(shape, MeasuredSurfaceTable | CrownTable | LundbergProfileTable):
-            return shape.shape(folder, (curvature, modulus))
+            return shape.shape(folder, (curvature, document.solids))
         described: Shape = shape
         return described
 

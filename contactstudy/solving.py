@@ -183,7 +183,7 @@ class _Request:
                 self.refuse_unless("a load history with adhesion or rolling", "times")
                 return self.quasi_static()
             kind = "a scene that changes in time"
-            self.refuse_unless(kind, "times", "folder", "error", "scheme")
+            self.refuse_unless(kind, "times", "folder", "error", "scheme", "step_error")
             return self.time_dependent()
         if scene.rolls:
             self.refuse_unless("a contact that rolls")
@@ -208,12 +208,12 @@ class _Request:
             if is_given and name not in used:
                 why = {
                     "period": "the grid has a period of its own",
-                    "device": f"{kind} is solved on this machine's processor",
+                    "device": f"{kind} is solved on the CPU",
                 }.get(name, f"{kind} has no use for it")
                 raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
         if self.times is None:
             return
-        for name in ("error", "scheme", "step"):
+        for name in ("error", "scheme", "step", "step_error"):
             value = getattr(self.steps, name)
             if name not in used and value != getattr(type(self.steps), name):
                 raise InvalidInput(

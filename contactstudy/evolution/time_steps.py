@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contactstudy.domain.checks import InvalidInput, suggest_fields, whole_number
+from contactstudy.domain.checks import InvalidInput, set_fields, suggest_fields, whole_number
 from contactstudy.domain.units import Number, Seconds
 from contactstudy.scene.loads.load_history import ChangingLoad
 
@@ -99,6 +99,8 @@ class TimeSteps:
 
     def __post_init__(self) -> None:
         check_estimated(self.error, self.step_error)
+        if isinstance(self.times, list) or getattr(self.times, "ndim", 0) == 1:
+            set_fields(self, times=tuple(np.asarray(self.times).tolist()))
         if self.error is not None and self.step is not None:
             raise InvalidInput("TimeSteps has a step and an error: leave one of them out.")
         for name in ("end", "instants"):

@@ -281,15 +281,21 @@ class GridRequirements:
 
     def period_check(self, period: float) -> str:
         """Return a sentence on how `period` [m] suits the scene."""
+        if fault := self.period_fault(period):
+            return fault
         if self.roller_length:
             return f"The roller ends: the length, {readable(period)}, is no period."
         if not self.varies:
             return "Nothing varies along the length, so any period gives the same pressure."
-        holds = f"The period {readable(period)} is a multiple of every repeat length."
-        return self.period_fault(period) or holds
+        return f"The period {readable(period)} is a multiple of every repeat length."
 
     def period_fault(self, period: float) -> str:
         """Return why `period` [m] does not suit the scene, with a remedy; empty if it does."""
+        if 0 < period < self.roller_length * (1 - 1e-9) < inf:
+            return (
+                f"The length {readable(period)} is shorter than the roller, which ends there and carries the whole "
+                f"load: give {readable(self.roller_length)} or more."
+            )
         if self.roller_length or not self.varies:
             return ""
         if fault := period_fault(period, self.length_scales):
@@ -406,7 +412,7 @@ def grid_requirements(scene: Scene) -> GridRequirements:
     if scene.hertz is None:
         raise NotDefined(
             "Scene.shapes have no curvature that is the same all along, so that no width of the contact is known: "
-            "give a Cylinder, a MeasuredSurface with its extent, or choose the grid yourself."
+            "give a Cylinder, a MeasuredSurface with its extent, or choose grid and padding yourself."
         )
     for number, shape in enumerate(scene.shapes):
         if not hasattr(shape, "length_scales"):

@@ -143,7 +143,9 @@ def pilot(
     coarse = grid
     if scene.adhesion is None:
         coarse = Grid((min(nx, across), min(ny, CONSTANTS.cells[1])), grid.extent)
-    step_error = steps.error or (error and (1 - GRID.cell_fraction) * error)
+    step_error = error and (1 - GRID.cell_fraction) * error
+    if steps.error is not None:
+        step_error = steps.error
     try:
         seconds, solves = seconds_and_solves(scene, coarse, padding, step_error, steps)
     except InvalidInput as refused:

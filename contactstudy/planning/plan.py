@@ -134,13 +134,8 @@ def plan_grid(
             "plan.times is given, and nothing of the scene changes in time: leave it out, in a file [time_steps]."
         )
     scales = measured_length_scales(scene)
-    if (
-        scene.hertz is None
-        and scales is not None
-        and scene.time_dependent_field is None
-        and grid is None
-    ):
-        return _plan_of_flat(scales, error, period, device)
+    if scene.hertz is None and scales is not None and scene.lubrication is None:
+        return _plan_of_flat(scales, error, period, grid, device)
     if scene.lubrication is not None:
         # imported only for lubricated scenes
         from contactstudy.planning.film_plan import plan_of_film
@@ -171,18 +166,25 @@ def _time_steps(times: "ArrayLike | TimeSteps | None") -> "TimeSteps":
 
 
 def _plan_of_flat(
-    scales: LengthScales, error: float | None, period: float | None, device: Device
+    scales: LengthScales,
+    error: float | None,
+    period: float | None,
+    grid: Grid | None,
+    device: Device,
 ) -> Plan:
-    """Plan a flat with a measured surface: its points are the cells, and both axes are periodic."""
+    """Plan a flat with a measured surface: its points are the cells, unless a grid is given, and both axes periodic."""
     if period is not None:
         positive("plan.period", period, "give a period above 0 m")
     warnings = []
     if error is not None:
         warnings.append(
-            f"plan.error is {error:.2g}: the points of the measured surface are the cells, whose error is not "
-            "predicted, solve, and read answer.error."
+            f"plan.error is {error:.2g}: no shape is curved, so that the error is not predicted, solve, and read "
+            "answer.error."
         )
-    grid, padding = flat_grid(scales, period), (ExactPeriodicity(), ExactPeriodicity())
+    reason = "the grid is the one given"
+    if grid is None:
+        grid, reason = flat_grid(scales, period), "the points of the measured surface are the cells"
+    padding = (ExactPeriodicity(), ExactPeriodicity())
     seconds = CostModel().seconds(grid, padding, TIMING.rough_convolutions)
     if fault := period_fault(grid.length, (scales,)):
         warnings.append(fault)
@@ -195,8 +197,7 @@ def _plan_of_flat(
         period_check=fault
         or f"The measured surface repeats over the length {readable(grid.length)}.",
         reasons=(
-            "points: no shape is curved, so that the points of the measured surface are the cells, and both axes are "
-            "periodic; the solve estimates the error.",
+            f"points: no shape is curved, so that {reason}, and both axes are periodic; the solve estimates the error.",
         ),
         warnings=tuple(warnings),
         device=device,

@@ -336,6 +336,7 @@ class Scene:
             heights if heights.shape == grid.cells else np.broadcast_to(heights, grid.cells).copy()
         )
         if isinstance(self.load, Approach):
+            self.load.check_datum(endless_axes=sum(each.window is None for each in paddings))
             _refuse_full_contact(self.load, gap, paddings)
         scales = self.scales(grid)
         if solver is None and self.adhesion is not None:

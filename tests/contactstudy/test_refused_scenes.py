@@ -250,6 +250,12 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
           ("plan.period is *: leave it out", {"grid": cs.Grid((32, 1), (1e-3, 1e-3)), "period": 2e-3}),
           ("plan.times is given, *: leave it out", {"times": (0.0, 1.0)}),
       )),
+    *(("Approach.datum is 1.0, and * axes", lambda paddings=paddings: cs.solve(
+        replace(SMOOTH, load=cs.Approach(-1e-6, datum=1.0)), cs.Grid((16, 16), (3e-4, 3e-4)), paddings,
+    )) for paddings in (FREE, (EXACT, EXACT))),
+    ("TimeSteps.step_error is *: leave it out", lambda: cs.solve(
+        replace(FILM, load=HISTORY), film_grid(64, 4.5), times=cs.TimeSteps(step_error=cs.StepError.NONE),
+    )),
     (
         "TimeSteps.instants is 1",
         lambda: cs.plan(replace(FILM, load=HISTORY), times=cs.TimeSteps(instants=1)),

@@ -101,6 +101,11 @@ def with_materials(table: Mapping[str, Any]) -> dict[str, Any]:
         if "material" not in inner:
             return inner
         constants = _material_named(f"{path}.material", inner.pop("material"))
+        if (kind := inner.get("kind")) in ("CoatedHalfSpace", "ViscoelasticHalfSpace"):
+            raise InvalidInput(
+                f"{path}.material is {constants.name!r}, and a {kind} has no constants of its own there: give it to a "
+                "HalfSpace, an ElasticPlasticHalfSpace, or the coating and the substrate."
+            )
         return constants.body_fields(inner.get("kind")) | inner
 
     solids = table.get("solids")

@@ -44,7 +44,7 @@ from contactstudy.scene.lubrication.lubricant import (
 )
 from contactstudy.scene.lubrication.lubrication import ChangingSpeed, Lubrication, SpeedHistory
 from contactstudy.scene.rolling import Rolling
-from contactstudy.scene.scene import Output
+from contactstudy.scene.scene import Output, Scene
 from contactstudy.scene.shapes.moving_shape import MovingShape
 from contactstudy.scene.shapes.roller import Crown, Cylinder, FiniteLength, LundbergProfile, Sphere
 from contactstudy.scene.shapes.roughness import Roughness
@@ -80,8 +80,8 @@ from contactstudy.solvers.polonsky_keer import PolonskyKeer
 from contactstudy.solvers.preconditioned_cg import PreconditionedCG
 from contactstudy.solvers.solve import SolveOptions, Solver
 
-# Curvature [1/m] and contact modulus [Pa] of the scene to which a shape belongs.
-ProfileContext = tuple[float, float]
+# Curvature [1/m] and bodies of the scene to which a shape belongs.
+ProfileContext = tuple[float, tuple[Body, Body]]
 
 
 class Turn(Enum):
@@ -158,7 +158,7 @@ class LundbergProfileTable:
     iso_16281_diameter: Metres | None = None
 
     def shape(self, _folder: Path, context: ProfileContext) -> LundbergProfile:
-        """Return the profile; one for a load needs the curvature and the modulus of the scene."""
+        """Return the profile; one for a load needs the curvature and the bodies of the scene."""
         drops = self.amplitude, self.end_drop
         ways = [
             drops != (None, None),
@@ -178,13 +178,17 @@ class LundbergProfileTable:
         if self.iso_16281_diameter is not None:
             return LundbergProfile.iso_16281(self.iso_16281_diameter, self.length)
         if self.for_load is not None:
-            curvature, modulus = context
+            curvature, solids = context
             if curvature <= 0:
                 raise InvalidInput(
                     "LundbergProfile.for_load is for a round roller: give a Cylinder."
                 )
+            radius = 1 / curvature
+            hertz = Scene(LineLoad(self.for_load), solids, (Cylinder(radius),)).hertz
+            assert hertz is not None
+            modulus = hertz.contact_modulus  # of a coated body that at the half-width
             return LundbergProfile.for_load(
-                self.for_load, contact_modulus=modulus, radius=1 / curvature, length=self.length
+                self.for_load, contact_modulus=modulus, radius=radius, length=self.length
             )
         assert self.amplitude is not None
         assert self.end_drop is not None

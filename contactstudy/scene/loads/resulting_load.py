@@ -33,13 +33,14 @@ class Approach:
         Approach [m], of any sign.
     datum
         Distance from the axis at which the surface does not move [m], at least half the width of the grid; None is the
-        width of the grid. It has an effect where one axis alone has infinitely many images.
+        width of the grid. It is for a contact of which one axis alone has infinitely many images.
 
     Raises
     ------
     InvalidInput
-        If a number is not finite, or the datum is not above 0 m; on a grid that is more than twice as wide as the datum;
-        with ExactPeriodicity along both axes, if the approach is not below the mean undeformed gap.
+        If a number is not finite, or the datum is not above 0 m; on a grid that is more than twice as wide as the datum,
+        or with one where no axis or both have infinitely many images; with ExactPeriodicity along both axes, if the
+        approach is not below the mean undeformed gap.
     """
 
     #: Largest given load [N/m]: none is given.
@@ -52,6 +53,14 @@ class Approach:
         check_fields(self, approach=(in_range_or_zero, "give an approach [m]"))
         if self.datum is not None:
             check_fields(self, datum=(in_range, "give a distance above 0 m"))
+
+    def check_datum(self, *, endless_axes: int) -> None:
+        """Raise InvalidInput for a datum unless it has an effect: of one axis with infinitely many images."""
+        if self.datum is not None and endless_axes != 1:
+            raise InvalidInput(
+                f"Approach.datum is {self.datum!r}, and {endless_axes} axes have infinitely many images, so that it has "
+                "no effect: leave it out, or give ExactPeriodicity along one axis."
+            )
 
     def datum_on(self, width: float) -> float:
         """Return the datum [m] on a grid of this `width` [m]."""

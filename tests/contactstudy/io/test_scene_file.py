@@ -217,8 +217,13 @@ def test_a_coat_and_its_substrate_have_materials(tmp_path: Path) -> None:
         'material = "steel"',
         'kind = "CoatedHalfSpace"\nthickness = "2 um"\ncoating.material = "DLC"\nsubstrate.material = "steel"',
     ).replace('total = "2 kN"', 'per_length = "100 N/mm"')
-    coated = read(text, tmp_path).scene.solids[0]
-    assert coated == cs.CoatedHalfSpace(cs.material("ta-C:H"), 2e-6, cs.material("steel"))
+    profile = '[[shapes]]\nkind = "LundbergProfile"\nlength = "8 mm"\nfor_load = "100 N/mm"\n'
+    scene = read(text + profile, tmp_path).scene
+    coated = cs.CoatedHalfSpace(cs.material("ta-C:H"), 2e-6, cs.material("steel"))
+    assert scene.solids[0] == coated
+    # the profile is that for the modulus of this contact, near that of the substrate
+    amplitude = 1e5 / (np.pi * scene.hertz.contact_modulus)
+    assert scene.shapes[1].amplitude == pytest.approx(amplitude, rel=1e-12)
 
 
 def test_every_material_has_a_source() -> None:
@@ -261,6 +266,7 @@ def test_a_total_load_is_spread_over_the_roller_or_the_grid(
         ('total = "2 kN"', 'per_length = "125"', "it is '125': give a load per length, such as '100 N/mm'"),
         ("2 kN", "100 N/mm", "load.total: it is '100 N/mm': give a load, such as '2 kN'"),
         ('"steel"', '"stel"', "solids[0].material is 'stel': did you mean 'steel'"),
+        ('"steel"', '"steel"\nkind = "CoatedHalfSpace"', "solids[0].material is 'steel', and a CoatedHalfSpace"),
         ("[[shapes]]", "[shapes]", "shapes: it is one table: write its name in double brackets"),
         ("Cylinder", "Crown", "give its radius, or its end_drop and length"),
         ('"Cylinder"', '"LundbergProfile"\nlength = 1', "give amplitude and end_drop, for_load"),

@@ -171,9 +171,10 @@ def test_every_effect_in_time_reads_back(changes: dict[str, object], tmp_path: P
     written = replace(scene(cs.Cylinder(0.01)), **changes)  # type: ignore[arg-type]
     described = read_back(written, tmp_path)
     assert described.scene == written
-    steps = replace(described.time_steps, end=2.0, instants=3, error=1e-2)
-    found = read_back(replace(described, time_steps=steps), tmp_path)
-    assert found.time_steps == steps
+    end = replace(described.time_steps, end=2.0, instants=3, error=1e-2)
+    for steps in (end, cs.TimeSteps(np.linspace(0.0, 2.0, 3))):  # type: ignore[arg-type]
+        found = read_back(replace(described, time_steps=steps), tmp_path)
+        assert found.time_steps == steps
 
 
 def test_fields_that_a_file_varies_read_back(tmp_path: Path) -> None:

@@ -69,9 +69,10 @@ def test_a_period_is_checked_against_what_it_has_to_hold() -> None:
     for fraction, enough in ((1, True), (1 - 0.5e-9, True), (1 - 1.5e-9, False), (0.5, False)):
         assert ("is a multiple of every repeat length" in rough.period_check(fraction)) == enough
     assert "any period" in requirements(LengthScales()).period_check(0.1)
-    assert "the length, 500 mm, is no period" in requirements(
-        LengthScales(roller=0.5)
-    ).period_check(0.5)
+    roller = requirements(LengthScales(roller=0.5))
+    assert "the length, 500 mm, is no period" in roller.period_check(0.5)
+    assert "shorter than the roller" in roller.period_check(0.4)
+    assert roller.warnings(cs.Grid((64, 64), (8.0, 0.4)))[-1] == roller.period_check(0.4)
 
 
 # As wide as a tenth of the radius.

@@ -264,6 +264,10 @@ def test_a_measured_flat_is_solved_on_its_own_points_with_both_axes_periodic(
     answer = cs.solve(flat)
     assert answer.pressure.shape == (16, 12)
     assert answer.status is cs.Status.CONVERGED
+    worn = replace(flat, wear=cs.Wear(1e-18, 1.0))
+    assert cs.plan(worn, times=(0.0, 1.0)).grid == planned.grid
+    finer = cs.Grid((32, 24), (32e-6, 24e-6))
+    assert cs.plan(flat, grid=finer).grid == cs.solve(flat, finer).grid == finer
     without = replace(flat, shapes=(cs.MeasuredSurface(heights),))
     with pytest.raises(cs.NotDefined, match="MeasuredSurface with its extent"):
         cs.solve(without)

@@ -40,31 +40,25 @@ def _bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     resource.setrlimit(resource.RLIMIT_AS, limits)
 
 
-def answer(*words: str) -> tuple[int, str, str]:
-    """Exit code, output and error; whatever else is raised fails the test."""
-    out, err = io.StringIO(), io.StringIO()
-    code: object = 0
+def ends_well(*words: str, given: str = "") -> None:
+    """Run the command: it ends with a code, and says something where that is not 0; what else it raises is raised."""
+    said, code = io.StringIO(), 0
     with (
         pytest.MonkeyPatch.context() as patch,
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
+        contextlib.redirect_stdout(said),
+        contextlib.redirect_stderr(said),
     ):
         patch.setattr(sys, "argv", ["contactstudy", *words])
         try:
             commands.main()
         except SystemExit as end:
-            code = end.code
-    assert isinstance(code, int | None), code
-    return code or 0, out.getvalue(), err.getvalue()
+            code = end.code or 0
+    assert code in (0, 1, 2), (code, words, given)
+    assert "Traceback" not in said.getvalue(), (words, given)
+    assert not code or said.getvalue().strip(), (words, given)
 
 
-def check(code: int, said: str, words: object) -> None:
-    assert code in (0, 1, 2), (code, words)
-    assert "Traceback" not in said, words
-    assert not code or said.strip(), words
-
-
-def command_lines(rng: random.Random) -> list[str]:
+def command_line(rng: random.Random) -> list[str]:
     axis = rng.choice(["period", "grid", "images", "padding", "perod"])
     options = "workers repeats time-limit retry scheduler out only yes"
     option = f"--{rng.choice(options.split())}"
@@ -86,9 +80,7 @@ def command_lines(rng: random.Random) -> list[str]:
 def test_no_command_line_ends_in_a_traceback() -> None:
     rng = random.Random(11)
     for _ in range(case_count(whole=1000, thin=12)):
-        words = command_lines(rng)
-        code, out, err = answer(*words)
-        check(code, out + err, words)
+        ends_well(*command_line(rng))
 
 
 def mangled(text: str, rng: random.Random, odd: list[str]) -> str:
@@ -123,8 +115,7 @@ def test_no_scene_file_ends_in_a_traceback() -> None:
     for _ in range(case_count(whole=1000, thin=12)):
         text = mangled(rng.choice(scenes), rng, SCENE_ODD)
         Path("scene.toml").write_bytes(text.encode("utf-8", "surrogatepass"))
-        code, out, err = answer("plan", "scene.toml")
-        check(code, out + err, text)
+        ends_well("plan", "scene.toml", given=text)
 
 
 def test_no_study_file_ends_in_a_traceback() -> None:
@@ -133,6 +124,4 @@ def test_no_study_file_ends_in_a_traceback() -> None:
         text = mangled(STUDY, rng, ["None", "()", "5", "'a'", "[1]", "(1, 'a')", "print", "1/0"])
         path = Path(f"study{number}.py")
         path.write_bytes(text.encode("utf-8", "surrogatepass"))
-        words = ["run", str(path), "--out", f"out{number}", "--workers", "0"]
-        code, out, err = answer(*words)
-        check(code, out + err, text)
+        ends_well("run", str(path), "--out", f"out{number}", "--workers", "0", given=text)

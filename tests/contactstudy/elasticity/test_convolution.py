@@ -5,18 +5,12 @@ from numpy.testing import assert_allclose
 import contactstudy as cs
 
 ALONG = [
-    cs.ZeroPadding(),
-    cs.DuplicatedPadding(),
-    cs.Superposition(2),
-    cs.CircularSuperposition(2),
-    cs.ExactPeriodicity(),
-]
+    cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(2), cs.CircularSuperposition(2), cs.ExactPeriodicity(),
+]  # fmt: skip
 BOTH = [
-    (cs.ExactPeriodicity(), cs.ZeroPadding()),
-    (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
-    (cs.CircularSuperposition(1), cs.Superposition(2)),
-    (cs.DuplicatedPadding(), cs.ExactPeriodicity()),
-]
+    (cs.ExactPeriodicity(), cs.ZeroPadding()), (cs.ExactPeriodicity(), cs.ExactPeriodicity()),
+    (cs.CircularSuperposition(1), cs.Superposition(2)), (cs.DuplicatedPadding(), cs.ExactPeriodicity()),
+]  # fmt: skip
 PADDINGS: list[cs.Padding | cs.Paddings] = [*ALONG, *BOTH]
 CELLS = [(8, 6), (7, 5), (16, 1), (3, 13)]
 

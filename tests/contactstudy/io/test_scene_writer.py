@@ -11,30 +11,21 @@ from tests.conftest import STEEL
 
 SURFACE = np.random.default_rng(1).normal(scale=1e-7, size=(12, 8))
 SHAPES: tuple[cs.Shape, ...] = (
-    cs.Cylinder(0.01),
-    cs.Crown(0.5),
-    cs.Crown(0.5, 8e-3),
-    cs.Tilt(1e-3),
-    cs.LundbergProfile(1e-7, 1e-6, 1e-3),
-    cs.FiniteLength(8e-4),
-    cs.Waviness(1e-7, along=1e-4, phase=0.25),
+    cs.Cylinder(0.01), cs.Crown(0.5), cs.Crown(0.5, 8e-3), cs.Tilt(1e-3), cs.LundbergProfile(1e-7, 1e-6, 1e-3),
+    cs.FiniteLength(8e-4), cs.Waviness(1e-7, along=1e-4, phase=0.25),
     cs.Texture(cs.Dimple(1e-7, 2e-5, cs.Cosine()), (5e-5, 6e-5)),
     cs.Texture(cs.Groove(1e-7, 2e-5, cs.FlatBottomed()), (5e-5, inf)),
     cs.Roughness(1e-7, 0.8, 1e-4, 3e-5, seed=3, peklenik=2.0, extent=(4e-4, 4e-4)),
     cs.Roughness(cs.RmsSlope(0.02), 0.7, 1e-4, 3e-5),
     cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), cs.HarmonicFill(), cs.Trend.PLANE, cs.Mirrored()),
-    cs.MeasuredSurface(SURFACE),
-    cs.Sphere(0.02),
+    cs.MeasuredSurface(SURFACE), cs.Sphere(0.02),
     cs.MovingShape(cs.Waviness(1e-7, along=5e-5), body=np.int64(1)),  # type: ignore[arg-type]
     cs.MovingShape(cs.MeasuredSurface(SURFACE, (1e-4, 2e-4), trend=cs.Trend.PLANE)),
-)
+)  # fmt: skip
 PADDINGS: tuple[cs.Padding | cs.Paddings, ...] = (
-    cs.ExactPeriodicity(),
-    cs.ZeroPadding(),
-    cs.DuplicatedPadding(),
-    cs.Superposition(3),
+    cs.ExactPeriodicity(), cs.ZeroPadding(), cs.DuplicatedPadding(), cs.Superposition(3),
     (cs.ExactPeriodicity(), cs.CircularSuperposition(2)),
-)
+)  # fmt: skip
 
 
 def scene(*shapes: cs.Shape) -> cs.Scene:
@@ -134,17 +125,13 @@ OIL = cs.Lubricant(
 )
 EFFECTS: tuple[dict[str, object], ...] = (
     {"solids": (cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL), STEEL)},
-    {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9, 1e9), STEEL)},
-    {"friction": cs.Sliding(0.12)},
-    {"friction": cs.PartialSlip(0.3, -2e3)},
-    {"friction": cs.Fretting.cycle(0.3, 0.1)},
+    {"solids": (cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9, 1e9), STEEL)}, {"friction": cs.Sliding(0.12)},
+    {"friction": cs.PartialSlip(0.3, -2e3)}, {"friction": cs.Fretting.cycle(0.3, 0.1)},
     {"friction": cs.TractiveRolling(0.3, longitudinal=1e-3, lateral=-2e-4, spin=0.5, speed=3.0)},
-    {"friction": cs.TractiveRolling(0.3, tangential=2e4)},
-    {"adhesion": ADHESION, "load": cs.LineLoad(-0.1)},
-    {"adhesion": ADHESION, "load": cs.PullOff(1.0, 1e-2)},
-    {"adhesion": ADHESION, "load": cs.Approach(-1e-6, 2.0)},
+    {"friction": cs.TractiveRolling(0.3, tangential=2e4)}, {"adhesion": ADHESION, "load": cs.LineLoad(-0.1)},
+    {"adhesion": ADHESION, "load": cs.PullOff(1.0, 1e-2)}, {"adhesion": ADHESION, "load": cs.Approach(-1e-6, 2.0)},
     {"lubrication": cs.Lubrication(OIL, 1.0, 0.1, boundary=cs.Boundary(1e-9, 0.12))},
-)
+)  # fmt: skip
 
 
 @pytest.mark.cases(len(EFFECTS))
@@ -160,13 +147,11 @@ def test_every_effect_reads_back(changes: dict[str, object], tmp_path: Path) -> 
     "changes",
     [
         {"load": cs.LoadHistory((0.0, 0.0, 2.0), (0.0, 1e4, 1e4))},
-        {"load": cs.SineLoad(1e3, 5e2, frequency=2.0, phase=0.1)},
-        {"solids": (RUBBER, STEEL)},
-        {"wear": cs.Wear(1e-17, 0.1, body=1)},
-        {"solids": (RUBBER, STEEL), "rolling": cs.Rolling(2.0)},
+        {"load": cs.SineLoad(1e3, 5e2, frequency=2.0, phase=0.1)}, {"solids": (RUBBER, STEEL)},
+        {"wear": cs.Wear(1e-17, 0.1, body=1)}, {"solids": (RUBBER, STEEL), "rolling": cs.Rolling(2.0)},
     ],
     ids=["history", "sine", "creep", "wear", "rolling"],
-)
+)  # fmt: skip
 def test_every_effect_in_time_reads_back(changes: dict[str, object], tmp_path: Path) -> None:
     written = replace(scene(cs.Cylinder(0.01)), **changes)  # type: ignore[arg-type]
     described = read_back(written, tmp_path)

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from studies.definitions import coating
 from studies.definitions.friction import COEFFICIENTS
 from tests.studies.conftest import measured
 
@@ -34,12 +33,3 @@ def test_friction_is_measured() -> None:
     assert steel["superposition_error"] > 0.02
     # without Poisson's ratio all shear is along the force
     assert cork["transverse_traction"] < 1e-3 < steel["transverse_traction"] < 1
-
-
-@pytest.mark.parametrize("ratio", [0.25, 4.0])
-def test_known_contacts_are_met_to_the_square_of_the_cell(ratio: float) -> None:
-    # a thin coating and one as thick as the contact is wide to one side
-    assert [wide for known, wide, *_ in coating.REFERENCE if known == ratio] == [0.2, 1.0]
-    found = coating._reference_error(ratio, 96)
-    # half-widths of one in a width of 2.4
-    assert found < (2.4 / 96) ** 2

@@ -134,17 +134,18 @@ class TimeSteps:
         if self.times is not None:
             return self.times
         histories: list[Any] = [value for value in values if hasattr(value, "end")]
-        if self.end is None and not histories:
+        start = min((history.start for history in histories), default=0.0)
+        last = max((history.end for history in histories), default=start)
+        if self.end is None and last <= start:
             raise InvalidInput(
                 "solve.times is None, and nothing in the scene has an end: give times [s]; "
                 "in a file give time_steps.end or time_steps.times."
             )
-        end = max(history.end for history in histories) if self.end is None else self.end
+        end = last if self.end is None else self.end
         if self.instants is None and self.end is None and self.error is not None:
             return None
         count = DEFAULT_INSTANTS if self.instants is None else self.instants
         whole_number("TimeSteps.instants", count, 2, "give at least 2 instants")
-        start = min(history.start for history in histories) if histories else 0.0
         instants = [start + (end - start) * n / (count - 1) for n in range(count)]
         spacing = (end - start) / (count - 1)
         if self.step is None and spacing and count > 2:

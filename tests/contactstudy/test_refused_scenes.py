@@ -8,6 +8,7 @@ from dataclasses import replace
 from math import nan
 from typing import Any
 
+import numpy as np
 import pytest
 
 import contactstudy as cs
@@ -16,12 +17,19 @@ from tests.contactstudy.evolution.creeping import LOAD, SOLID, rolling_cylinder
 from tests.contactstudy.evolution.test_roll_repeatedly import scene as yielding_cylinder
 from tests.contactstudy.lubrication.scenes import by_moes
 from tests.contactstudy.lubrication.scenes import grid as film_grid
-from tests.contactstudy.test_refused_values import EXACT, FREE, OIL, RIGID, SMOOTH, refused
+from tests.contactstudy.scene.shapes.test_own_shapes import Own
+from tests.contactstudy.test_refused_values import (
+    EXACT,
+    FREE,
+    OIL,
+    RIGID,
+    SMOOTH,
+    YIELDING,
+    refused,
+)
 
 CYLINDER, HISTORY = SMOOTH.shapes[0], cs.LoadHistory((0.0, 1.0), (1e5, 2e5))
-YIELDING, CREEPING = (
-    cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9), cs.ViscoelasticHalfSpace(1e11, 0.3, ((1e11, 0.5),)),
-)  # fmt: skip
+CREEPING = cs.ViscoelasticHalfSpace(1e11, 0.3, ((1e11, 0.5),))
 WAVY = cs.MovingShape(cs.Waviness(1e-8, across=1e-4))
 WEARS = cs.Wear(1e-15, 0.1, circumference=0.06)
 SLIP, FRETS = cs.PartialSlip(0.3, 1e4), cs.Fretting(0.3, (0.0, 1e4), times=(0.0, 1.0))
@@ -99,6 +107,13 @@ BESIDE: list[tuple[str, cs.Scene, dict[str, Any]]] = [
         {"friction": cs.Fretting(0.3, displacements=(0.0, 1e-7), times=(0.0, 1.0)), "load": HISTORY},
     ),
     ("*flow along its surface", SMOOTH, {"friction": FRETS, "solids": (YIELDING, YIELDING)}),
+    # bodies that yield
+    ("Scene.hardness is 1000000000.0", SMOOTH, {"solids": (YIELDING, RIGID), "hardness": 1e9}),
+    ("Scene.rolling is Rolling", SMOOTH, {"solids": (YIELDING, RIGID), "rolling": cs.Rolling(1.0)}),
+    (
+        "Scene.outputs are * together with passes over a body that yields", SMOOTH,
+        {"solids": (YIELDING, RIGID), "rolling": cs.Rolling(passes=1), "outputs": (cs.SubsurfaceStress(),)},
+    ),
     # wear of bodies that turn
     ("*circumference is None, * turns by Scene.rolling", WORN, {"wear": cs.Wear(1e-15, 0.1)}),
     ("*does not turn: leave it out", WORN, {"rolling": None}),
@@ -200,6 +215,13 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
         "Scene.load changes in time*: call contactstudy.solve",
         lambda: replace(SMOOTH, load=HISTORY).problem(UNIT, EXACT),
     ),
+    (
+        "Scene.solids[0] changes in time*: call contactstudy.solve",
+        lambda: replace(SMOOTH, solids=(YIELDING, RIGID)).problem(UNIT, EXACT),
+    ),
+    ("solve.padding is ExactPeriodicity() across", lambda: cs.solve(
+        replace(SMOOTH, solids=(YIELDING, RIGID), load=HISTORY), UNIT, (EXACT, EXACT), times=(0, 1)
+    )),
     ("*call contactstudy.solve", lambda: ROLLING.problem(UNIT, EXACT)),
     ("*call contactstudy.solve", lambda: FILM.problem(film_grid(100, 4.5), EXACT)),
     *((f"{said}", lambda one=one: held(times=one)) for said, one in (
@@ -214,6 +236,24 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     ),
     ("FiniteLength.length is 0.001: give cells along", lambda: cs.solve(
         replace(SMOOTH, shapes=(CYLINDER, cs.FiniteLength(1e-3))), cs.Grid((16, 1), (1e-3, 2e-3)), FREE
+    )),
+    (
+        "solve.times is None, and nothing in the scene has an end: give times",
+        lambda: cs.solve(replace(HELD, load=cs.LoadHistory((0.5,), (LOAD,))), UNIT, EXACT),
+    ),
+    # keywords that a scene cannot use
+    ("solve.period is given, *: leave it out.", lambda: cs.solve(SMOOTH.problem(UNIT, EXACT), period=1.0)),
+    ("solve.times is given, *: leave it out.", lambda: cs.solve(SMOOTH, UNIT, EXACT, times=[0.0])),
+    *((f"solve.{name} is ", lambda scene=scene, named={name: value}: cs.solve(scene, film_grid(64, 3.0), EXACT, **named))
+      for scene, name, value in (
+          (FILM, "solver", cs.PolonskyKeer()), (FILM, "precision", "single"), (FILM, "start", np.zeros((64, 1))),
+          (replace(FILM, load=HISTORY), "max_iterations", 5),
+      )),
+    *((f"TimeSteps.{name} is *: leave it out.", lambda scene=scene, named={name: value}: cs.solve(
+        scene, UNIT, EXACT, times=cs.TimeSteps(**named)
+    )) for scene, name, value in (
+        (HELD, "step", 1e-3), (replace(ROLLING, load=HELD.load), "error", 1e-2),
+        (replace(ROLLING, load=HELD.load), "scheme", cs.Scheme.EXPLICIT),
     )),
     # rolling
     ("*is a fluid", lambda: cs.solve(
@@ -243,7 +283,17 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
           ("*two or more, ascending", {"times": [0.0]}), ("*two or more, ascending", {"times": [1.0, 0.0]}),
           ("*leave one of them out", {"times": [0.0, 1e-3], "step": 1e-4, "error": 1e-3}),
       )),
+    *((f"Scene.load is 0 at {said}", lambda load=load: cs.solve(
+        replace(FILM, load=load), film_grid(64, 4.5), times=[0, 3]
+    )) for load, said in (
+        (cs.LoadHistory((0, 1), (0, 1e5)), "0 s"), (cs.LoadHistory((0, 1, 2), (1e5, 0, 1e5)), "1 s"),
+        (cs.LoadHistory((0, 1, 1, 2), (1e5, 0, 1e5, 1e5)), "1 s"), (cs.SineLoad(1e5, 1e5, 1.0), "0.75 s"),
+    )),
     # plans
+    ("*no curvature", lambda: cs.plan(replace(SMOOTH, shapes=()))),
+    ("*without a length", lambda: cs.plan(replace(SMOOTH, shapes=(CYLINDER, cs.Crown(1.0))))),
+    ("plan.error is 0", lambda: cs.plan(SMOOTH, error=0)),
+    ("*has no length scales", lambda: cs.plan(replace(SMOOTH, shapes=(CYLINDER, Own(np.zeros))))),
     *((said, lambda scene=scene, named=named: cs.plan(scene, **named))
       for scene in (SMOOTH, replace(SMOOTH, adhesion=cs.Adhesion(0.05)), FILM)
       for said, named in (

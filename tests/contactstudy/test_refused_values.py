@@ -18,10 +18,12 @@ EXACT, FREE = cs.ExactPeriodicity(), cs.ZeroPadding()
 SMOOTH = cs.Scene(cs.LineLoad(1e5), (STEEL, STEEL), (cs.Cylinder(0.01),))
 GRID = cs.Grid((16, 8), (2e-4, 1e-4))
 HEIGHTS = np.random.default_rng(0).standard_normal(GRID.cells) * 1e-7
+YIELDING = cs.ElasticPlasticHalfSpace(2e11, 0.3, 1e9)
 COATED = cs.CoatedHalfSpace(cs.HalfSpace(250e9, 0.22), 2e-6, STEEL)
 ROUGH = cs.Roughness(rms=2e-7, hurst=0.8, roll_off=5e-5, cut_off=1e-5)
 DIMPLE, GROOVE = cs.Dimple(5e-6, 1e-4), cs.Groove(2e-6, 4e-5)
 DIMPLES = cs.Texture(DIMPLE, (2e-4, 2.5e-4))
+HELD = cs.LoadHistory((1.0, 3.0), (1.0, 2.0))
 OIL = cs.Lubricant(0.04, 2e-8)
 STRESS = cs.SubsurfaceStress((1e-4,))
 
@@ -68,6 +70,11 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
     ("CoatedHalfSpace.coating", field(COATED, "coating"), [RIGID, 2e11]),
     ("CoatedHalfSpace.substrate", field(COATED, "substrate"), ["steel"]),
     ("CoatedHalfSpace.coating", field(COATED, "substrate"), [replace(STEEL, youngs_modulus=1e3)]),
+    ("ElasticPlasticHalfSpace.yield_stress is 0.0: give a stress above 0 Pa", field(YIELDING, "yield_stress"), [0.0]),
+    ("ElasticPlasticHalfSpace.youngs_modulus is inf: give a modulus", field(YIELDING, "youngs_modulus"), [inf]),
+    ("ElasticPlasticHalfSpace.poisson_ratio is 0.6", field(YIELDING, "poisson_ratio"), [0.6]),
+    ("ElasticPlasticHalfSpace.hardening_modulus is -1.0: give", field(YIELDING, "hardening_modulus"), [-1.0]),
+    ("ElasticPlasticHalfSpace.kinematic_modulus is -1.0: give", field(YIELDING, "kinematic_modulus"), [-1.0]),
     # loads
     (
         "LineLoad.per_length is *: give a load above 0 N/m",
@@ -196,7 +203,15 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
         ("pressure is * without passes", {"speed": 1.0, "pressure": cs.RollingPressure.ELASTIC}),
         ("pressure is 'elastic': give RollingPressure.SOLVED", {"passes": 1, "pressure": "elastic"}),
     )),
+    ("TimeSteps.instants is 1: give at least 2", lambda one: cs.TimeSteps(end=7.0, instants=one).instants_of(HELD), [1]),
+    ("*give time_steps.end or time_steps.times", cs.TimeSteps().instants_of, [cs.LineLoad(1.0)]),
+    ("TimeSteps*: leave one of them out.", lambda one: cs.TimeSteps(**one), [
+        {"times": (0.0, 5.0), "end": 5.0}, {"times": (0.0,), "instants": 7}, {"step": 1.0, "error": 0.1},
+    ]),
     # lubricants and films
+    ("SpeedHistory.mean_speed[0] is 0", lambda one: cs.SpeedHistory((0, 1), one), [(0, 1)]),
+    ("SpeedHistory", lambda one: cs.SpeedHistory(*one), [((0,), (1,)), ((0, 1), (1,)), ((1, 0), (1, 1))]),
+    ("Lubrication.supply is 0.0", lambda one: film(supply=one), [0.0]),
     ("Lubricant.viscosity is 0.0: give a viscosity above 0", field(OIL, "viscosity"), [0.0]),
     ("Lubricant.pressure_viscosity is -1e-08", field(OIL, "pressure_viscosity"), [-1e-8]),
     ("Lubricant.viscosity_law is *give a law, such as Roelands", field(OIL, "viscosity_law"), [cs.Barus]),
@@ -226,6 +241,14 @@ VALUES: list[tuple[str, Callable[[Any], object], list[Any]]] = [
         lambda one: film(boundary=cs.Boundary(5e-9), cavitation=one), [cs.ReynoldsCavitation()],
     ),
     # where and how it is solved
+    *((f"Grid.{said}: give ", lambda one: cs.Grid(**{"cells": (8, 8), "extent": (1.0, 1.0)} | one), [bad])
+      for said, bad in (
+          ("cells[0] is 1", {"cells": (1, 8)}), ("cells[1] is 0", {"cells": (8, 0)}), ("cells is 8", {"cells": 8}),
+          ("cells[0] is 8.5", {"cells": (8.5, 8)}), ("cells[0] is True", {"cells": (True, 8)}),
+          ("extent[1] is 0.0", {"extent": (1.0, 0.0)}), ("extent[0] is -1.0", {"extent": (-1.0, 1.0)}),
+          ("extent[0] is nan", {"extent": (nan, 1.0)}), ("extent[1] is inf", {"extent": (1.0, inf)}),
+          ("extent is 1.0", {"extent": 1.0}),
+      )),
     ("Superposition.images is *at least 0.", cs.Superposition, [-1, 1.5, True, None, "6"]),
     ("CircularSuperposition.images is *at least 0.", cs.CircularSuperposition, [-1, 1.5, True, None, "6"]),
     ("Cpu.threads is *: it must be a whole number of at least 1", cs.Cpu, [0, -1, 1.5, True, None]),

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 import contactstudy as cs
@@ -48,40 +47,6 @@ def test_a_solve_uses_the_threads_of_its_device(kind: str) -> None:
     cs.solve(*KINDS[kind], EXACT, device=cs.Cpu(threads=2), progress=lambda _: seen.add(threads()))
     assert seen == {2}
     assert threads() == 1
-
-
-def test_a_keyword_that_a_scene_cannot_use_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    scene, grid = KINDS["static"]
-    problem = scene.problem(grid, EXACT)
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.period is given, .*: leave it out\.$"):
-        cs.solve(problem, period=1.0)  # type: ignore[call-overload]
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.times is given, .*: leave it out\.$"):
-        cs.solve(scene, grid, EXACT, times=[0.0])
-    film = KINDS["film"]
-    history = cs.LoadHistory((0.0, 1.0), (1.0, 2.0))
-    in_time = replace(film[0], load=history)
-    for arguments, option, value in (
-        (film, "solver", cs.PolonskyKeer()),
-        (film, "precision", "single"),
-        ((in_time, film[1]), "max_iterations", 5),
-        (film, "start", np.zeros((64, 1))),
-    ):
-        with pytest.raises(cs.InvalidInput, match=rf"^solve\.{option} is .*\.$"):
-            cs.solve(*arguments, EXACT, **{option: value})  # type: ignore[call-overload]
-    monkeypatch.setattr(cs.Gpu, "__post_init__", lambda _: None)
-    with pytest.raises(cs.InvalidInput, match=r"^solve\.device is given, .*: leave it out\.$"):
-        cs.solve(*KINDS["film"], EXACT, device=cs.Gpu())
-    history = cs.LoadHistory((0.0, 100.0), (0.5 * LOAD, LOAD))
-    rolling = replace(KINDS["rolling"][0], load=history), KINDS["rolling"][1]
-    for (scene, grid), named in (
-        (KINDS["creep"], {"step": 1e-3}),
-        (rolling, {"error": 1e-2}),
-        (rolling, {"scheme": cs.Scheme.EXPLICIT}),
-    ):
-        with pytest.raises(
-            cs.InvalidInput, match=rf"^TimeSteps\.{next(iter(named))} is .*: leave it out\.$"
-        ):
-            cs.solve(scene, grid, EXACT, times=cs.TimeSteps(**named))
 
 
 def test_a_smooth_film_has_the_period_that_is_given() -> None:

@@ -20,30 +20,6 @@ def test_cells_divide_the_extent() -> None:
     assert grid.y.tolist() == [-1.5, 1.5]
 
 
-@pytest.mark.parametrize(
-    ("cells", "extent", "field", "value"),
-    [
-        ((1, 8), (1.0, 1.0), "Grid.cells[0]", "1"),
-        ((8, 0), (1.0, 1.0), "Grid.cells[1]", "0"),
-        ((8.5, 8), (1.0, 1.0), "Grid.cells[0]", "8.5"),
-        ((True, 8), (1.0, 1.0), "Grid.cells[0]", "True"), (8, (1.0, 1.0), "Grid.cells", "8"),
-        ((8, 8), (1.0, 0.0), "Grid.extent[1]", "0.0"),
-        ((8, 8), (-1.0, 1.0), "Grid.extent[0]", "-1.0"),
-        ((8, 8), (float("nan"), 1.0), "Grid.extent[0]", "nan"),
-        ((8, 8), (1.0, float("inf")), "Grid.extent[1]", "inf"), ((8, 8), 1.0, "Grid.extent", "1.0"),
-    ],
-)  # fmt: skip
-def test_a_bad_grid_is_refused_in_one_sentence(
-    cells: object, extent: object, field: str, value: str
-) -> None:
-    with pytest.raises(cs.InvalidInput) as refusal:
-        cs.Grid(cells=cells, extent=extent)  # type: ignore[arg-type]
-    sentence = str(refusal.value)
-    assert sentence.startswith(f"{field} is {value}: give ")
-    assert sentence.endswith(".")
-    assert "\n" not in sentence
-
-
 def test_cells_may_be_a_billion_times_as_long_as_wide_and_no_longer() -> None:
     for extent in ((2.0, 0.9e9), (0.9e9 * 2, 1.0), (2.0, 1e9), (2e9, 1.0), (2e20, 3e20)):
         assert cs.Grid(cells=(2, 1), extent=extent).extent == extent

@@ -402,48 +402,6 @@ def test_depths_that_are_chosen_in_time_are_those_under_the_highest_pressure() -
 
 
 BODY = cs.ElasticPlasticHalfSpace(YOUNG, NU, YIELD)
-LINE = cs.LineLoad(1e5)
-SHAPES = (cs.Cylinder(RADIUS),)
-
-
-@pytest.mark.parametrize(
-    ("make", "sentence"),
-    [
-        (lambda: replace(BODY, yield_stress=0.0), r"yield_stress is 0.0: give a stress above 0 Pa"),
-        (lambda: replace(BODY, youngs_modulus=inf), r"youngs_modulus is inf: give a modulus"),
-        (lambda: replace(BODY, poisson_ratio=0.6), r"ElasticPlasticHalfSpace.poisson_ratio is 0.6"),
-        (lambda: replace(BODY, hardening_modulus=-1.0), r"hardening_modulus is -1.0: give"),
-        (lambda: replace(BODY, kinematic_modulus=-1.0), r"kinematic_modulus is -1.0: give"),
-        (lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, 1e9), r"Scene.hardness is 1000000000.0"),
-        (
-            lambda: cs.Scene(LINE, (BODY, RIGID), SHAPES, rolling=cs.Rolling(1.0)),
-            r"Scene.rolling is Rolling",
-        ),
-        (
-            lambda: cs.Scene(
-                LINE, (BODY, RIGID), SHAPES, rolling=cs.Rolling(passes=1), outputs=(cs.SubsurfaceStress(),)
-            ),
-            r"Scene.outputs are .* together with passes over a body that yields",
-        ),
-        (
-            lambda: cs.solve(cs.Scene(LINE, (BODY, RIGID), SHAPES).problem(grid_of(3, 0.2), EXACT)),
-            r"Scene.solids\[0\] changes in time",
-        ),
-        (
-            lambda: evolve(
-                pressed(3), grid_of(3, 0.2), (EXACT, EXACT), times=(0, 1)
-            ),
-            r"solve.padding is ExactPeriodicity\(\) across",
-        ),
-    ],
-)  # fmt: skip
-def test_what_plastic_strain_is_not_known_for_is_refused_in_a_sentence(
-    make: object, sentence: str
-) -> None:
-    with pytest.raises(cs.InvalidInput, match=sentence) as refused:
-        make()  # type: ignore[operator]
-    assert "\n" not in str(refused.value)
-    assert ": " in str(refused.value)
 
 
 @pytest.mark.parametrize(

@@ -252,24 +252,6 @@ def test_a_step_that_fails_ends_the_evolution_at_its_own_time(
     assert last.load_per_length == pytest.approx(growing.load.at(evolution.times[-1]), rel=1e-4)
 
 
-def test_an_instant_without_load_or_speed_is_refused() -> None:
-    scene = by_moes(20, 5)
-    for load, said in (
-        (cs.LoadHistory((0, 1), (0, 1e5)), "0 s"),
-        (cs.LoadHistory((0, 1, 2), (1e5, 0, 1e5)), "1 s"),
-        (cs.LoadHistory((0, 1, 1, 2), (1e5, 0, 1e5, 1e5)), "1 s"),
-        (cs.SineLoad(1e5, 1e5, 1.0), "0.75 s"),
-    ):
-        unloaded = replace(scene, load=load)
-        with pytest.raises(cs.InvalidInput, match=rf"Scene\.load is 0 at {said}"):
-            evolve_lubricated(unloaded, grid(64, 4.5), times=[0, 3])
-    with pytest.raises(cs.InvalidInput, match=r"mean_speed\[0\] is 0"):
-        cs.SpeedHistory((0, 1), (0, 1))
-    for times, speeds in (((0,), (1,)), ((0, 1), (1,)), ((1, 0), (1, 1))):
-        with pytest.raises(cs.InvalidInput, match="SpeedHistory"):
-            cs.SpeedHistory(times, speeds)
-
-
 def test_the_error_by_the_steps_holds_for_a_wave_that_passes() -> None:
     smooth = rolling(20, 5)
     height = 0.2 * solve_lubricated(smooth, grid(96, 3.0)).central_film

@@ -128,25 +128,6 @@ def test_what_is_wrong_with_a_grid_is_said_before_anything_runs(line_contact: Li
     assert "not a multiple" in cs.plan(wave, grid=odd).period_check
 
 
-def test_a_plan_that_cannot_be_made_says_what_it_lacks(line_contact: LineContact) -> None:
-    flat = cs.Scene(line_contact.scene.load, line_contact.scene.solids)
-    with pytest.raises(cs.InvalidInput, match="no curvature"):
-        cs.plan(flat)
-    with pytest.raises(cs.InvalidInput, match="without a length"):
-        cs.plan(line_contact.with_shapes(cs.Crown(1.0)))
-    with pytest.raises(cs.InvalidInput, match=r"^plan\.error is 0"):
-        cs.plan(line_contact.scene, error=0)
-
-    class Bump:
-        curvature = 0.0
-
-        def gap(self, grid: cs.Grid) -> np.ndarray:
-            return np.zeros(grid.cells)
-
-    with pytest.raises(cs.InvalidInput, match="has no length scales"):
-        cs.plan(line_contact.with_shapes(Bump()))
-
-
 def test_the_error_of_a_film_beyond_its_most_cells_is_not_promised() -> None:
     planned = cs.plan(films.by_moes(20, 2), error=1e-6)
     assert planned.error == inf

@@ -26,7 +26,7 @@ FAMILIES = {
     "settings": ("padding", "period", "images", "grid", "pareto", "paper"),
     "effects": ("coating", "friction", "creep", "wear", "plastic"),
     "trust": ("stability", "accuracy"),
-    "cost": ("solvers", "speed", "peers"),
+    "cost": ("speed", "peers"),
     "": ("roughness", "lubrication"),
 }
 OPTIONAL = ("peers",)

@@ -1,5 +1,6 @@
 """Time, iterations and memory against the grid, by device, and on surfaces as fine as the cells."""
 
+import tracemalloc
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import prod, sqrt
@@ -14,20 +15,26 @@ from contactstudy.domain.checks import in_range, positive, whole_number
 from contactstudy.domain.device import Device, using
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.elasticity.transforms import transforms
-from studies.definitions import solvers
-from studies.definitions.solvers import ENOUGH, peak_bytes
 from studies.model.axis import Axis, one_of
 from studies.model.case import Case, contact_fraction, dimensionless, recorded
 from studies.model.study import Point
-from studies.reference.line_contact import HERTZ, SCENE
+from studies.reference.line_contact import HERTZ_HEIGHT, SCENE, A
 
 LINE, SMOOTH, ROUGH, SELF_AFFINE = "line", "smooth", "rough", "self-affine"
 SURFACES = (LINE, SMOOTH, ROUGH, SELF_AFFINE)
 DEVICES: dict[str, Callable[[int], Device]] = {"cpu": cs.Cpu, "gpu": lambda threads: cs.Gpu()}
+EXACT = cs.ExactPeriodicity()
 # Single precision does not reach the residual of double.
 TOLERANCES = {cs.Precision.DOUBLE: 1e-8, cs.Precision.SINGLE: 1e-5}
 # Solves and transforms are repeated until they have taken so long together [s].
 SECONDS = 0.05
+WIDTH, PERIOD = 4.8, 2.4  # half-widths
+# It leaves a third of Hertz's area in contact.
+ROUGHNESS = cs.Roughness(
+    rms=0.6 * HERTZ_HEIGHT, hurst=0.8, roll_off=1.2 * A, cut_off=0.15 * A, seed=1
+)
+# Iterations after which the memory of a solve does not grow: all fields are allocated after the second.
+ENOUGH = 3
 # Of the self-affine surface: its longest wave over its side, and its rms slope.
 ROLL_OFF, SLOPE = 0.25, 0.1
 
@@ -85,17 +92,15 @@ def case_at(point: Point) -> CaseOnDevice:
         "threads", point["threads"], 1, "must be a whole number of threads, at least 1"
     )
     precision = cs.Precision.named(str(point["precision"]))
-    if surface != SELF_AFFINE:
-        shape = SMOOTH if surface == LINE else surface
-        line_case = solvers.case_at({**point, "solver": "preconditioned_cg", "surface": shape})
-        scene, grid, padding = line_case.scene, line_case.grid, line_case.padding
-        if surface == LINE:
-            grid = replace(grid, cells=(cells, 1))
-    else:
-        grid = cs.Grid(cells=(cells, cells), extent=(HERTZ.half_width, HERTZ.half_width))
+    padding: cs.Padding | cs.Paddings = EXACT
+    if surface == SELF_AFFINE:
+        grid = cs.Grid(cells=(cells, cells), extent=(A, A))
         family = (float(point[name]) for name in ("hurst", "cut_off", "fraction"))
-        scene = self_affine(grid, *family)
-        padding = (cs.ExactPeriodicity(), cs.ExactPeriodicity())
+        scene, padding = self_affine(grid, *family), (EXACT, EXACT)
+    else:
+        grid = cs.Grid((cells, 1 if surface == LINE else cells), (WIDTH * A, PERIOD * A))
+        rough = (ROUGHNESS,) if surface == ROUGH else ()
+        scene = replace(SCENE, shapes=SCENE.shapes + rough)
     options = cs.SolveOptions(TOLERANCES[precision], precision=precision)
     case = Case(scene, grid, padding, options)
     return CaseOnDevice(case, DEVICES[one_of("device", point["device"], DEVICES)](threads))
@@ -130,6 +135,16 @@ def measures(case: CaseOnDevice, result: cs.Contact) -> Mapping[str, xr.Variable
         "memory": dimensionless(fields, what),
         "transform_ratio": dimensionless(ratio, "time of a solve over that of its bare transforms"),
     }
+
+
+def peak_bytes(compute: Callable[[], object]) -> int:
+    """Return the peak memory [bytes] that Python and numpy allocate in `compute`."""
+    tracemalloc.start()
+    try:
+        compute()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
 
 
 def least_seconds(clock: Callable[[], float], act: Callable[[], object]) -> float:

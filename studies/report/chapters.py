@@ -91,8 +91,8 @@ CHAPTERS = {
         Chapter("trust", "Trust: error bounds beside true errors", (Part("accuracy"),)),
         Chapter(
             "cost",
-            "Cost: solvers and grids",
-            tuple(Part(name, repeats=2) for name in ("solvers", "speed")),
+            "Cost: surfaces and grids",
+            (Part("speed", repeats=2),),
         ),
     )
 }

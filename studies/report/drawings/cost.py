@@ -1,4 +1,4 @@
-"""Drawings of the studies of cost: solvers, speed, and other programs."""
+"""Drawings of the studies of cost: speed, and other programs."""
 
 from itertools import cycle, product
 
@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from studies.definitions.solvers import SOLVERS
 from studies.definitions.speed import LINE, ROUGH, SELF_AFFINE
 from studies.model.drawing import CaptionedFigure, Drawing, Finding
 from studies.model.outcome import CaseStatus
@@ -19,14 +18,9 @@ from studies.report.style import (
     captioned,
     panels,
     percent,
-    power,
     tick_cells,
 )
 
-# solvers
-
-
-TITLES = {"preconditioned_cg": "preconditioned CG", "polonsky_keer": "Polonsky & Keer"}
 LINES = ("-", "--", ":", "-.")
 
 
@@ -40,77 +34,9 @@ def _label_over_cells(ax: Axes, dataset: xr.Dataset, variable: str, label: str) 
     tick_cells(ax, cells)
 
 
-def _solvers_figures(dataset: xr.Dataset) -> tuple[CaptionedFigure, ...]:
-    """Draw time, iterations and convolutions against the grid, with the growth of each fitted."""
-    fig, axes = panels(3)
-    labels = {
-        "solve_time": "wall time to solve [s]",
-        "iterations": "iterations",
-        "convolutions": "FFT convolutions of the full grid",
-    }
-    for ax, (variable, label) in zip(axes, labels.items(), strict=True):
-        for part, style in by_color(dataset, "solver"):
-            title = TITLES[str(part["solver"].values)]
-            for surface, line in zip(part["surface"].values, LINES, strict=False):
-                style |= {"label": f"{title}, {surface}", "linestyle": line}
-                ax.plot(part["grid"], part[variable].sel(surface=surface), **style)
-        ax.set_yscale("log")
-        _label_over_cells(ax, dataset, variable, label)
-    return (captioned("solvers", fig, _solvers_caption(dataset)),)
-
-
-def _solvers_caption(dataset: xr.Dataset) -> str:
-    facts = []
-    finest = dataset.isel(grid=-1)
-    for solver in dataset["solver"].values.tolist():
-        part = finest.sel(solver=solver)
-        growth = ""
-        if dataset.sizes["grid"] > 1:
-            logarithms = np.log(dataset["solve_time"].sel(solver=solver).transpose("grid", ...))
-            rates = np.polyfit(np.log(dataset["grid"].values), logarithms, 1)[0]
-            growth = f", growing like {power('N', rates.min(), 1)} to {power('N', rates.max(), 1)}"
-        facts.append(
-            f"{TITLES[solver]}: {int(part['iterations'].min())} to {int(part['iterations'].max())} iterations, "
-            f"{float(part['solve_time'].min()):.2g} to {float(part['solve_time'].max()):.2g} s{growth}, at most "
-            f"{float(part['memory'].max()):.0f} fields of memory"
-        )
-    return (
-        "Cost of a solve with exact periodicity to a residual of 1e-8, on one thread, without "
-        f"set-up. At {int(finest['grid'])} x {int(finest['grid'])} cells, " + "; ".join(facts) + "."
-    )
-
-
 def _is_complete(dataset: xr.Dataset) -> bool:
     """Return whether all cases have numbers."""
     return bool((dataset["case_status"] == CaseStatus.OK).all())
-
-
-def _solvers_findings(dataset: xr.Dataset) -> tuple[Finding, ...]:
-    """Return the ratio of the times of the solvers."""
-    if not set(dataset["solver"].values) >= set(SOLVERS) or not _is_complete(dataset):
-        return ()
-    finest = dataset.isel(grid=-1)
-    new, old = (finest.sel(solver=name) for name in TITLES)
-    facts = "; ".join(
-        f"{surface}: "
-        + " against ".join(
-            f"{int(part['iterations'])} iterations in {float(part['solve_time']):.2g} s"
-            for part in (new.sel(surface=surface), old.sel(surface=surface))
-        )
-        for surface in finest["surface"].values.tolist()
-    )
-    ratio = old["solve_time"] / new["solve_time"]
-    return (
-        Finding(
-            f"Preconditioned conjugate gradients: {float(ratio.min()):.1f} to {float(ratio.max()):.1f} times "
-            "faster than the scheme of Polonsky & Keer.",
-            f"At {int(finest['grid'])} x {int(finest['grid'])} cells, against Polonsky & Keer: {facts}.",
-            "Which solver?",
-        ),
-    )
-
-
-solvers = Drawing(_solvers_figures, _solvers_findings)
 
 
 # speed

@@ -18,24 +18,6 @@ def speed(device: str = "cpu") -> xr.Dataset:
     return dataset.assign(case_status=xr.full_like(dataset["memory"], CaseStatus.OK, dtype=int))
 
 
-def test_solvers_are_compared_on_the_finest_grid_and_grow_with_a_power_of_the_cells() -> None:
-    axes = {
-        "solver": ["polonsky_keer", "preconditioned_cg"], "surface": ["smooth", "rough"], "grid": [16, 32, 64],
-    }  # fmt: skip
-    dataset = 1e4 * numbered(axes, "iterations", "convolutions", "memory", "solve_time")
-    # of Polonsky & Keer 4 and 8 times as long on the finest grid
-    of_finest = xr.DataArray([[0.4, 1.6], [0.1, 0.2]], dims=["solver", "surface"])
-    rate = xr.DataArray([3, 2], dims="solver")
-    dataset["solve_time"] = (of_finest * (dataset["grid"] / 64) ** rate).astype(float)
-    dataset["case_status"] = xr.full_like(dataset["memory"], CaseStatus.OK, dtype=int)
-    [said] = findings("solvers", dataset)
-    assert "4.0 to 8.0 times faster than the scheme of Polonsky & Keer. At 64 x 64 cells" in said
-    assert "smooth: 9 iterations in 0.1 s against 3 iterations in 0.4 s; rough: 12" in said
-    (drawn,) = load_drawing("solvers").figure(dataset)
-    assert "At 64 x 64 cells, Polonsky & Keer: 3 to 6 iterations, 0.4 to 1.6 s" in drawn.caption
-    assert "growing like N^{3.0} to N^{3.0}, at most 30 fields of memory" in drawn.caption
-
-
 def test_of_three_numbers_of_threads_the_first_and_the_last_are_compared() -> None:
     four = speed().isel(threads=[0]).assign_coords(threads=[4])
     four["solve_time"] = four["solve_time"] / 2.5

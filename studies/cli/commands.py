@@ -19,7 +19,7 @@ from studies.cli.scenes import plan, solve
 from studies.cli.show import compare, show
 from studies.cli.study_help import StudyCommand
 from studies.cli.vary import FIGURES, REFERENCE, VARY, load_scene_study, with_reference
-from studies.model.axis import MOST_POINTS
+from studies.model.axis import MAX_POINTS
 from studies.model.plain_text import one_line, place_of
 from studies.model.study import Study
 from studies.registry import BUILT_IN, OPTIONAL, has_own_figures, load, load_drawing
@@ -102,11 +102,11 @@ def report(
     from studies.report.chapters import chapters
 
     chosen = chapters(chapter)
-    most = max(part.most_repeats for page_chapter in chosen for part in page_chapter.parts)
-    if is_given(context, "repeats") and repeats > most:
+    max_repeats = max(part.max_repeats for page_chapter in chosen for part in page_chapter.parts)
+    if is_given(context, "repeats") and repeats > max_repeats:
         raise InvalidInput(
-            f"--repeats is {repeats}: pages of {' '.join(chapter) or 'the report'} take at most {most} timed runs of a "
-            "case; leave it out, or time a study with contactstudy run before."
+            f"--repeats is {repeats}: pages of {' '.join(chapter) or 'the report'} take at most {max_repeats} timed "
+            "runs of a case; leave it out, or time a study with contactstudy run before."
         )
     options = RunOptions(workers=workers, repeats=repeats)
     for page_chapter in chosen:
@@ -150,7 +150,7 @@ def report(
     "--fail-fast",
     "after_failure",
     flag_value="stop",
-    default="go on",
+    default="continue",
     help="Stop at the first case that fails.",
 )
 @click.option(
@@ -218,10 +218,10 @@ def run(
     from studies.model.outcome import CaseStatus
     from studies.store.table import points_of
 
-    max_points = None if yes else MOST_POINTS
+    max_points = None if yes else MAX_POINTS
     chosen = load_scene_study(study, vary, context.args)
     if chosen is None:
-        chosen = _named(study, scene).override(_axes(context.args), most=max_points)
+        chosen = _named(study, scene).override(_axes(context.args), max_count=max_points)
     elif scene is not None:
         raise InvalidInput(f"--scene is given beside the scene {study!r}: leave it out.")
     else:
@@ -242,7 +242,7 @@ def run(
     out = out if scene is None else out / scene.stem
     statuses_again = frozenset(status for name in retry for status in RETRIES[name])
     options = RunOptions(
-        repeats=0 if no_times else repeats, retry=statuses_again, most_points=max_points, **settings
+        repeats=0 if no_times else repeats, retry=statuses_again, max_points=max_points, **settings
     )
     if dry_run:
         estimate_cost(chosen, out, options=options, log=click.echo)

@@ -6,7 +6,7 @@ from studies.model.axis import Axis
 from studies.registry import load
 
 STUDY = "contactstudy.study"
-MOST_VALUES = 10  # of an axis
+MAX_VALUES = 10  # of an axis
 OF_SCENES = ("vary", "reference", "figures", "plot")
 KINDS = {int: "COUNTS", float: "NUMBERS", str: "NAMES"}
 
@@ -43,7 +43,7 @@ class StudyCommand(click.Command):
 def _row(axis: Axis) -> tuple[str, str]:
     """Return option and help text of an axis."""
     units = "" if axis.units == "1" else f" [{axis.units}]"
-    values = ", ".join(str(value) for value in axis.values[:MOST_VALUES])
-    if len(axis.values) > MOST_VALUES:
+    values = ", ".join(str(value) for value in axis.values[:MAX_VALUES])
+    if len(axis.values) > MAX_VALUES:
         values += f", ... ({len(axis.values)} values, the last {axis.values[-1]})"
     return f"--{axis.name} {KINDS[axis.kind]}", f"{axis.long_name}{units}.  [default: {values}]"

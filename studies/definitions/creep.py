@@ -72,6 +72,10 @@ def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
         "pressure_error_l1": dimensionless(
             max(errors), "largest relative L1 error of the pressure"
         ),
-        "step_error": dimensionless(largest("step_error"), "estimated L1 error by the steps"),
-        "grid_error": dimensionless(largest("grid_error"), "estimated L1 error by the cells"),
+        "step_error": dimensionless(
+            largest("step_error"), "estimated time-discretisation error in L1"
+        ),
+        "grid_error": dimensionless(
+            largest("grid_error"), "estimated spatial discretisation error in L1"
+        ),
     }

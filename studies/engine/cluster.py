@@ -131,7 +131,7 @@ class DaskRun:
 
     A batch that takes too long comes back in part, and the next one is twice what came back. If a process dies, its
     case alone is lost; if a dask worker is lost, the scheduler gives its cases to another. An error that `finished`
-    raises ends the run and is raised here; outcomes that workers had by then are still reported.
+    raises ends the run and is raised here; batches that other threads had computed by then are still reported.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import whole_number
-from studies.model.axis import MOST_POINTS, one_of
+from studies.model.axis import MAX_POINTS, one_of
 from studies.model.outcome import CaseStatus
 
 # What ``--retry`` may name.
@@ -35,12 +35,12 @@ class RunOptions:
     retry
         Statuses whose cases are recomputed although they are stored.
     after_failure
-        "go on", or "stop".
+        "continue", or "stop".
     fields
         "kept" to store the fields of every case, such as pressure and gap, or "none".
     table
         "stored" for a file with all stored points, or "requested".
-    most_points
+    max_points
         Largest number of points; None for no limit.
 
     Raises
@@ -55,15 +55,15 @@ class RunOptions:
     repeats: int = 2
     old_times: str = "kept"
     retry: frozenset[CaseStatus] = frozenset()
-    after_failure: str = "go on"
+    after_failure: str = "continue"
     fields: str = "none"
     table: str = "stored"
-    most_points: int | None = MOST_POINTS
+    max_points: int | None = MAX_POINTS
 
     def __post_init__(self) -> None:
         for name, choices in (
             ("old_times", ("kept", "dropped")),
-            ("after_failure", ("go on", "stop")),
+            ("after_failure", ("continue", "stop")),
             ("fields", ("none", "kept")),
             ("table", ("stored", "requested")),
         ):

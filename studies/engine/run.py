@@ -72,7 +72,7 @@ def run(
         workers=chosen.workers if workers is None else workers,
         repeats=chosen.repeats if repeats is None else repeats,
     )
-    study.check_size(chosen.most_points)
+    study.check_size(chosen.max_points)
     named_log = _with_name(study, log)
     request = _request(study, named_log)
     folder = open_folder(out.absolute())
@@ -91,7 +91,7 @@ def estimate_cost(
     No case is computed and nothing is stored: the plans of some cases solve coarse grids. Of a large study some points
     are looked at, evenly spaced. A damaged file of fields is set aside, as in a run.
     """
-    study.check_size(options.most_points)
+    study.check_size(options.max_points)
     every, log = study.size, _with_name(study, log)
     while study.size > MANY_POINTS:
         longest = max(study.axes, key=lambda axis: len(axis.values))

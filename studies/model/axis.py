@@ -16,7 +16,7 @@ from studies.model.plain_text import is_storable, name_problem, shortened
 Value = str | int | float
 # largest difference of two equal numbers, relative to the axis' span and to the larger of them
 EQUAL_WITHIN = 1e-12
-MOST_POINTS = 1_000_000  # points of a study above which a user must confirm
+MAX_POINTS = 1_000_000  # points of a study above which a user must confirm
 CONFIRM = "give fewer, or confirm with --yes on the command line"
 POINT_BYTES = 500  # memory that a point takes at least, its key and its place in the table
 
@@ -136,14 +136,16 @@ class Axis:
         """Type of the values, int, float or str."""
         return type(self.values[0])
 
-    def override(self, values: str | Iterable[Value], *, most: int | None = MOST_POINTS) -> "Axis":
+    def override(
+        self, values: str | Iterable[Value], *, max_count: int | None = MAX_POINTS
+    ) -> "Axis":
         """Return this axis with other values.
 
         Parameters
         ----------
         values
             Text such as ``"0:10"`` or ``"0.6,2.4"``, or numbers or names.
-        most
+        max_count
             Largest number of values, which are counted before they are made; None allows any.
 
         Raises
@@ -153,10 +155,10 @@ class Axis:
         """
         parts = list(_split(values, self.kind)) if isinstance(values, str) else [values]
         count = sum(len(part) if isinstance(part, Sized) else 0 for part in parts)
-        check_count(self.name, count, "values", most, CONFIRM)
-        raw = islice(chain.from_iterable(parts), None if most is None else most + 1)
+        check_count(self.name, count, "values", max_count, CONFIRM)
+        raw = islice(chain.from_iterable(parts), None if max_count is None else max_count + 1)
         parsed = dict.fromkeys(self._convert(value) for value in raw)
-        check_count(self.name, len(parsed), "values", most, CONFIRM)
+        check_count(self.name, len(parsed), "values", max_count, CONFIRM)
         if self.kind is not str:  # figures and findings read from the least to the largest
             parsed = dict.fromkeys(sorted(parsed))
         if not parsed:
@@ -197,11 +199,11 @@ def is_geometric(values: np.ndarray) -> bool:
 
 
 def check_count(
-    name: str, count: int, what: str, most: int | None, remedy: str = "give fewer"
+    name: str, count: int, what: str, max_count: int | None, remedy: str = "give fewer"
 ) -> None:
-    """Raise InvalidInput for more than `most` values, or more than this machine's memory can hold."""
-    if most is not None and count > most:
-        raise InvalidInput(f"{name} has {count} {what}, more than {most}: {remedy}.")
+    """Raise InvalidInput for more than `max_count` values, or more than this machine's memory can hold."""
+    if max_count is not None and count > max_count:
+        raise InvalidInput(f"{name} has {count} {what}, more than {max_count}: {remedy}.")
     if count * POINT_BYTES > available_bytes():
         raise InvalidInput(
             f"{name} has {count} {what}, which take some {count * POINT_BYTES / 1e9:.3g} GB of memory, and "

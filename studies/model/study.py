@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactstudy import InvalidInput
 from contactstudy.domain.checks import suggestion
-from studies.model.axis import CONFIRM, MOST_POINTS, Axis, Value, check_count, one_of
+from studies.model.axis import CONFIRM, MAX_POINTS, Axis, Value, check_count, one_of
 from studies.model.plain_text import name_problem, one_line, place_of, shortened
 
 if TYPE_CHECKING:
@@ -79,12 +79,12 @@ class Study:
         """Number of points."""
         return prod(len(axis.values) for axis in self.axes)
 
-    def check_size(self, most: int | None) -> None:
-        """Raise InvalidInput for more than `most` points, or more than memory holds."""
-        check_count(f"Study {self.name!r}", self.size, "points", most, CONFIRM)
+    def check_size(self, max_count: int | None) -> None:
+        """Raise InvalidInput for more than `max_count` points, or more than memory holds."""
+        check_count(f"Study {self.name!r}", self.size, "points", max_count, CONFIRM)
 
     def override(
-        self, axes: Mapping[str, str | Iterable[Value]], *, most: int | None = MOST_POINTS
+        self, axes: Mapping[str, str | Iterable[Value]], *, max_count: int | None = MAX_POINTS
     ) -> Study:
         """Return this study with other values of some axes.
 
@@ -92,7 +92,7 @@ class Study:
         ----------
         axes
             Values by name of the axis, as for :meth:`~studies.model.axis.Axis.override`.
-        most
+        max_count
             Largest number of values of an axis; None allows any.
 
         Raises
@@ -106,7 +106,10 @@ class Study:
                 raise InvalidInput(
                     f"Axis {name!r} is not one of study {self.name!r}: {suggestion(name, sorted(present))}."
                 )
-        changed = {name: present[name].override(values, most=most) for name, values in axes.items()}
+        changed = {
+            name: present[name].override(values, max_count=max_count)
+            for name, values in axes.items()
+        }
         return replace(self, axes=tuple((present | changed).values()))
 
     def visits(self) -> Iterator[tuple[Point, Computation]]:

@@ -30,7 +30,7 @@ class Part:
         return load(self.name).override(self.axes)
 
     @property
-    def most_repeats(self) -> int:
+    def max_repeats(self) -> int:
         """Largest number of timed runs of a case; 0 where no case is timed."""
         is_timed = self.name != SETTINGS and self.study().times == "taken"
         return self.repeats if is_timed else 0

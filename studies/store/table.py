@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from contactstudy.io.dataset import flags
-from studies.model.axis import Axis, Value
+from studies.model.axis import MAX_POINTS, Axis, Value
 from studies.model.outcome import CaseStatus, Failure, Outcome, TimedRun, timing_variables
 from studies.model.study import Study
 from studies.store.journal import Journal
@@ -19,7 +19,6 @@ from studies.store.request import CaseStates, Request
 
 # a table of all points may take this many times the bytes stored of a variable, and this many bytes more
 MAX_FILL_FACTOR, FREE_BYTES = 4, 2**28
-MAX_POINTS = 1_000_000  # points of a table with more than is requested
 # attributes in which variables of one quantity agree
 MEANING_ATTRIBUTES = ("units", "standard_name", "flag_values", "flag_meanings", "positive")
 Variables = Mapping[int, xr.Variable]  # by the number of the case

@@ -46,9 +46,9 @@ def _films(dataset: xr.Dataset) -> CaptionedFigure:
     return captioned(
         "films",
         fig,
-        "Film where the pressure is flat, over load and viscosity, on the finest grid: points are solutions, lines "
-        "the formula of Moes, which was fitted to such solutions within some 5 %. At few cells and heavy load the "
-        "inlet is not resolved.",
+        "Film at dp/dx = 0 over the load parameter M, for lubricant parameters L, on the finest grid: points are "
+        "solutions, lines the formula of Moes, which was fitted to such solutions within some 5 %. At few cells and "
+        "heavy load the inlet is not resolved.",
     )
 
 

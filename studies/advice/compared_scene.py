@@ -259,7 +259,8 @@ def compared_scene(
     Raises
     ------
     InvalidInput
-        If the scene has neither a width of its own nor a grid, searches its pull-off load, or attracts at short range.
+        If the scene has neither a width of its own nor a grid, searches its pull-off load, attracts at short range, or
+        repeats across.
     """
     scene = described.scene
     if isinstance(scene.load, cs.PullOff):
@@ -271,6 +272,14 @@ def compared_scene(
         raise cs.InvalidInput(
             f"{name} has an attraction of short range, which every grid replaces by a range of its own, so that grids "
             "solve different contacts: give [adhesion] a range to compare them."
+        )
+    if (
+        scene.hertz is not None
+        and isinstance(described.padding, tuple)
+        and described.padding[0].wraps
+    ):
+        raise cs.InvalidInput(
+            f"{name} repeats across the contact, and the settings that are compared do not: leave out padding_across."
         )
     at_rest = _is_at_rest(scene)
     notes = []

@@ -11,13 +11,13 @@ import numpy as np
 import xarray as xr
 
 import contactstudy as cs
+from contactstudy.domain.version import source_hash
 from studies.advice.compared_scene import SceneText, Setting
 from studies.advice.comparison import Comparison, MeasuredPadding, MeasuredSetting, name_and_images
 from studies.advice.measuring import compare_settings
 from studies.advice.nested_answers import Budget
 from studies.model.plain_text import Log
 from studies.reference.line_contact import padding_at
-from studies.store.fingerprint.modules import digest
 from studies.store.netcdf import check_kind, open_folder, read, write
 from studies.store.provenance import provenance
 
@@ -53,12 +53,10 @@ def store(comparison: Comparison, key: str, out: Path) -> xr.Dataset:
 
 
 def _identity(key: str) -> dict[str, str]:
-    """Return what a comparison is stored under: its provenance, a digest of what solves and compares, and its key."""
-    root = Path(__file__).parents[2]
-    folders = ("contactstudy/**", "studies/advice", "studies/reference")
-    files = sorted(path for folder in folders for path in root.glob(f"{folder}/*.py"))
-    sources = digest(b"".join(path.read_bytes() for path in files))
-    return {**provenance(), "sources": sources, "key": key}
+    """Return what a comparison is stored under: its provenance, hashes of what solves and compares, and its key."""
+    advice = Path(__file__).parent
+    hashes = source_hash(), source_hash(advice), source_hash(advice.parent / "reference")
+    return {**provenance(), "sources": " ".join(hashes), "key": key}
 
 
 def stored(key: str, out: Path) -> Comparison | None:

@@ -139,7 +139,7 @@ def test_a_stored_comparison_is_of_its_scene_and_program_alone(
     assert stored(paper_scene().key, tmp_path) == cylinder
     assert stored(paper_scene(period=0.6).key, tmp_path) is None
     with monkeypatch.context() as edited:  # in a checkout whose revision stays
-        edited.setattr(Path, "read_bytes", lambda path: b"# edited")
+        edited.setattr("studies.advice.stored.source_hash", lambda *folder: "edited")
         assert stored(paper_scene().key, tmp_path) is None
     # a study settings.py would write a file of the same name
     with pytest.raises(cs.InvalidInput, match="holds a comparison, which the study would replace"):
@@ -150,17 +150,25 @@ def test_a_stored_comparison_is_of_its_scene_and_program_alone(
 
 
 @pytest.mark.parametrize(
-    ("scene", "remedy"),
+    ("scene", "padding", "remedy"),
     [
-        (cs.read_scene(EXAMPLES / "gripper.toml").scene, "give it a load per length"),
-        (replace(SCENE, adhesion=cs.Adhesion(0.05)), r"give \[adhesion\] a range to compare"),
-        (replace(SCENE, shapes=(cs.Waviness(1e-6, along=1e-4),)), r"give it a \[grid\]"),
+        (cs.read_scene(EXAMPLES / "gripper.toml").scene, None, "give it a load per length"),
+        (replace(SCENE, adhesion=cs.Adhesion(0.05)), None, r"give \[adhesion\] a range to compare"),
+        (replace(SCENE, shapes=(cs.Waviness(1e-6, along=1e-4),)), None, r"give it a \[grid\]"),
+        (SCENE, (cs.ExactPeriodicity(), cs.ExactPeriodicity()), "leave out padding_across"),
     ],
-    ids=["load that is sought", "attraction of short range", "no width of its own"],
+    ids=[
+        "load that is sought",
+        "attraction of short range",
+        "no width of its own",
+        "neighbours across",
+    ],
 )
-def test_a_scene_without_settings_to_compare_is_refused(scene: cs.Scene, remedy: str) -> None:
+def test_a_scene_without_settings_to_compare_is_refused(
+    scene: cs.Scene, padding: cs.Paddings | None, remedy: str
+) -> None:
     with pytest.raises(cs.InvalidInput, match=remedy):
-        compared_scene(cs.SceneFile(scene), "refused")
+        compared_scene(cs.SceneFile(scene, padding=padding), "refused")
 
 
 def test_a_stored_comparison_that_had_too_few_seconds_is_measured_again(tmp_path: Path) -> None:

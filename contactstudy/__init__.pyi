@@ -18,7 +18,7 @@ from .domain.grid import (
 )
 from .elasticity.coefficients import Coefficients
 from .elasticity.convolution import Convolution, convolution, superposed
-from .evolution.time_steps import Scheme, StepError, TimeSteps
+from .evolution.time_steps import ErrorEstimator, Scheme, TimeSteps
 from .io.compare import Comparison, compare
 from .io.quantities.quantity import Quantity
 from .io.scene_files.materials import material
@@ -128,6 +128,7 @@ __all__ = [
     "ElasticPlasticHalfSpace",
     "ElrodAdams",
     "ErrorEstimate",
+    "ErrorEstimator",
     "ErrorParts",
     "Evolution",
     "ExactPeriodicity",
@@ -194,7 +195,6 @@ __all__ = [
     "SpeedHistory",
     "Sphere",
     "Status",
-    "StepError",
     "SubsurfaceStress",
     "Superposition",
     "Tapered",

@@ -358,11 +358,11 @@ class _Request:
         """Follow a dry scene through time."""
         from contactstudy.answers.evolution import evolution_answer
         from contactstudy.evolution.integration.evolve import evolve
-        from contactstudy.evolution.time_steps import StepError
+        from contactstudy.evolution.time_steps import ErrorEstimator
         from contactstudy.planning.grid_requirements import CONSTANTS as GRID
 
         requested, steps = self.requested, self.steps
-        by_error = steps.step_error is StepError.STEP_DOUBLING
+        by_error = steps.error_estimator is ErrorEstimator.STEP_DOUBLING
         fraction = (1 - GRID.cell_fraction) * requested if requested and by_error else None
         first, padding = self.planned(requested)
 
@@ -378,7 +378,7 @@ class _Request:
                     self.scene.load, getattr(self.scene.friction, "history", None)
                 ),
                 error=fraction if steps.error is None else steps.error,
-                step_error=steps.step_error,
+                error_estimator=steps.error_estimator,
                 scheme=steps.scheme,
                 options=self.options,
                 folder=folder,

@@ -261,15 +261,16 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
         )
         worn = frame.fields.get("worn_depth")
         has_worn = worn is not None and worn.values.any()
-        return _with_steps(contact, frame.step_errors) if has_worn else contact
+        by_steps = {"l1": frame.time_discretisation_error} | dict(frame.time_discretisation_errors)
+        return _with_steps(contact, by_steps) if has_worn else contact
     problem = trajectory.problem
     outputs = tuple(trajectory.derived(frame, output) for output in problem.outputs)
     problem = replace(problem, outputs=outputs)
-    steps = replace(frame.grid_error_parts, steps=frame.step_error)
+    steps = replace(frame.grid_error_parts, steps=frame.time_discretisation_error)
     reason = next(iter(frame.warnings), "")
     if frame.status is Status.YIELD_AT_EDGE:
         steps, reason = replace(steps, discretisation=inf), CUT_OFF_STRAIN
-    if frame.step_error == inf:
+    if frame.time_discretisation_error == inf:
         reason = reason or "No bound: the time-discretisation error was not estimated."
     l1 = replace(steps, reason=reason)
     cells = max(l1.by_cause["discretisation"], frame.peak_grid_error)
@@ -303,7 +304,7 @@ def _frame(trajectory: "Trajectory", frame: "Frame") -> Contact:
     )
 
 
-def _with_steps(contact: Contact, step_errors: Mapping[str, float]) -> Contact:
+def _with_steps(contact: Contact, by_steps: Mapping[str, float]) -> Contact:
     """Return a contact that has worn with its relative time-discretisation errors by quantity added to its errors.
 
     Quantities without one, such as gap, approach and stress, which depend on the worn depth itself, have no bound.
@@ -311,7 +312,7 @@ def _with_steps(contact: Contact, step_errors: Mapping[str, float]) -> Contact:
     estimate = contact.error
     unknown = ErrorParts(discretisation=inf, reason=NO_BOUND_OF_STATES)
     with_steps: dict[str, Any] = {
-        name: replace(parts, steps=step_errors[name]) if name in step_errors else unknown
+        name: replace(parts, steps=by_steps[name]) if name in by_steps else unknown
         for name, parts in estimate
     }
     return replace(contact, estimate=replace(estimate, **with_steps))

@@ -42,7 +42,7 @@ class Scheme(Enum):
         return stages
 
 
-class StepError(Enum):
+class ErrorEstimator(Enum):
     """Choice of how the time-discretisation error is estimated."""
 
     #: By step doubling: a second integration with steps twice as long, at half the cost of the first.
@@ -77,7 +77,7 @@ class TimeSteps:
         differs in length; steady wear and films take 1e-3.
     scheme
         How sliding wear is stepped; other wear has a method of its own.
-    step_error
+    error_estimator
         How the time-discretisation error is estimated of a dry contact that keeps creep, sliding wear, plastic strain
         or a tangential traction from one instant to the next.
     step
@@ -86,7 +86,7 @@ class TimeSteps:
     Raises
     ------
     InvalidInput
-        If an `error` is given beside :attr:`StepError.NONE` or a `step`, or `times` beside `end` or `instants`.
+        If an `error` is given beside :attr:`ErrorEstimator.NONE` or a `step`, or `times` beside `end` or `instants`.
     """
 
     times: tuple[Seconds, ...] | None = None
@@ -94,11 +94,11 @@ class TimeSteps:
     instants: int | None = None
     error: Number | None = None
     scheme: Scheme = Scheme.IMPLICIT
-    step_error: StepError = StepError.STEP_DOUBLING
+    error_estimator: ErrorEstimator = ErrorEstimator.STEP_DOUBLING
     step: Seconds | None = None
 
     def __post_init__(self) -> None:
-        check_estimated(self.error, self.step_error)
+        check_estimated(self.error, self.error_estimator)
         if isinstance(self.times, list) or getattr(self.times, "ndim", 0) == 1:
             set_fields(self, times=tuple(np.asarray(self.times).tolist()))
         if self.error is not None and self.step is not None:
@@ -165,10 +165,10 @@ def _kinks(history: Any, end: float) -> list[float]:
     return sorted(times, key=lambda time: abs(history.at(time)))
 
 
-def check_estimated(error: float | None, step_error: StepError) -> None:
+def check_estimated(error: float | None, error_estimator: ErrorEstimator) -> None:
     """Raise InvalidInput for an `error` by which steps are chosen where it is not estimated."""
-    if error is not None and step_error is StepError.NONE:
+    if error is not None and error_estimator is ErrorEstimator.NONE:
         raise InvalidInput(
-            f"TimeSteps.step_error is NONE beside an error of {error!r}, by whose estimate steps are chosen: leave one "
-            "of them out."
+            f"TimeSteps.error_estimator is NONE beside an error of {error!r}, by whose estimate steps are chosen: leave "
+            "one of them out."
         )

@@ -54,10 +54,10 @@ class Frame:
         replaced iterates; DETACHED is that of the last alone.
     residual
         Residual of the last solve.
-    step_error
+    time_discretisation_error
         Estimated time-discretisation error; in fretting the larger one of the pressure and of the tangential traction.
-    step_errors
-        Relative time-discretisation errors of a contact that has worn while it rolls, by quantity.
+    time_discretisation_errors
+        Those of further quantities of a contact that has worn while it rolls, by name.
     solves
         Number of contacts solved, of which a step may take several; contact and plastic strain together count as one.
     iterations
@@ -89,14 +89,14 @@ class Frame:
     fields: Mapping[str, Field]
     status: Status
     residual: float
-    step_error: float
+    time_discretisation_error: float
     solves: int
     iterations: int
     convolutions: float
     coupled_state: Mapping[str, Array] = field(default_factory=dict)
     grid_error_parts: ErrorParts = UNKNOWN
     peak_grid_error: float = inf
-    step_errors: Mapping[str, float] = field(default_factory=dict)
+    time_discretisation_errors: Mapping[str, float] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     adhesion: AdhesiveTraction | None = None
     solution: Solution | None = None
@@ -216,6 +216,6 @@ class Trajectory:
         return max(frame.residual for frame in self.frames)
 
     @property
-    def step_error(self) -> float:
+    def time_discretisation_error(self) -> float:
         """The largest time-discretisation error of all frames, see :class:`Frame`."""
-        return max(frame.step_error for frame in self.frames)
+        return max(frame.time_discretisation_error for frame in self.frames)

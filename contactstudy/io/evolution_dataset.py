@@ -69,7 +69,7 @@ def evolution_dataset(evolution: "Trajectory", quantities: Quantities) -> xr.Dat
         )
         | {"contact_area": area, "load": labelled("time", loads, "N m-1", "load per length")}
         | over_time(
-            ("step_error", "1", "estimated time-discretisation error in L1"),
+            ("time_discretisation_error", "1", "estimated time-discretisation error in L1"),
             ("grid_error", "1", "estimated discretisation error in L1"),
             ("residual", "1", "residual of the solver"),
             ("solves", "1", "contact solves since the previous instant"),

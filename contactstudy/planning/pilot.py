@@ -12,7 +12,7 @@ from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.grid import Grid, Padding, Paddings
 from contactstudy.evolution.integration.evolve import evolve
 from contactstudy.evolution.rolling.steady_rolling import solve_rolling
-from contactstudy.evolution.time_steps import StepError, TimeSteps
+from contactstudy.evolution.time_steps import ErrorEstimator, TimeSteps
 from contactstudy.planning.cost import CONSTANTS as TIMING
 from contactstudy.planning.cost import timed
 from contactstudy.planning.grid_requirements import CONSTANTS as GRID
@@ -283,7 +283,7 @@ def _in_time(
 ) -> tuple[float, int]:
     """Return the seconds and the solves of a scene with state variables, at the smallest error that is practical."""
     times = steps.instants_of(scene.load, getattr(scene.friction, "history", None))
-    doubles = steps.step_error is StepError.STEP_DOUBLING
+    doubles = steps.error_estimator is ErrorEstimator.STEP_DOUBLING
     allowed = min(error, CONSTANTS.max_error) if error and doubles else None
     while True:
         watch = _Watch(CONSTANTS.time_limit)
@@ -295,7 +295,7 @@ def _in_time(
                 padding,
                 times=times,
                 error=allowed,
-                step_error=steps.step_error,
+                error_estimator=steps.error_estimator,
                 scheme=steps.scheme,
                 progress=watch,
             )

@@ -73,7 +73,7 @@ def measures(case: SceneCase, result: TimedAnswer) -> Mapping[str, xr.Variable]:
             max(errors), "largest relative L1 error of the pressure"
         ),
         "step_error": dimensionless(
-            largest("step_error"), "estimated time-discretisation error in L1"
+            largest("time_discretisation_error"), "estimated time-discretisation error in L1"
         ),
         "grid_error": dimensionless(
             largest("grid_error"), "estimated spatial discretisation error in L1"

@@ -60,7 +60,7 @@ def case_at(point: Point) -> SceneCase:
     )
     times = (*np.linspace(0, 1, steps + 1)[1:].tolist(), 2.0)
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
-    steps_in_load = cs.TimeSteps(times, step_error=cs.StepError.NONE)
+    steps_in_load = cs.TimeSteps(times, error_estimator=cs.ErrorEstimator.NONE)
     return SceneCase(scene, grid, cs.ExactPeriodicity(), time_steps=steps_in_load)
 
 

@@ -63,7 +63,7 @@ def _case(cells: int, steps: int, scheme: cs.Scheme) -> SceneCase:
     """Return an evolution in equal steps with a scheme."""
     times = tuple(np.linspace(0, DISTANCE, steps + 1).tolist())
     grid = cs.Grid((cells, 1), (WIDTH, 1.0))
-    time_steps = cs.TimeSteps(times, scheme=scheme, step_error=cs.StepError.NONE)
+    time_steps = cs.TimeSteps(times, scheme=scheme, error_estimator=cs.ErrorEstimator.NONE)
     return SceneCase(SCENE, grid, cs.ExactPeriodicity(), time_steps=time_steps)
 
 

@@ -140,7 +140,7 @@ cs.solve(wearing, cs.Grid((64, 1), (2.5e-4, 1e-4)), exact, times=(0, 1))
         """
 body, rigid = cs.ElasticPlasticHalfSpace(210e9, 0.3, 1e9, 2e9), cs.HalfSpace(float("inf"), 0.3)
 yields = cs.Scene(cs.LineLoad(5e5), (body, rigid), (cs.Cylinder(0.01),))
-once = cs.TimeSteps((0,), step_error=cs.StepError.NONE)
+once = cs.TimeSteps((0,), error_estimator=cs.ErrorEstimator.NONE)
 cs.solve(yields, cs.Grid((16, 1), (8e-4, 1e-4)), exact, times=once)
 assert "contactstudy.elasticity.eigenstrain.plane_strain_operator" in sys.modules
 """,

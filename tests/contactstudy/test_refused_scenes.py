@@ -231,8 +231,8 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     )),
     *(("TimeSteps.error is", lambda one=one: held(times=(0.0, 1.0), error=one)) for one in (0.0, 1.0, 1e-9)),
     (
-        "TimeSteps.step_error is NONE beside an error of 0.01, *: leave one of them out.",
-        lambda: held(times=(0.0, 1.0), error=1e-2, step_error=cs.StepError.NONE),
+        "TimeSteps.error_estimator is NONE beside an error of 0.01, *: leave one of them out.",
+        lambda: held(times=(0.0, 1.0), error=1e-2, error_estimator=cs.ErrorEstimator.NONE),
     ),
     ("FiniteLength.length is 0.001: give cells along", lambda: cs.solve(
         replace(SMOOTH, shapes=(CYLINDER, cs.FiniteLength(1e-3))), cs.Grid((16, 1), (1e-3, 2e-3)), FREE

@@ -176,7 +176,7 @@ def frame_in_equilibrium(
         fields=fields,
         status=solution.status,
         residual=solution.residual,
-        step_error=0.0,
+        time_discretisation_error=0.0,
         solves=solves,
         iterations=solution.iterations,
         convolutions=solution.convolutions,

@@ -60,7 +60,7 @@ class _DryContact:
     def status(self) -> Status:
         return self.solution.status
 
-    def step_errors(self, coarse: "_DryContact") -> dict[str, float]:
+    def time_discretisation_errors(self, coarse: "_DryContact") -> dict[str, float]:
         """Return relative differences to the contact after longer steps, by quantity.
 
         That of the peak pressure is the largest of any cell. That of the area counts cells in contact in one of both
@@ -298,7 +298,7 @@ def follow_wear(
         assert instant.coarse is not None
         solution, errors = (
             instant.contact.solution,
-            instant.contact.step_errors(instant.coarse.contact),
+            instant.contact.time_discretisation_errors(instant.coarse.contact),
         )
         # the plot of an instant names the scene, not the surface that is worn by now
         posed = PosedScene(scene, grid, padding)
@@ -314,8 +314,8 @@ def follow_wear(
                 ),
                 status=instant.status,
                 fields={"worn_depth": worn_depth},
-                step_error=errors["l1"],
-                step_errors=errors,
+                time_discretisation_error=errors.pop("l1"),
+                time_discretisation_errors=errors,
                 solves=int(instant.work[1]),
                 iterations=int(instant.work[2]),
                 convolutions=float(instant.work[3]),

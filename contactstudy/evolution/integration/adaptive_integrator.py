@@ -25,7 +25,7 @@ INCREMENTS, MAX_INCREMENTS = 4, 2**12
 # Largest number of halvings of a step in which bodies start to yield.
 MAX_HALVINGS = 6
 # State of an integrator in its checkpoint.
-CHECKPOINTED = ("breakpoint", "step_error", "double_step", "rejected", "restarts", "solves", "iterations",
+CHECKPOINTED = ("breakpoint", "time_discretisation_error", "double_step", "rejected", "restarts", "solves", "iterations",
                 "convolutions")  # fmt: skip
 # The same of its errors.
 CHECKPOINTED_ERRORS = "largest_by_cells", "largest_by_residual"
@@ -91,7 +91,7 @@ class AdaptiveIntegrator:
         self.breakpoint = 0
         self.fine = self.coarse = self.stepper.start(self.breakpoints[0].time)
         self.solution: Solution | None = None
-        self.step_error, self.errors = 0.0, IntegrationErrors(self.stepper)
+        self.time_discretisation_error, self.errors = 0.0, IntegrationErrors(self.stepper)
         duration = self.breakpoints[-1].time - self.breakpoints[0].time
         self.double_step, self.shortest = INITIAL_STEP * duration, SHORTEST * duration
 
@@ -148,9 +148,10 @@ class AdaptiveIntegrator:
         if self.step_doubling and (ends_double_step or not synchronised):
             self.coarse, solved = self._advance(self.coarse, point.time, point.before)
             self._accept(solved)
-            before, self.step_error = self.step_error, self.errors.by_steps(self.fine, self.coarse)
+            before = self.time_discretisation_error
+            self.time_discretisation_error = self.errors.by_steps(self.fine, self.coarse)
             # the frames that wait lie between two instants of the doubled step
-            self._finish_frames(max(before, self.step_error))
+            self._finish_frames(max(before, self.time_discretisation_error))
         elif not self.step_doubling:
             self.coarse = self.fine
         return _Outcome.REACHED
@@ -193,9 +194,9 @@ class AdaptiveIntegrator:
                 continue
             self._accept(to_half + to_end + in_one)
             self.fine, self.coarse, self.solution = second, coarse, to_end.last
-            self.step_error = self.errors.by_steps(second, coarse)
-            if self.step_error > control.error:
-                self._restart(control.stricter(self.step_error))
+            self.time_discretisation_error = self.errors.by_steps(second, coarse)
+            if self.time_discretisation_error > control.error:
+                self._restart(control.stricter(self.time_discretisation_error))
                 return _Outcome.RESTART
             # a pair cut short by a breakpoint is no measure of the allowed length
             self.double_step = max(
@@ -245,7 +246,7 @@ class AdaptiveIntegrator:
             error_increment = self.errors.increment((self.fine, self.coarse), (fine, coarse))
             exact = self.control is None or self.control.accepts(error_increment)
             if self.stepper.coupled is None or exact or increments >= MAX_INCREMENTS:
-                self.step_error = self.errors.by_steps(fine, coarse)
+                self.time_discretisation_error = self.errors.by_steps(fine, coarse)
                 break
             self.rejected += 1
             increments *= 2
@@ -274,7 +275,7 @@ class AdaptiveIntegrator:
 
     def _record_failure(self, instant: Instant, solved: SolvedContacts) -> None:
         """Record the `instant` at which the integration has to stop, with an infinite error."""
-        self.fine, self.solution, self.step_error = instant, solved.last, inf
+        self.fine, self.solution, self.time_discretisation_error = instant, solved.last, inf
         self._accept(solved)
         self._record()
         self._finish_frames()
@@ -304,7 +305,7 @@ class AdaptiveIntegrator:
                 coupled_state={} if self.stepper.coupled is None else self.fine.states[-1],
                 status=worst(self.statuses),
                 residual=solution.residual,
-                step_error=self.errors.common(self.fine) if is_estimated else inf,
+                time_discretisation_error=self.errors.common(self.fine) if is_estimated else inf,
                 grid_error_parts=parts,
                 peak_grid_error=peak_error,
                 warnings=warnings,
@@ -325,11 +326,12 @@ class AdaptiveIntegrator:
             start = self.breakpoints[0].time
             self.progress(self.fine.time - start, self.breakpoints[-1].time - start)
 
-    def _finish_frames(self, step_error: float | None = None) -> None:
-        """Add a step error, by default the present one, to the waiting frames, and write them to the checkpoint."""
-        error = self.step_error if step_error is None else step_error
+    def _finish_frames(self, error: float | None = None) -> None:
+        """Add the present time-discretisation error, or this one, to the waiting frames, and write them."""
+        by_steps = self.time_discretisation_error if error is None else error
         for frame in self.waiting:
-            finished = replace(frame, step_error=error + frame.step_error)
+            total = by_steps + frame.time_discretisation_error
+            finished = replace(frame, time_discretisation_error=total)
             if self.checkpoint is not None:
                 self.checkpoint.write_frame(len(self.frames), finished)
             self.frames.append(finished)

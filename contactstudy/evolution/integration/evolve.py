@@ -33,7 +33,7 @@ from contactstudy.evolution.states.state_variables import (
     WearState,
     least_eigenvalue,
 )
-from contactstudy.evolution.time_steps import Scheme, StepError, check_estimated
+from contactstudy.evolution.time_steps import ErrorEstimator, Scheme, check_estimated
 from contactstudy.evolution.trajectory import Trajectory
 from contactstudy.evolution.warm_started import solved_or_unloaded
 from contactstudy.problem.problem import Problem
@@ -106,7 +106,7 @@ def evolve(
     *,
     times: ArrayLike | None = None,
     error: float | None = None,
-    step_error: StepError = StepError.STEP_DOUBLING,
+    error_estimator: ErrorEstimator = ErrorEstimator.STEP_DOUBLING,
     scheme: Scheme = Scheme.IMPLICIT,
     options: SolveOptions = SolveOptions(),  # noqa: B008 (a frozen value)
     folder: str | PathLike[str] | None = None,
@@ -137,7 +137,7 @@ def evolve(
     error
         Allowed relative L1 time-discretisation error, for which steps are chosen. None steps from one of `times`
         to the next, at most a quarter of the load's period at a time.
-    step_error
+    error_estimator
         How the time-discretisation error is estimated.
     scheme
         How sliding wear is stepped.
@@ -163,7 +163,7 @@ def evolve(
         raise InvalidInput(
             "solve.times has no instants and no error: give TimeSteps.times, TimeSteps.error, or both."
         )
-    check_estimated(error, step_error)
+    check_estimated(error, error_estimator)
     control = None if error is None else StepControl.for_error(error, options.tolerance)
     load = _load(scene, grid, padding, times)
     breakpoints = schedule(load, times)
@@ -177,11 +177,12 @@ def evolve(
     elif times is None:
         breakpoints = all_recorded(breakpoints)
     checkpoint = None if folder is None else Checkpoint(Path(folder))
+    doubles = error_estimator is ErrorEstimator.STEP_DOUBLING
     integrator = AdaptiveIntegrator(
         stepper=stepper,
         breakpoints=breakpoints,
         control=control,
-        step_doubling=bool(stepper.all_state_variables) and step_error is StepError.STEP_DOUBLING,
+        step_doubling=doubles and bool(stepper.all_state_variables),
         records_all=times is None,
         checkpoint=checkpoint,
         progress=progress,
@@ -190,7 +191,8 @@ def evolve(
         integrator.integrate()
     else:
         instants = None if times is None else tuple(np.asarray(times, float).ravel().tolist())
-        with checkpoint.open((scene, grid, padding, instants, error, step_error, scheme, options)):
+        request = scene, grid, padding, instants, error, error_estimator, scheme, options
+        with checkpoint.open(request):
             integrator.restore()
             integrator.integrate()
     return Trajectory(

@@ -14,7 +14,7 @@ from contactstudy.domain.checks import NotDefined
 from contactstudy.domain.errors import ErrorParts
 from contactstudy.domain.fields import Array
 from contactstudy.evolution.integration.time_stepper import Instant, TimeStepper
-from contactstudy.evolution.states.state_variables import HasStepError
+from contactstudy.evolution.states.state_variables import HasTimeDiscretisationError
 from contactstudy.solvers.solution import Solution
 
 # Halving the steps leaves 0.5 to 0.6 of errors of first order: the error is up to 1.5 times the difference.
@@ -60,18 +60,25 @@ class IntegrationErrors:
 
     def common(self, fine: Instant) -> float:
         """Return the time-discretisation error that two integrations have in common, from states of the finer one."""
-        states = zip(self.stepper.all_state_variables, fine.states, strict=True)
-        common = (v.common_error(state) for v, state in states if isinstance(v, HasStepError))
-        return max(common, default=0.0)
+        return max(
+            (
+                variable.common_error(state)
+                for variable, state in zip(
+                    self.stepper.all_state_variables, fine.states, strict=True
+                )
+                if isinstance(variable, HasTimeDiscretisationError)
+            ),
+            default=0.0,
+        )
 
     def _of_states(self, fine: Instant, coarse: Instant) -> float:
         """Return the largest error of the state variables that have an estimate of their own; 0 if none has."""
         variables = zip(self.stepper.all_state_variables, fine.states, coarse.states, strict=True)
         return max(
             (
-                variable.step_error(fine, coarse)
+                variable.time_discretisation_error(fine, coarse)
                 for variable, fine, coarse in variables
-                if isinstance(variable, HasStepError)
+                if isinstance(variable, HasTimeDiscretisationError)
             ),
             default=0.0,
         )

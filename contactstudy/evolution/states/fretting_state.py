@@ -292,7 +292,7 @@ class FrettingState:
             fields["worn_depth"] = Field(plane, state["worn_depth"], "m", "worn depth")
         return fields
 
-    def step_error(self, state: State, other: State) -> float:
+    def time_discretisation_error(self, state: State, other: State) -> float:
         """Return the L1 error of the traction that the difference of two states estimates, relative to the first."""
         size = self._size(state)
         changed = sum(float(np.abs(state[name] - other[name]).sum()) for name in SHEARS)

@@ -89,10 +89,10 @@ class AnyStateVariable(Protocol):
 
 
 @runtime_checkable
-class HasStepError(Protocol):
+class HasTimeDiscretisationError(Protocol):
     """Protocol of a state variable whose own time-discretisation error is estimated, beside that of the pressure."""
 
-    def step_error(self, state: State, other: State) -> float:
+    def time_discretisation_error(self, state: State, other: State) -> float:
         """Return the relative time-discretisation error that the difference of two states estimates."""
 
     def common_error(self, state: State) -> float:

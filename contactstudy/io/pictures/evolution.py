@@ -258,7 +258,7 @@ def _loop(ax: Axes, evolved: xr.Dataset) -> None:
 
 def _errors(ax: Axes, evolved: xr.Dataset) -> None:
     """Draw the time-discretisation and the discretisation error, where they are known and not zero."""
-    for name, color in (("step_error", "#D55E00"), ("grid_error", "#0072B2")):
+    for name, color in (("time_discretisation_error", "#D55E00"), ("grid_error", "#0072B2")):
         values = evolved[name].values
         shown = np.isfinite(values) & (values > 0)
         if shown.any():

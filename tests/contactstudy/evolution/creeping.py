@@ -38,7 +38,13 @@ def evolved(
     """By the given steps alone, whose error is not asked for."""
     options = cs.SolveOptions(tolerance)
     return evolve(
-        scene, grid, padding, times=times, options=options, step_error=cs.StepError.NONE, **more
+        scene,
+        grid,
+        padding,
+        times=times,
+        options=options,
+        error_estimator=cs.ErrorEstimator.NONE,
+        **more,
     )
 
 

@@ -27,7 +27,7 @@ ELASTIC = replace(rolling_cylinder(SOLID), solids=(cs.HalfSpace(1.0, 0.0), RIGID
 def test_an_elastic_scene_forgets_its_path() -> None:
     history = cs.LoadHistory((0.0, 1.0, 2.0, 2.0, 3.0), (0.0, 3 * LOAD, LOAD, 2 * LOAD, 0.5 * LOAD))
     found = evolve(replace(ELASTIC, load=history), GRID, EXACT, times=[0.5, 1.0, 2.0, 2.0, 3.0])
-    assert found.step_error == 0
+    assert found.time_discretisation_error == 0
     loads = [frame.load / LOAD for frame in found.frames]
     np.testing.assert_allclose(loads, [1.5, 3.0, 1.0, 2.0, 0.5], rtol=1e-15)
     for frame in found.frames:
@@ -42,16 +42,16 @@ def test_steps_keep_to_the_error_asked_for(error: float) -> None:
     scene = rolling_cylinder(SOLID, history)
     times = [0.0, 0.25, 0.5, 1.0, 1.0, 2.0]
     fine = np.sort([*np.linspace(0, 2, 401), 1.0])
-    exact = evolve(scene, GRID, EXACT, times=fine, step_error=cs.StepError.NONE)
+    exact = evolve(scene, GRID, EXACT, times=fine, error_estimator=cs.ErrorEstimator.NONE)
     found = evolve(scene, GRID, EXACT, times=times, error=error)
-    assert found.step_error <= error
+    assert found.time_discretisation_error <= error
     places = np.searchsorted(fine, times)
     places[4] += 1
     for frame, place in zip(found.frames, places, strict=True):
         true = exact.frames[place]
         assert (frame.time, frame.load) == (true.time, true.load)
         wrong = np.abs(frame.pressure - true.pressure).sum() / true.pressure.sum()
-        assert wrong <= frame.step_error + 1e-5
+        assert wrong <= frame.time_discretisation_error + 1e-5
 
 
 @pytest.mark.parametrize("wear", [cs.Wear(1.0, 1.0), None], ids=["restarts", "one rejected pair"])
@@ -159,8 +159,8 @@ def test_a_killed_integration_goes_on_to_the_same_bits(
     np.testing.assert_array_equal(again.pressure, whole.pressure)
     for one, other in zip(again.frames, whole.frames, strict=True):
         np.testing.assert_array_equal(one.gap, other.gap)
-    assert [frame.step_error for frame in again.frames] == [
-        frame.step_error for frame in whole.frames
+    assert [frame.time_discretisation_error for frame in again.frames] == [
+        frame.time_discretisation_error for frame in whole.frames
     ]
     read = evolve(scene, GRID, EXACT, times=times, error=error, folder=tmp_path)
     np.testing.assert_array_equal(read.pressure, whole.pressure)
@@ -241,7 +241,14 @@ def test_a_dataset_names_all_that_was_found() -> None:
     assert dataset["pressure"].dims == ("time", "x", "y")
     assert dataset["worn_depth"].dims == ("time", "x", "y")
     assert dataset["von_mises"].dims[0] == "time"
-    for name in ("approach", "contact_area", "peak_pressure", "load", "status", "step_error"):
+    for name in (
+        "approach",
+        "contact_area",
+        "peak_pressure",
+        "load",
+        "status",
+        "time_discretisation_error",
+    ):
         assert dataset[name].dims == ("time",)
     load = dataset["pressure"].sum(("x", "y")) * grid.cell_area / grid.length
     np.testing.assert_allclose(load, LOAD, rtol=1e-7)
@@ -268,14 +275,18 @@ def test_every_padding_is_integrated(padding: cs.Padding | cs.Paddings) -> None:
     scene = rolling_cylinder(SOLID, wear=cs.Wear(0.1, 1.0))
     scene = replace(scene, shapes=(*scene.shapes, cs.Waviness(1e-3, across=0.2, along=0.3)))
     grid = cs.Grid((48, 16), (0.8, 0.6))
-    found = evolve(scene, grid, padding, times=[0.0, 0.5, 1.0], step_error=cs.StepError.NONE)
+    found = evolve(
+        scene, grid, padding, times=[0.0, 0.5, 1.0], error_estimator=cs.ErrorEstimator.NONE
+    )
     assert found.status in (cs.Status.CONVERGED, cs.Status.CONTACT_AT_EDGE)
     borne = found.frames[-1].pressure.sum() * grid.cell_area / grid.length
     assert borne == pytest.approx(LOAD, rel=1e-7)
 
 
 @pytest.mark.parametrize("body", [SOLID, ELASTIC.solids[0]], ids=["creeping", "elastic"])
-@pytest.mark.parametrize("named", [{"step_error": one} for one in cs.StepError] + [{"error": 1e-2}])
+@pytest.mark.parametrize(
+    "named", [{"error_estimator": one} for one in cs.ErrorEstimator] + [{"error": 1e-2}]
+)
 def test_a_march_stops_without_a_bound_where_no_pressure_carries_the_load(
     body: cs.ViscoelasticHalfSpace | cs.HalfSpace, named: dict[str, Any]
 ) -> None:
@@ -310,11 +321,11 @@ def test_before_the_first_load_the_bodies_just_touch() -> None:
 def test_the_error_of_given_steps_is_bounded_for_any_lengths_of_them(times: list[float]) -> None:
     scene = rolling_cylinder(SOLID)
     exact = evolve(
-        scene, GRID, EXACT, times=np.linspace(0, 1, 401), step_error=cs.StepError.NONE
+        scene, GRID, EXACT, times=np.linspace(0, 1, 401), error_estimator=cs.ErrorEstimator.NONE
     ).frames[-1]
     found = evolve(scene, GRID, EXACT, times=times).frames[-1]
     wrong = np.abs(found.pressure - exact.pressure).sum() / exact.pressure.sum()
-    assert wrong <= found.step_error < 0.1
+    assert wrong <= found.time_discretisation_error < 0.1
 
 
 def test_contacts_that_stop_early_count_in_the_errors_of_later_instants() -> None:
@@ -335,7 +346,7 @@ def test_steps_whose_error_is_not_estimated_go_from_instant_to_instant(
 ) -> None:
     scene = rolling_cylinder(SOLID)
     grid = cs.Grid((24, 1), (0.6, 1.0)) if requested else None
-    steps = cs.TimeSteps((0.0, 1.0, 2.0), step_error=cs.StepError.NONE)
+    steps = cs.TimeSteps((0.0, 1.0, 2.0), error_estimator=cs.ErrorEstimator.NONE)
     found = cs.solve(scene, grid, times=steps, period=None if grid else 1.0, **requested)
     assert isinstance(found, cs.Evolution)
     assert found.counts["solves"][0] == 3

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.evolution.integration.evolve import StepError, evolve
+from contactstudy.evolution.integration.evolve import ErrorEstimator, evolve
 from tests.contactstudy.evolution.creeping import LOAD, RIGID, SOLID, rolling_cylinder
 
 EXACT = cs.ExactPeriodicity()
@@ -17,10 +17,12 @@ def test_steps_of_whole_periods_are_cut_and_their_error_is_known(phase: float) -
     scene = rolling_cylinder(SOLID, load)
     times = np.arange(0.0, 3.5)
     found = evolve(scene, GRID, EXACT, times=times)
-    fine = evolve(scene, GRID, EXACT, times=np.linspace(0, 3, 193), step_error=StepError.NONE)
+    fine = evolve(
+        scene, GRID, EXACT, times=np.linspace(0, 3, 193), error_estimator=ErrorEstimator.NONE
+    )
     for frame, true in zip(found.frames, fine.frames[::64], strict=True):
         wrong = np.abs(frame.pressure - true.pressure).sum() / true.pressure.sum()
-        assert wrong <= frame.step_error + 1e-6
+        assert wrong <= frame.time_discretisation_error + 1e-6
 
 
 def test_a_body_that_yields_keeps_the_dent_of_a_load_that_turns_between_the_instants() -> None:
@@ -41,8 +43,10 @@ def test_a_body_that_yields_keeps_the_dent_of_a_load_that_turns_between_the_inst
 def test_a_frame_before_the_load_is_zero_keeps_its_own_error() -> None:
     scene = rolling_cylinder(SOLID, cs.SineLoad(0.0, LOAD, 0.5))
     found = evolve(scene, GRID, EXACT, times=[0.5, 1.0])
-    fine = evolve(scene, GRID, EXACT, times=np.linspace(0, 0.5, 65), step_error=StepError.NONE)
+    fine = evolve(
+        scene, GRID, EXACT, times=np.linspace(0, 0.5, 65), error_estimator=ErrorEstimator.NONE
+    )
     true = fine.frames[-1].pressure
     wrong = np.abs(found.frames[0].pressure - true).sum() / true.sum()
-    assert 0 < wrong <= found.frames[0].step_error
-    assert found.frames[1].step_error == 0
+    assert 0 < wrong <= found.frames[0].time_discretisation_error
+    assert found.frames[1].time_discretisation_error == 0

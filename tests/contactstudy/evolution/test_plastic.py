@@ -65,7 +65,9 @@ def test_a_body_yields_first_where_von_mises_says() -> None:
     errors = []
     for cell in (0.2, 0.1):
         grid = grid_of(1.5, cell)
-        found = evolve(pressed(1.5), grid, EXACT, times=(1,), step_error=cs.StepError.NONE)
+        found = evolve(
+            pressed(1.5), grid, EXACT, times=(1,), error_estimator=cs.ErrorEstimator.NONE
+        )
         assert isinstance(found.coupled, PlasticState)
         (operator,) = found.coupled.operators
         stress = von_mises_of(operator.stress_of_pressure(found.pressure[0]))
@@ -95,7 +97,7 @@ def cycle(cell: float, steps: int, *, kinematic: bool = False) -> xr.Dataset:
         grid_of(3, cell, 6.4),
         EXACT,
         times=[*np.linspace(0, 1, steps + 1), 2],
-        step_error=cs.StepError.NONE,
+        error_estimator=cs.ErrorEstimator.NONE,
         options=cs.SolveOptions(1e-7),
     )
     assert found.status is cs.Status.CONVERGED
@@ -285,8 +287,8 @@ def test_a_sudden_load_is_applied_by_parts_and_says_its_error() -> None:
         return float(np.abs(one.pressure[-1] - fine).sum() / fine.sum())
 
     # first order: the difference of two integrations is the error of the finer one, and a half more is on the safe side
-    assert 0.3 < error(found) / found.step_error < 1
-    assert error(closer) < closer.step_error <= 1.5e-2
+    assert 0.3 < error(found) / found.time_discretisation_error < 1
+    assert error(closer) < closer.time_discretisation_error <= 1.5e-2
     assert closer.solves > found.solves
 
 
@@ -294,7 +296,12 @@ def slowly(scene: cs.Scene, grid: cs.Grid) -> np.ndarray:
     """The pressure under the largest load, by so many steps up to it that a tenth of the least error here is left."""
     times = np.linspace(0.3, 1, 48)
     return evolve(
-        scene, grid, EXACT, times=times, step_error=cs.StepError.NONE, options=cs.SolveOptions(1e-7)
+        scene,
+        grid,
+        EXACT,
+        times=times,
+        error_estimator=cs.ErrorEstimator.NONE,
+        options=cs.SolveOptions(1e-7),
     ).pressure[-1]
 
 
@@ -307,14 +314,18 @@ def test_steps_are_chosen_for_an_error(ratio: float) -> None:
     off = np.abs(max(found.frames, key=lambda frame: frame.load).pressure - fine).sum() / fine.sum()
     assert off < 1e-2
     # the integration so finely stepped has an error too, some third of the smaller one here
-    assert 0.5 < found.step_error / off < 3
-    assert found.step_error < 1e-2
+    assert 0.5 < found.time_discretisation_error / off < 3
+    assert found.time_discretisation_error < 1e-2
     assert found.solves < 90
 
 
 def test_a_load_far_beyond_yield_takes_as_few_iterations_as_any_contact() -> None:
     found = evolve(
-        pressed(6), grid_of(6, 0.2, 9.6), EXACT, times=(0, 0.5, 1), step_error=cs.StepError.NONE
+        pressed(6),
+        grid_of(6, 0.2, 9.6),
+        EXACT,
+        times=(0, 0.5, 1),
+        error_estimator=cs.ErrorEstimator.NONE,
     )
     assert found.status is cs.Status.CONVERGED
     counts = evolution_answer(found).counts
@@ -324,7 +335,9 @@ def test_a_load_far_beyond_yield_takes_as_few_iterations_as_any_contact() -> Non
 def test_what_does_not_settle_says_how_far_it_came(monkeypatch: pytest.MonkeyPatch) -> None:
     constants = elastoplastic_step.PlasticConstants(max_iterations=2)
     monkeypatch.setattr(elastoplastic_step, "CONSTANTS", constants)
-    found = evolve(pressed(3), grid_of(3, 0.2), EXACT, times=(0, 1), step_error=cs.StepError.NONE)
+    found = evolve(
+        pressed(3), grid_of(3, 0.2), EXACT, times=(0, 1), error_estimator=cs.ErrorEstimator.NONE
+    )
     assert found.status is cs.Status.NOT_CONVERGED
     assert 1e-8 < found.residual < 1
     assert "shorter steps" in str(found.status)

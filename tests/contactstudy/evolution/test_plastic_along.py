@@ -37,7 +37,12 @@ def evolved(scene: cs.Scene, cells: tuple[int, int], period: float) -> Trajector
     a = half_width(2.5)
     grid = cs.Grid(cells, (cells[0] * a / 6, period * a))
     return evolve(
-        scene, grid, EXACT, times=TIMES, options=cs.SolveOptions(1e-7), step_error=cs.StepError.NONE
+        scene,
+        grid,
+        EXACT,
+        times=TIMES,
+        options=cs.SolveOptions(1e-7),
+        error_estimator=cs.ErrorEstimator.NONE,
     )
 
 

@@ -111,7 +111,7 @@ def yielding(
     )
     scene = replace(SCENE, load=load, solids=(solids[0], solids[1]), friction=friction)
     grid = cs.Grid((cells, 1), (3 * half_width, half_width))
-    steps = cs.TimeSteps((0.0, 1.0), step_error=cs.StepError.NONE)
+    steps = cs.TimeSteps((0.0, 1.0), error_estimator=cs.ErrorEstimator.NONE)
     found = cs.solve(scene, grid, EXACT, times=steps)
     assert isinstance(found, cs.Evolution)
     return found
@@ -162,7 +162,7 @@ def test_friction_beyond_yield_in_shear_needs_a_body_that_hardens(hardening: flo
     )
     grid = cs.Grid((40, 1), (8 * RADIUS * peaks[1] / modulus, 1e-3))
     found = cs.solve(
-        scene, grid, EXACT, times=cs.TimeSteps((0.0, 1.0), step_error=cs.StepError.NONE)
+        scene, grid, EXACT, times=cs.TimeSteps((0.0, 1.0), error_estimator=cs.ErrorEstimator.NONE)
     )
     assert found.frames[0].status is cs.Status.CONVERGED
     assert (found.frames[1].status is cs.Status.CONVERGED) == (hardening > 0)
@@ -191,7 +191,7 @@ def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plast
 def test_bodies_that_slide_yield_alike_along_their_length_where_nothing_varies() -> None:
     body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3.5e8, 1e10)
     scene = replace(SCENE, solids=(body, STEEL))
-    steps = cs.TimeSteps((0.0, 1.0), step_error=cs.StepError.NONE)
+    steps = cs.TimeSteps((0.0, 1.0), error_estimator=cs.ErrorEstimator.NONE)
     flat, repeated = (
         cs.solve(scene, cs.Grid((32, along), (6e-4, 3e-4)), EXACT, times=steps)
         .to_dataset()["equivalent_plastic_strain"]

@@ -157,7 +157,7 @@ def test_no_wear_is_the_scene_without_it() -> None:
         found = evolve(replace(CYLINDER, wear=wear), grid, EXACT, times=[0.0, 1.0])
         np.testing.assert_array_equal(found.frames[0].pressure, elastic.pressure)
         np.testing.assert_array_equal(found.frames[0].gap, elastic.gap)
-        assert found.step_error == 0
+        assert found.time_discretisation_error == 0
         assert not found.frames[0].fields
 
 

@@ -21,7 +21,7 @@ def test_a_plan_is_wide_enough_for_the_end_and_keeps_to_its_error() -> None:
     assert plan.grid.extent[0] > 2 * 0.1516
     found = evolve(scene, plan.grid, plan.padding, times=[0.0, 1.0, 2.0], error=1e-2)
     assert found.status is cs.Status.CONVERGED
-    assert found.step_error <= 1e-2
+    assert found.time_discretisation_error <= 1e-2
     assert (
         max(frame.grid_error for frame in found.frames) <= 2e-2
     )  # the estimate is a bound, the plan's error is not

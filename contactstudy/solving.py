@@ -183,7 +183,7 @@ class _Request:
                 self.refuse_unless("a load history with adhesion or rolling", "times")
                 return self.quasi_static()
             kind = "a scene that changes in time"
-            self.refuse_unless(kind, "times", "folder", "error", "scheme", "step_error")
+            self.refuse_unless(kind, "times", "folder", "error", "scheme", "error_estimator")
             return self.time_dependent()
         if scene.rolls:
             self.refuse_unless("a contact that rolls")
@@ -213,7 +213,7 @@ class _Request:
                 raise InvalidInput(f"solve.{name} is given, and {why}: leave it out.")
         if self.times is None:
             return
-        for name in ("error", "scheme", "step", "step_error"):
+        for name in ("error", "scheme", "step", "error_estimator"):
             value = getattr(self.steps, name)
             if name not in used and value != getattr(type(self.steps), name):
                 raise InvalidInput(

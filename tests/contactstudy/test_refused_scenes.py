@@ -303,8 +303,8 @@ SOLVES: list[tuple[str, Callable[[], object]]] = [
     *(("Approach.datum is 1.0, and * axes", lambda paddings=paddings: cs.solve(
         replace(SMOOTH, load=cs.Approach(-1e-6, datum=1.0)), cs.Grid((16, 16), (3e-4, 3e-4)), paddings,
     )) for paddings in (FREE, (EXACT, EXACT))),
-    ("TimeSteps.step_error is *: leave it out", lambda: cs.solve(
-        replace(FILM, load=HISTORY), film_grid(64, 4.5), times=cs.TimeSteps(step_error=cs.StepError.NONE),
+    ("TimeSteps.error_estimator is *: leave it out", lambda: cs.solve(
+        replace(FILM, load=HISTORY), film_grid(64, 4.5), times=cs.TimeSteps(error_estimator=cs.ErrorEstimator.NONE),
     )),
     (
         "TimeSteps.instants is 1",

@@ -9,6 +9,7 @@ from contactstudy import InvalidInput
 from studies.model.outcome import is_time
 
 STATUSES = ("case_status", "solver_status")
+ABOUT_CASES = ("case_key", "error", "error_type", "error_stage")  # texts of the store
 # Numbers of the solver, and ends of names of others, that change within its tolerance.
 OF_SOLVER = ("residual", "iterations", "linear_iterations", "outer_iterations", "convolutions")
 LEFT_OUT_ENDS = ("_estimate_residual", "_bound")
@@ -37,10 +38,11 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
     changed = []
     for name in sorted({str(n) for run in (a, b) for n in run.data_vars}):
         runs = [run for run in (a, b) if name in run]
-        is_measure = all(
-            run[name].dtype.kind in "biuf" and set(axes) <= set(run[name].dims) for run in runs
-        )
-        if not is_measure or is_time(name) or name in OF_SOLVER or name.endswith(LEFT_OUT_ENDS):
+        is_measure = all(set(axes) <= set(run[name].dims) for run in runs)
+        is_text = any(run[name].dtype.kind not in "biuf" for run in runs)
+        if not is_measure or name in (ABOUT_CASES if is_text else OF_SOLVER):
+            continue
+        if is_time(name) or name.endswith(LEFT_OUT_ENDS):
             continue
         if len(runs) == 1:
             sentences.append(f"{name} is in the {'first' if name in a else 'second'} run alone")
@@ -49,11 +51,13 @@ def changes(first: xr.Dataset, second: xr.Dataset) -> Sequence[str]:
         if dict(a[name].sizes) != dict(b[name].sizes) or not a[name].size:
             sentences.append(f"{name} is not compared: its values along {dims[-1]} are others")
             continue
-        before, after = (run[name].transpose(*dims).values.astype(float) for run in (a, b))
-        if name in STATUSES or "flag_meanings" in a[name].attrs:
-            differ = np.count_nonzero((before != after) & ~(np.isnan(before) & np.isnan(after)))
+        before, after = (run[name].transpose(*dims).values for run in (a, b))
+        if is_text or name in STATUSES or "flag_meanings" in a[name].attrs:
+            # nan is no difference to nan
+            differ = np.count_nonzero((before != after) & ((before == before) | (after == after)))
             sentences += [f"{name} differs at {differ} of {points} points"] * bool(differ)
             continue
+        before, after = before.astype(float), after.astype(float)
         is_missing = a[name].isnull() != b[name].isnull()
         if missing := int((is_missing & (a["case_status"] == b["case_status"])).sum()):
             sentences.append(f"{name} is nan at {missing} points of one run alone")

@@ -75,7 +75,9 @@ def test_counts_and_flags_that_differ_are_said_and_a_missing_status_is_none() ->
     for run, verdict in ((before, 0), (after, 2)):
         run["verdict"] = (AXES, np.array([[0, 0, 0], [0, 0, verdict]], dtype=np.int8), flags)
         run["solver_status"] = run["solver_status"].where(run["grid"] < 64)
-    assert changes(before, after)[1:3] == [
+        run["kind"] = AXES, np.array([["a"] * 3, ["a", "a", "ab"[verdict // 2]]], dtype=object)
+    assert changes(before, after)[1:4] == [
+        "kind differs at 1 of 6 points",
         "verdict differs at 1 of 6 points",
         "layers: from 4 to 6 at padding zero, grid 64, 0.5 of the largest value",
     ]

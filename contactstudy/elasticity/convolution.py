@@ -340,9 +340,11 @@ def _spectrum(coefficients: Coefficients, grid: Grid, paddings: Paddings) -> Arr
     """Return the transform of influence coefficients that are even along both axes: it is real and even."""
     half = influence_coefficients(grid, paddings, coefficients)
     padded = padded_cells(grid, paddings)
-    for axis, points in enumerate(padded):
-        half = _to_half_period(half, points, axis)
-    half = even_transform(half, padded)
+    offsets = (
+        _offset_indices(*counts)[: counts[1] // 2 + 1]
+        for counts in zip(half.shape, padded, strict=True)
+    )
+    half = even_transform(half[np.ix_(*offsets)], padded)
     return np.concatenate([half, half[(padded[0] - 1) // 2 : 0 : -1]])
 
 
@@ -417,18 +419,6 @@ def mirrored_by_parity(
             sign = np.sign(n - 2 * index) * (index > 0)
             around *= np.expand_dims(sign, 1 - axis)
     return around
-
-
-def _to_half_period(coefficients: Array, points: int, axis: int) -> Array:
-    """Return `coefficients` from the offset zero to half the period of an axis of this number of `points`.
-
-    Offsets that no pair of cells has repeat the last known coefficient.
-    """
-    n_known, n_offsets = coefficients.shape[axis], points // 2 + 1
-    if n_known == n_offsets:
-        return coefficients
-    offsets = np.minimum(np.arange(n_offsets), n_known - 1)
-    return np.asarray(np.take(coefficients, offsets, axis))
 
 
 def _offset_indices(known: int, padded: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:

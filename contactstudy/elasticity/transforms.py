@@ -6,7 +6,6 @@ padded to 1024 x 512: scipy 4.4, ducc0 3.2, FFTW (planned, measured) 3.8; padded
 """
 
 import os
-from abc import ABC, abstractmethod
 from importlib import import_module
 from importlib.util import find_spec
 from operator import imul
@@ -31,16 +30,35 @@ Work = ComplexField | None
 MIN_THREADED = 2**16
 
 
-class Transforms(ABC):
-    """Pair of transforms; they may overwrite `work`, an array for Fourier coefficients, where the library takes one."""
+class Transforms:
+    """Pair of transforms by the device's array library, or by another one.
 
-    @abstractmethod
+    They may overwrite `work`, an array for Fourier coefficients, where the library takes one.
+    """
+
+    def _library(self) -> tuple[Any, dict[str, int]]:
+        """Return the functions and their options."""
+        return arrays().fft, {}
+
     def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
-        """Return the Fourier coefficients (px, py // 2 + 1) of `field` (nx, ny), padded with zeros."""
+        """Return the Fourier coefficients (px, py // 2 + 1) of `field` (nx, ny), padded with zeros.
 
-    @abstractmethod
+        They are found along y on the rows of the field, then along x.
+        """
+        fft, options = self._library()
+        rows = fft.rfft(field, n=padded[1], axis=1, **options)
+        waves: ComplexField = fft.fft(rows, n=padded[0], axis=0, **options)
+        return waves
+
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
-        """Return the first (nx, ny) cells of the field with the Fourier coefficients `waves`, which are overwritten."""
+        """Return the first (nx, ny) cells of the field with the Fourier coefficients `waves`, which may be overwritten.
+
+        They are found along x, then along y on the rows of the field.
+        """
+        fft, options = self._library()
+        rows = fft.ifft(waves, axis=0, **options)[: cells[0], :]
+        field: Array = fft.irfft(rows, n=padded[1], axis=1, **options)[:, : cells[1]]
+        return field
 
     def filtered(self, field: Array, factors: Array, work: ComplexField | None) -> Array:
         """Return `field` (nx, ny), periodic along both axes, with its Fourier coefficients multiplied by `factors`."""
@@ -50,38 +68,16 @@ class Transforms(ABC):
         return self.backward(waves, cells, cells)
 
 
-class Standard(Transforms):
-    """Transforms by the device's array library."""
-
-    def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
-        """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
-        fft = arrays().fft
-        waves: ComplexField = fft.fft(fft.rfft(field, n=padded[1], axis=1), n=padded[0], axis=0)
-        return waves
-
-    def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
-        """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
-        fft = arrays().fft
-        rows = fft.ifft(waves, axis=0)[: cells[0], :]
-        field: Array = fft.irfft(rows, n=padded[1], axis=1)[:, : cells[1]]
-        return field
-
-
 class SciPy(Transforms):
     """Transforms by scipy.fft, on the threads of the device."""
 
-    def forward(self, field: Array, padded: Cells, work: Work = None) -> ComplexField:
-        """Return the Fourier coefficients of `field`: along y on the rows of the field, then along x."""
-        workers = threads()
-        rows = fft.rfft(field, padded[1], axis=1, workers=workers)
-        return np.asarray(fft.fft(rows, padded[0], axis=0, overwrite_x=True, workers=workers))
+    def _library(self) -> tuple[Any, dict[str, int]]:
+        """Return the functions and their options."""
+        return fft, {"workers": threads()}
 
     def backward(self, waves: ComplexField, cells: Cells, padded: Cells) -> Array:
-        """Return the field with the Fourier coefficients `waves`: along x, then along y on the rows of the field."""
-        workers = threads()
-        rows = fft.ifft(waves, axis=0, overwrite_x=True, workers=workers)[: cells[0]]
-        field = fft.irfft(rows, padded[1], axis=1, overwrite_x=True, workers=workers)
-        return np.ascontiguousarray(field[:, : cells[1]])
+        """Return the field with the Fourier coefficients `waves`."""
+        return np.ascontiguousarray(super().backward(waves, cells, padded))
 
     def cosines(self, field: Array, axes: tuple[int, ...]) -> Array:
         """Return the cosine transform (DCT-I) of `field` along some axes."""
@@ -173,7 +169,7 @@ def _c2r_is_slow(waves: ComplexField, along: int) -> bool:
 
 
 TRANSFORMS: Ducc | SciPy = Ducc() if find_spec("ducc0") else SciPy()
-STANDARD = Standard()
+STANDARD = Transforms()
 
 
 def even_transform(half: Array, points: tuple[int, int]) -> Array:

@@ -333,20 +333,13 @@ def _real(strain: Complex) -> Array:
 
     Components that are odd in depth are divided by i.
     """
-    waves = strain.reshape(*strain.shape[:2], -1)
-    parts = np.empty((*waves.shape[:2], 2, waves.shape[2]))
-    for number, sign in enumerate(Components.DEVIATOR.value):
-        real, imaginary = waves[number].real, waves[number].imag
-        parts[number, :, 0] = real if sign > 0 else imaginary
-        parts[number, :, 1] = imaginary if sign > 0 else -real
-    return parts
+    waves = strain.reshape(*strain.shape[:2], -1).copy()
+    waves[Components.DEVIATOR.signs < 0] *= -1j
+    return np.stack((waves.real, waves.imag), axis=2)
 
 
 def _complex(parts: Array, components: Components, shape: tuple[int, ...]) -> Complex:
     """Return complex waves (components, layers, ...) from their real and imaginary parts, as :func:`_real` gives."""
-    waves = np.empty((*parts.shape[:2], parts.shape[3]), dtype=np.complex128)
-    for number, sign in enumerate(components.value):
-        first, second = parts[number, :, 0], parts[number, :, 1]
-        waves[number].real = first if sign > 0 else -second
-        waves[number].imag = second if sign > 0 else first
-    return waves.reshape(*waves.shape[:2], *shape)
+    waves = parts[:, :, 0] + 1j * parts[:, :, 1]
+    waves[components.signs < 0] *= 1j
+    return np.asarray(waves.reshape(*waves.shape[:2], *shape))

@@ -115,7 +115,8 @@ def _mean_over_cell(x: Array, y: Array, half_x: Array, half_y: float, period: fl
     wide = ~beyond & (half_x.ravel() > period / 2)
     fourier = ~beyond & ~wide & (inner >= FOURIER_START)
     forms: dict[Callable[[Array, Array, Array, float, float], Array], NDArray[np.bool_]] = {
-        _logarithm: beyond,
+        # -2 ln |x|, averaged over a cell that does not reach the axis
+        lambda x, y, half_x, *_: -2 * _log_mean(x, half_x) * np.ones_like(y): beyond,
         _strips: wide,
         _fourier: fourier,
         _images: ~beyond & ~wide & ~fourier,
@@ -150,8 +151,8 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
         total += boussinesq_cell(x, part, 2 * half_x, 2 * half_y).sum(axis=0)
     total *= period / (4 * half_x * half_y)
     terms = int(np.log(QUADRATURE_ERROR) / (2 * np.log(reach / (images + 1)))) + 1
-    powers_x = _even_powers(x / period, half_x / period, images, terms)
-    powers_y = _even_powers(y / period, np.array(half_y / period), images, terms).T
+    powers_x = even_powers(x / period, half_x / period, images, terms)
+    powers_y = even_powers(y / period, np.array(half_y / period), images, terms).T
     total += sum_of_products(
         powers_x, matrix_product(further_images(images, terms), powers_y), total.shape
     )
@@ -159,11 +160,14 @@ def _images(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> 
     return total
 
 
-def _even_powers(x: Array, half: Array, images: int, terms: int) -> Array:
-    """Return ``x^0, x^2, x^4, ...`` averaged over a segment about each x, shape (x, terms), lengths in periods."""
+def even_powers(x: Array, half: Array, images: int, terms: int, depth: float = 0.0) -> Array:
+    """Return ``1, r^2, r^4 ...`` for ``r^2 = x^2 + depth^2``, averaged over segments about each x, shape (x, terms).
+
+    Lengths are in periods.
+    """
     # smallest distance between the ends of a cell and the further images, in half-lengths
     nodes, weights = np.array(gauss_points(images / float(half.max()))).T
-    squares = (x.reshape(-1, 1) + half.reshape(-1, 1) * nodes) ** 2
+    squares = (x.reshape(-1, 1) + half.reshape(-1, 1) * nodes) ** 2 + depth**2
     powers = np.vander(squares.ravel(), terms, increasing=True)
     return np.asarray(np.einsum("p,xpt->xt", weights, powers.reshape(*squares.shape, terms)))
 
@@ -233,14 +237,6 @@ def harmonics_along(y: Array, half_y: float, period: float, count: int) -> Array
     j = np.arange(1, count + 1)[:, None]
     waves = np.cos(2 * np.pi / period * j * y.ravel())
     return np.asarray(waves * np.sinc(2 * j * half_y / period))
-
-
-def _logarithm(x: Array, y: Array, half_x: Array, half_y: float, period: float) -> Array:
-    """Return the sum S of :func:`boussinesq_cell_periodic` far from the axis.
-
-    It is ``-2 ln |x|``, averaged over a cell that does not reach the axis.
-    """
-    return -2 * _log_mean(x, half_x) * np.ones_like(y)
 
 
 def _log_mean(x: Array, half: Array) -> Array:

@@ -160,64 +160,45 @@ def _xz_corner(x: Array, y: Array, z: float, r: Array, _: float) -> Array:
     return np.asarray(z * z * y / ((x * x + z * z) * r))
 
 
-# Source: Love (1929), by way of Johnson (1985), eqs. 3.19 and 3.25
+# Name, parity, point, corner, plane and swapped name. Source: Love (1929), by way of Johnson (1985), eqs. 3.19 and 3.25
 COMPONENTS = {
     component.name: component
     for component in (
         CellKernel(
-            "xx",
-            (1, 1),
-            _xx_point,
-            _xx_corner,
-            lambda strip, nu: strip.edge_terms.real - strip.angle,
-            "yy",
+            "xx", (1, 1), _xx_point, _xx_corner, lambda strip, nu: strip.edge_terms.real - strip.angle, "yy"
         ),
         CellKernel(
-            "yy",
-            (1, 1),
+            "yy", (1, 1),
             lambda x, y, z, r, nu: _xx_point(y, x, z, r, nu),
             lambda x, y, z, r, nu: _xx_corner(y, x, z, r, nu),
-            lambda strip, nu: -2 * nu * strip.angle,
-            "xx",
+            lambda strip, nu: -2 * nu * strip.angle, "xx",
         ),
         CellKernel(
-            "zz",
-            (1, 1),
+            "zz", (1, 1),
             lambda x, y, z, r, nu: -3 * z**3 / ((r * r) * (r * r) * r),
             lambda x, y, z, r, nu: (
                 _angle(x, y, z, r)
                 - _second_derivative_inverse(x, y, z, r)
                 - _second_derivative_inverse(y, x, z, r)
             ),
-            lambda strip, nu: -strip.edge_terms.real - strip.angle,
-            "zz",
+            lambda strip, nu: -strip.edge_terms.real - strip.angle, "zz",
         ),
         CellKernel(
-            "yz",
-            (1, -1),
+            "yz", (1, -1),
             lambda x, y, z, r, nu: -3 * z * z * y / ((r * r) * (r * r) * r),
-            lambda x, y, z, r, nu: _xz_corner(y, x, z, r, nu),
-            lambda strip, nu: 0.0,
-            "xz",
+            lambda x, y, z, r, nu: _xz_corner(y, x, z, r, nu), lambda strip, nu: 0.0, "xz",
         ),
         CellKernel(
-            "xz",
-            (-1, 1),
+            "xz", (-1, 1),
             lambda x, y, z, r, nu: -3 * z * z * x / ((r * r) * (r * r) * r),
-            _xz_corner,
-            lambda strip, nu: -strip.edge_terms.imag,
-            "yz",
+            _xz_corner, lambda strip, nu: -strip.edge_terms.imag, "yz",
         ),
         CellKernel(
-            "xy",
-            (-1, -1),
-            _xy_point,
-            lambda x, y, z, r, nu: -z / r - (1 - 2 * nu) * np.log(r + z),
-            lambda strip, nu: 0.0,
-            "xy",
+            "xy", (-1, -1), _xy_point,
+            lambda x, y, z, r, nu: -z / r - (1 - 2 * nu) * np.log(r + z), lambda strip, nu: 0.0, "xy",
         ),
     )
-}
+}  # fmt: skip
 
 
 def stress_cell(

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-from numpy.polynomial.chebyshev import chebvander
+from numpy.polynomial.chebyshev import chebpts1, chebvander
 from numpy.typing import ArrayLike
 from scipy.linalg import eigh_tridiagonal
 
@@ -121,24 +121,24 @@ def _smooth(
         1 for an axis along which the field is even, -1 where it is odd.
     """
     (u, from_x), (v, from_y) = (
-        _interpolation(np.abs(a.ravel()), end, count)
+        (
+            (1 + chebpts1(count)) / 2 * end,
+            chebyshev_interpolation(count, 2 * np.abs(a.ravel()) / end - 1),
+        )
         for a, end, count in zip((x, y), ends, counts, strict=True)
     )
-    # not through BLAS, which would start threads for it
     along = np.einsum("uv,jv->uj", field(u[:, None], v[None, :]), from_y)
     smooth = np.einsum("iu,uj->ij", from_x, along)
     return np.asarray(smooth * sign(x, parity[0]) * sign(y, parity[1]))
 
 
-def _interpolation(at: Array, end: float, count: int) -> tuple[Array, Array]:
-    """Return `count` Chebyshev points between 0 and `end`, and the matrix from values there to values `at`."""
-    points = np.cos(np.pi * (np.arange(count) + 0.5) / count)
-    basis = chebvander(points, count - 1)
+def chebyshev_interpolation(count: int, points: Array) -> Array:
+    """Return the matrix from values at first-kind Chebyshev points to values at `points`, shape (points, count)."""
+    nodes = chebvander(chebpts1(count), count - 1)
     # the polynomials are orthogonal over their points
-    weights = basis.T * (np.where(np.arange(count) == 0, 1, 2)[:, None] / count)
-    return (1 + points) / 2 * end, np.einsum(
-        "ik,kj->ij", chebvander(2 * at / end - 1, count - 1), weights
-    )
+    weights = nodes.T * (np.where(np.arange(count) == 0, 1, 2)[:, None] / count)
+    # not through BLAS, which would start threads for it
+    return np.asarray(np.einsum("ik,kj->ij", chebvander(points, count - 1), weights))
 
 
 @cache

@@ -67,17 +67,23 @@ def _xy_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     return np.asarray(_asinh(x, y, z) - x / r + (1 - 2 * nu) * x / (r + z))
 
 
-def _incompressible(field: KernelFunction) -> KernelFunction:
-    """Return `field` for a Poisson's ratio of a half: fields that do not depend on it under tangential traction."""
-    return lambda x, y, z, r, nu: field(x, y, z, r, 0.5)
-
-
 def _zero(strip: Strip, nu: float) -> float:
     """Return zero: the stress that is not there in plane strain."""
     return 0.0
 
 
 _NORMAL = COMPONENTS
+
+
+def _incompressible(name: str) -> tuple[KernelFunction, KernelFunction]:
+    """Return point and corner of a normal stress for a Poisson's ratio of a half: traction makes them at any ratio."""
+    kernel = _NORMAL[name]
+    return (
+        lambda x, y, z, r, nu: kernel.point(x, y, z, r, 0.5),
+        lambda x, y, z, r, nu: kernel.corner(x, y, z, r, 0.5),
+    )
+
+
 # Stress under unit traction along x, and along y. Source: Cerruti, by way of Johnson (1985), eqs. 3.76, sect. 2.5(b)
 CERRUTI_ACROSS: dict[str, CellKernel] = {}
 CERRUTI_ALONG: dict[str, CellKernel] = {}
@@ -92,23 +98,9 @@ for _name, _parity, _point, _corner, _plane, _other in (
     ),
     ("yy", (-1, 1), _yy_point, _yy_corner, lambda s, nu: -2 * nu * s.logarithm, _zero),
     ("zz", (-1, 1), _NORMAL["xz"].point, _NORMAL["xz"].corner, _NORMAL["xz"].plane, _zero),
-    (
-        "yz",
-        (-1, -1),
-        _incompressible(_NORMAL["xy"].point),
-        _incompressible(_NORMAL["xy"].corner),
-        _zero,
-        _zero,
-    ),
-    (
-        "xz",
-        (1, 1),
-        _incompressible(_NORMAL["xx"].point),
-        _incompressible(_NORMAL["xx"].corner),
-        _NORMAL["xx"].plane,
-        # of shear along the strip: antiplane
-        lambda s, nu: -s.angle,
-    ),
+    ("yz", (-1, -1), *_incompressible("xy"), _zero, _zero),
+    # by traction along the strip: antiplane
+    ("xz", (1, 1), *_incompressible("xx"), _NORMAL["xx"].plane, lambda s, nu: -s.angle),
     ("xy", (1, -1), _xy_point, _xy_corner, _zero, lambda s, nu: -s.logarithm),
 ):
     _swapped_name = _NORMAL[_name].swapped
@@ -142,33 +134,18 @@ def _moment(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
 SURFACE: dict[str, CellKernel] = {}
 # Names of the fields with the axes exchanged.
 SWAPPED = {"xx": "yy", "yy": "xx", "xy": "xy", "x": "y", "y": "x"}
-SURFACE["x"] = CellKernel(
-    "x / r^2",
-    (-1, 1),
-    lambda x, y, z, r, nu: x / (r * r),
-    _half_log,
-    lambda strip, nu: np.pi / 2 * strip.sides,
-    "y",
-    SURFACE,
-)
-SURFACE["y"] = CellKernel(
-    "y / r^2", (1, -1), lambda x, y, z, r, nu: y / (r * r), _swapped(_half_log), _zero, "x", SURFACE
-)
-SURFACE["xx"] = CellKernel(
-    "x^2 / r^3",
-    (1, 1),
-    lambda x, y, z, r, nu: x * x / r**3,
-    _moment,
-    lambda strip, nu: strip.mean_width,
-    "yy",
-    SURFACE,
-)
-SURFACE["xy"] = CellKernel(
-    "x y / r^3",
-    (-1, -1),
-    lambda x, y, z, r, nu: x * y / r**3,
-    lambda x, y, z, r, nu: -r,
-    _zero,
-    "xy",
-    SURFACE,
-)
+for _name, _parity, _point, _corner, _plane in (
+    (
+        "x",
+        (-1, 1),
+        lambda x, y, z, r, nu: x / (r * r),
+        _half_log,
+        lambda s, nu: np.pi / 2 * s.sides,
+    ),
+    ("y", (1, -1), lambda x, y, z, r, nu: y / (r * r), _swapped(_half_log), _zero),
+    ("xx", (1, 1), lambda x, y, z, r, nu: x * x / r**3, _moment, lambda s, nu: s.mean_width),
+    ("xy", (-1, -1), lambda x, y, z, r, nu: x * y / r**3, lambda x, y, z, r, nu: -r, _zero),
+):
+    SURFACE[_name] = CellKernel(
+        f"{_name} on the surface", _parity, _point, _corner, _plane, SWAPPED[_name], SURFACE
+    )

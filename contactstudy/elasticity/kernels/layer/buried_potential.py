@@ -22,6 +22,7 @@ from contactstudy.elasticity.kernels.displacement_periodic import (
     QUADRATURE_ERROR,
     STRIPS,
     STRIPS_END,
+    even_powers,
     further_images,
     harmonics_along,
 )
@@ -160,20 +161,12 @@ def _images(x: Array, y: Array, dx: float, dy: float, period: float, depth: floa
     for m in range(-images, images + 1):
         total += buried_cell(x[:, None], y + m * period, dx, dy, depth)
     terms = int(np.log(QUADRATURE_ERROR) / (2 * np.log(reach / (images + 1)))) + 1
-    powers_x = _even_powers(x, dx / 2, depth, period, terms)
-    powers_y = _even_powers(y, dy / 2, 0.0, period, terms)
+    halves = np.array([dx, dy]) / (2 * period)
+    powers_x = even_powers(x / period, halves[0], images, terms, depth / period)
+    powers_y = even_powers(y / period, halves[1], images, terms)
     further = powers_x @ further_images(images, terms) @ powers_y.T - 2 * np.log(2 * period)
     further += log_mean(x, dx / 2, depth)[:, None]
     return np.asarray(total + further * (dx * dy / period))
-
-
-def _even_powers(x: Array, half: float, depth: float, period: float, terms: int) -> Array:
-    """Return ``((x^2 + depth^2) / L^2)^k`` averaged over segments about each x, shape (x, k)."""
-    total = np.zeros((x.size, terms))
-    for node, weight in mean_gauss_rule(terms):
-        square = ((x + node * half) ** 2 + depth**2) / period**2
-        total += weight * np.vander(square, terms, increasing=True)
-    return total
 
 
 def buried_lattice(

@@ -16,6 +16,7 @@ from contactstudy.elasticity.kernels.layer.response import (
     RemainderTables,
     remainder_tables,
 )
+from contactstudy.elasticity.kernels.stress_periodic import chebyshev_interpolation
 
 # Values in one array operation, so that work arrays stay small.
 VALUES_AT_ONCE = 1 << 20
@@ -173,7 +174,7 @@ class LayerRemainder:
         far_field = FAR_FIELD_DISTANCE * h / self.response.pole_distance_from_zero
         last = int(np.ceil(max(far_field, 2 * dx) / width)) + 20
         total = -2 * np.pi * self.response.slope * h * dx / width * np.ones_like(x)
-        second, fourth, sixth = self.tables.taylor
+        second, fourth, sixth = self.response.taylor
         ratio = h / width
         for side in (1, -1):
             # beyond, the integral over a strip is between ends of 2 r2 h^2 / x - 4 r4 h^4 / x^3 + 48 r6 h^6 / x^5
@@ -359,8 +360,8 @@ class RemainderRow:
             away = (nodes_y + period * numbers[:, None]).ravel()
             cells = self.remainder.cell(nodes_x[:, None], away, self.dx, self.dy)
             values += cells.reshape(count, numbers.size, nodes_y.size).sum(axis=1)
-        across = _interpolation(nodes_x.size, x / reach)
-        along = _interpolation(nodes_y.size, y / (period / 2))
+        across = chebyshev_interpolation(nodes_x.size, x / reach)
+        along = chebyshev_interpolation(nodes_y.size, y / (period / 2))
         return np.asarray(across @ values @ along.T)
 
     def _tail(self, x: Array, y: Array, last: int) -> Array:
@@ -368,7 +369,7 @@ class RemainderRow:
 
         It is ``-r2 h^2 / r^3 + 9 r4 h^4 / r^5 - 225 r6 h^6 / r^7``, with r2, r4, r6 the coefficients of R.
         """
-        second, fourth, sixth = self.remainder.tables.taylor
+        second, fourth, sixth = self.remainder.response.taylor
         h, period = self.remainder.thickness, self.period
         powers = (3, -second * h**2), (5, 9 * fourth * h**4), (7, -225 * sixth * h**6)
         total = np.zeros((x.size, y.size))
@@ -383,11 +384,3 @@ class RemainderRow:
                         term = binom(-power / 2, k) * (u / period) ** (2 * k) * ends
                         total += weight_x * weight_y * strength * term / period**power
         return total * (self.dx * self.dy)
-
-
-def _interpolation(count: int, points: Array) -> Array:
-    """Return the matrix from values at first-kind Chebyshev points to values at `points`, shape (points, count)."""
-    nodes = chebyshev.chebvander(chebyshev.chebpts1(count), count - 1)
-    norm = np.full(count, 2.0 / count)
-    norm[0] /= 2
-    return np.asarray(chebyshev.chebvander(points, count - 1) @ (nodes * norm).T)

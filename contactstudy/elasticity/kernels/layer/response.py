@@ -85,8 +85,12 @@ class LayerResponse:
 
     @property
     def pole_distance_from_real_axis(self) -> float:
-        """Lower bound of the distance of poles of `remainder` in the right half-plane from the real axis."""
-        return 0.85 * min(1.0, self.shear_ratio ** (-1 / 3) if self.shear_ratio else 1.0)
+        """Lower bound of the distance of poles of `remainder` in the right half-plane from the real axis.
+
+        On the imaginary axis itself an incompressible layer on a rigid substrate has one at 0.74, where what is
+        integrated along that axis has decayed.
+        """
+        return 0.85 * max(self.shear_ratio, 1.0) ** (-1 / 3)
 
     def remainder(self, k: RealOrComplex) -> RealOrComplex:
         """Return R(k), the short-ranged response, without cancellation for small k or very unlike materials."""
@@ -133,8 +137,9 @@ class LayerResponse:
             fourth[small] = 4 * t[small] * _sinh_square_less_square(k[small])
         return np.asarray(lam * fourth - 4 * k * k * t * one_lam)
 
+    @cached_property
     def taylor(self) -> tuple[float, float, float]:
-        """Return the coefficients of k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
+        """Coefficients of k^2, k^4 and k^6 in `remainder`, which give its far field in space."""
         second, fourth, sixth = self.taylor_coefficients(self.remainder)[2::2]
         return second, fourth, sixth
 
@@ -194,11 +199,6 @@ class RemainderTables:
         It is the integral from 0 to s of ``int R(k) cos(k s) / k dk``.
         """
         return np.asarray(s * self._interpolated(np.abs(s), self._strip, self._strip_at))
-
-    @cached_property
-    def taylor(self) -> tuple[float, float, float]:
-        """Coefficients of k^2, k^4 and k^6 in R(k), from :meth:`LayerResponse.taylor`."""
-        return self.response.taylor()
 
     def _interpolated(
         self, s: Array, pieces: dict[int, Array], exact: Callable[[Array], Array]

@@ -11,7 +11,6 @@ from contactstudy.domain.fields import Array
 from contactstudy.elasticity.kernels.layer.response import LayerResponse, RealOrComplex
 from contactstudy.elasticity.kernels.stress_cell import (
     CellKernel,
-    KernelFunction,
     second_derivative_log,
     second_derivative_log_point,
     stress_cell,
@@ -141,71 +140,49 @@ def _x_corner(x: Array, y: Array, z: float, r: Array, nu: float) -> Array:
     return np.asarray(y * np.log(r + z) + x * second_derivative_log(x, y, z, r) + z * asinh)
 
 
-def _field(
-    name: str, parity: tuple[int, int], point: KernelFunction, corner: KernelFunction
-) -> CellKernel:
-    """Return a field of a cell alone."""
-    return CellKernel(name, parity, point, corner, lambda strip, nu: 0.0, name)
-
-
-# By field: the buried term of shear along waves, and its first two derivatives by -z; across them x and y are swapped.
+# By field: the buried term of shear along waves, and its first two derivatives by -z, each of a point and of a corner;
+# across waves x and y are swapped. Their spectra are those above the first one, times q and q^2.
 BURIED_FIELDS = {
-    "xx": (
-        _field(
-            "qx^2 / q^3",
-            (1, 1),
-            lambda x, y, z, r, nu: 1 / (r + z) - x * x / (r * (r + z) ** 2),
-            _xx_corner,
+    name: tuple(
+        CellKernel(f"{name} {order}", parity, point, corner, lambda strip, nu: 0.0, name)
+        for order, (point, corner) in enumerate(fields)
+    )
+    for name, parity, *fields in (
+        # qx^2 / q^3
+        (
+            "xx", (1, 1),
+            (lambda x, y, z, r, nu: 1 / (r + z) - x * x / (r * (r + z) ** 2), _xx_corner),
+            (
+                lambda x, y, z, r, nu: second_derivative_log_point(x, y, z, r),
+                lambda x, y, z, r, nu: second_derivative_log(x, y, z, r),
+            ),
+            (
+                lambda x, y, z, r, nu: 1 / r**3 - 3 * x * x / r**5,
+                lambda x, y, z, r, nu: x * y / ((x * x + z * z) * r),
+            ),
         ),
-        _field(
-            "qx^2 / q^2",
-            (1, 1),
-            lambda x, y, z, r, nu: second_derivative_log_point(x, y, z, r),
-            lambda x, y, z, r, nu: second_derivative_log(x, y, z, r),
+        # qx qy / q^3
+        (
+            "xy", (-1, -1),
+            (lambda x, y, z, r, nu: -x * y / (r * (r + z) ** 2), lambda x, y, z, r, nu: r - z * np.log(r + z)),
+            (
+                lambda x, y, z, r, nu: -x * y * (2 * r + z) / (r**3 * (r + z) ** 2),
+                lambda x, y, z, r, nu: np.log(r + z),
+            ),
+            (lambda x, y, z, r, nu: -3 * x * y / r**5, lambda x, y, z, r, nu: -1 / r),
         ),
-        _field(
-            "qx^2 / q",
-            (1, 1),
-            lambda x, y, z, r, nu: 1 / r**3 - 3 * x * x / r**5,
-            lambda x, y, z, r, nu: x * y / ((x * x + z * z) * r),
+        # -i qx / q^2
+        (
+            "x", (-1, 1),
+            (lambda x, y, z, r, nu: x / (r * (r + z)), _x_corner),
+            (lambda x, y, z, r, nu: x / r**3, lambda x, y, z, r, nu: -np.arcsinh(y / np.hypot(x, z))),
+            (
+                lambda x, y, z, r, nu: 3 * x * z / r**5,
+                lambda x, y, z, r, nu: -y * z / ((x * x + z * z) * r),
+            ),
         ),
-    ),
-    "xy": (
-        _field(
-            "qx qy / q^3",
-            (-1, -1),
-            lambda x, y, z, r, nu: -x * y / (r * (r + z) ** 2),
-            lambda x, y, z, r, nu: r - z * np.log(r + z),
-        ),
-        _field(
-            "qx qy / q^2",
-            (-1, -1),
-            lambda x, y, z, r, nu: -x * y * (2 * r + z) / (r**3 * (r + z) ** 2),
-            lambda x, y, z, r, nu: np.log(r + z),
-        ),
-        _field(
-            "qx qy / q",
-            (-1, -1),
-            lambda x, y, z, r, nu: -3 * x * y / r**5,
-            lambda x, y, z, r, nu: -1 / r,
-        ),
-    ),
-    "x": (
-        _field("-i qx / q^2", (-1, 1), lambda x, y, z, r, nu: x / (r * (r + z)), _x_corner),
-        _field(
-            "-i qx / q",
-            (-1, 1),
-            lambda x, y, z, r, nu: x / r**3,
-            lambda x, y, z, r, nu: -np.arcsinh(y / np.hypot(x, z)),
-        ),
-        _field(
-            "-i qx",
-            (-1, 1),
-            lambda x, y, z, r, nu: 3 * x * z / r**5,
-            lambda x, y, z, r, nu: -y * z / ((x * x + z * z) * r),
-        ),
-    ),
-}
+    )
+}  # fmt: skip
 
 
 def buried_field(

@@ -90,4 +90,4 @@ def test_the_far_field_above_an_auxetic_substrate_is_that_of_long_waves() -> Non
     around = layer.remainder(radius * np.exp(2j * np.pi * np.arange(64) / 64))
     terms = np.real(np.fft.fft(around)) / 64
     wanted = [terms[n] / radius**n for n in (2, 4, 6)]
-    assert layer.taylor() == pytest.approx(wanted, rel=1e-10)
+    assert layer.taylor == pytest.approx(wanted, rel=1e-10)

@@ -90,7 +90,7 @@ class LayerResponse:
         On the imaginary axis itself an incompressible layer on a rigid substrate has one at 0.74, where what is
         integrated along that axis has decayed.
         """
-        return 0.85 * max(self.shear_ratio, 1.0) ** (-1 / 3)
+        return float(0.85 * max(self.shear_ratio, 1.0) ** (-1 / 3))
 
     def remainder(self, k: RealOrComplex) -> RealOrComplex:
         """Return R(k), the short-ranged response, without cancellation for small k or very unlike materials."""

@@ -164,8 +164,9 @@ class SubsurfaceStressOperator:
         spectrum = TRANSFORMS.forward(values, padded)
         buffer = np.empty((padded[0], padded[1] // 2 + 1), dtype=np.complex128)
         stress = np.empty((len(COMPONENTS), len(self.depths), *self.grid.cells))
-        for number, name in enumerate(COMPONENTS):
-            for level, depth in enumerate(self.depths):
+        # What all components of one depth share is kept only until the next depths.
+        for level, depth in enumerate(self.depths):
+            for number, name in enumerate(COMPONENTS):
                 terms = self.medium.coefficients(traction, name, depth)
                 around = on_padded_grid(terms, self.grid, self.paddings)
                 waves = TRANSFORMS.forward(around, padded, buffer)

@@ -70,12 +70,10 @@ def stress_cell_periodic(
         near = sorted(range(1 - 2 * periods, 2 * periods), key=abs, reverse=True)
 
         def far_images(u: Array, v: Array, periods: int = periods) -> Array:
-            total = np.zeros(np.broadcast_shapes(u.shape, v.shape))
-            for position, weight in zip(*_tail(2 * periods), strict=True):
-                for side in (1, -1):
-                    image = v + side * position * period
-                    total += weight * stress_cell(component, u, image, z, dx, dy, poisson_ratio)
-            return total
+            positions, weights = _tail(2 * periods)
+            images = np.outer(positions, (1, -1)).reshape(-1, 1, 1) * period + v
+            stress = stress_cell(component, u, images, z, dx, dy, poisson_ratio)
+            return np.asarray(np.einsum("i,ixy->xy", np.repeat(weights, 2), stress))
 
         # small terms add up before they meet the large ones
         ends = periods * period, period / 2
@@ -205,23 +203,24 @@ def stress_cell_doubly_periodic(
         arguments = y.T, x.T, z, dy, dx, period, width, poisson_ratio
         return stress_cell_doubly_periodic(swapped, *arguments).T
     x = x - width * np.round(x / width)
-    rows = int(np.ceil(PLANE_STRAIN_PERIODS * period / width)) + 1
     y = y - period * np.round(y / period)
 
-    def row(x: Array, y: Array, m: int) -> Array:
-        image = x + m * width
-        stress = stress_cell_periodic(component, image, y, z, dx, dy, period, poisson_ratio)
-        plane = plane_strain(component, strip(image, z, dx), poisson_ratio)
-        return np.asarray(stress - plane * (dy / period))
-
-    def far_rows(u: Array, v: Array) -> Array:
-        return np.asarray(sum(row(u, v, m) + row(u, v, -m) for m in range(rows, 1, -1)))
+    def rows(u: Array, v: Array, numbers: list[int]) -> Array:
+        images = np.add.outer(np.array(numbers) * width, u.ravel())
+        each = images.ravel()
+        stress = stress_cell_periodic(component, each, v, z, dx, dy, period, poisson_ratio)
+        plane = plane_strain(component, strip(each, z, dx), poisson_ratio)
+        stress -= plane[:, None] * (dy / period)
+        return np.asarray(stress.reshape(*images.shape, -1).sum(axis=0))
 
     # smooth from the second row on
+    last = int(np.ceil(PLANE_STRAIN_PERIODS * period / width)) + 1
+    far = [side * m for m in range(last, 1, -1) for side in (1, -1)]
     points = LATTICE_INTERPOLATED, LATTICE_INTERPOLATED
-    total = _smooth(far_rows, x, y, (width / 2, period / 2), points, component.parity)
-    for m in (1, -1, 0):
-        total = total + row(x, y, m)
+    total = _smooth(
+        lambda u, v: rows(u, v, far), x, y, (width / 2, period / 2), points, component.parity
+    )
+    total += rows(x, y, [1, -1, 0])
     strips = plane_strain(component, _strips(x, z, dx, width), poisson_ratio)
     confined = (1 - 2 * poisson_ratio) / (1 - poisson_ratio) * dx / width
     confinement = {"xx": confined, "yy": poisson_ratio * confined}.get(component.name, 0.0)

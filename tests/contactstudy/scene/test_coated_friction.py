@@ -24,15 +24,15 @@ FIELDS = ["xx", "yy", "xy", "x", "y"]
 def test_a_wave_of_shear_moves_the_surface_as_its_stress_says(layer: LayerResponse) -> None:
     """By the stress s_xx at the surface, which is 2 under shear and -1 under pressure without a substrate."""
     k = np.linspace(0.05, 6, 40)
-    along = ShearWaves(layer, Subtracted.NONE).plane_amplitude("xx", k)
+    along = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["xx"]
     pressed, sheared = LayerStress(layer, 0.0).plane(k)[:, 2]
     nu, m = layer.coating_poisson_ratio, layer.shear_ratio
     np.testing.assert_allclose(along, 2 * np.pi / k * (sheared / 2 - 1), atol=1e-12)
-    coupling = ShearWaves(layer, Subtracted.NONE).plane_amplitude("x", k)
+    coupling = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["x"]
     # by reciprocity, the displacement along the surface under pressure
     expected = -(1 - nu) * pressed - nu - (1 - 2 * nu)
     np.testing.assert_allclose(coupling, -2j * np.pi / k * expected, atol=1e-12)
-    across = ShearWaves(layer, Subtracted.NONE).plane_amplitude("yy", k)
+    across = ShearWaves(layer, Subtracted.NONE).plane_amplitudes(k)["yy"]
     antiplane = (m + np.tanh(k)) / (1 + m * np.tanh(k)) - 1
     np.testing.assert_allclose(across, 2 * np.pi / k * antiplane / (1 - nu), atol=1e-12)
 

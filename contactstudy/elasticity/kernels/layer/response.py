@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 from scipy.special import j1, k1
 
 from contactstudy.domain.fields import Array
+from contactstudy.elasticity.kernels.displacement_cell import mean_gauss_rule
 
 RealOrComplex = NDArray[np.inexact[Any]]
 
@@ -267,6 +267,7 @@ def remainder_tables(response: LayerResponse) -> RemainderTables:
 
 def composite(ends: Array) -> tuple[Array, Array]:
     """Return Gauss points and weights on pieces between `ends`."""
-    nodes, weights = leggauss(GAUSS_POINTS)
-    middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
-    return (middle[:, None] + half[:, None] * nodes).ravel(), (half[:, None] * weights).ravel()
+    nodes, weights = np.array(mean_gauss_rule(GAUSS_POINTS)).T
+    middle, width = (ends[1:] + ends[:-1]) / 2, np.diff(ends)
+    points = middle[:, None] + width[:, None] / 2 * nodes
+    return points.ravel(), (width[:, None] * weights).ravel()

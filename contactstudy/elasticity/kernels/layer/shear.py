@@ -69,11 +69,10 @@ class ShearWaves:
         """Terms a, b and c of long waves: of shear along the wave, of shear across it, and of their coupling."""
         return _terms(self.materials)
 
-    def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
-        """Return the field under waves across with wave numbers `k`, real or imaginary."""
-        along, across, coupling = self._responses(k)
-        parts = {"xx": along, "yy": across, "x": -1j * coupling}
-        return np.asarray(2 * np.pi / k * parts.get(name, np.zeros(k.size)) + 0j)
+    def plane_amplitudes(self, k: RealOrComplex) -> dict[str, RealOrComplex]:
+        """Return the fields, by name, under waves across with wave numbers `k`, real or imaginary."""
+        along, across, coupling = (2 * np.pi / k * part + 0j for part in self._responses(k))
+        return {"xx": along, "yy": across, "x": -1j * coupling}
 
     def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
         """Return all fields, by name, under waves (across, along); none for the mean."""

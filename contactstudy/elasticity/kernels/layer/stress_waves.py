@@ -62,17 +62,16 @@ class StressWaves:
         """Return the response and the component that take the place of these when the axes are exchanged."""
         return StressWaves(self.stress, SWAPPED_LOADS[self.load]), COMPONENTS[name].swapped
 
-    def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
-        """Return the stress over the load under waves across with wave numbers `k`, real or imaginary."""
+    def plane_amplitudes(self, k: RealOrComplex) -> dict[str, RealOrComplex]:
+        """Return the stresses over the load, by name, under waves across with wave numbers `k`, real or imaginary."""
         if self.load == "along":
             s_tz, s_lt = self.stress.antiplane(k)
-            parts: dict[str, RealOrComplex] = {"yz": s_tz, "xy": 1j * s_lt}
-            return np.asarray(parts.get(name, np.zeros(k.size)) + 0j)
-        normal, shear, across = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
-        parts = {"zz": normal, "xx": across, "xz": -1j * shear}
-        parts["yy"] = self.stress.poisson_ratio * (normal + across)
+            return {"yz": s_tz + 0j, "xy": 1j * s_lt}
         factor = 1 if self.load == "pressure" else 1j
-        return np.asarray(factor * parts.get(name, np.zeros(k.size)) + 0j)
+        loaded = self.stress.remainder(k)[0 if self.load == "pressure" else 1]
+        normal, shear, across = factor * loaded + 0j
+        transverse = self.stress.poisson_ratio * (normal + across)
+        return {"xx": across, "yy": transverse, "zz": normal, "xz": -1j * shear}
 
     def amplitudes(self, across: Array, along: Array) -> dict[str, Array]:
         """Return all components of the remainder over the load, by name, under waves (across, along)."""

@@ -54,8 +54,11 @@ class WaveResponse(Protocol):
         A field that is even along both axes or odd along both has a real amplitude, another an imaginary one.
         """
 
-    def plane_amplitude(self, name: str, k: RealOrComplex) -> RealOrComplex:
-        """Return the field over the load under waves across, whose wave numbers are real or imaginary."""
+    def plane_amplitudes(self, k: RealOrComplex) -> dict[str, RealOrComplex]:
+        """Return the fields over the load, by name, under waves across; those left out are zero.
+
+        The wave numbers `k` are real or imaginary.
+        """
 
 
 @dataclass(frozen=True)
@@ -217,8 +220,10 @@ class WaveCoefficients:
         ends = [0.0, min(self.waves.materials.pole_distance_from_zero / 4, longest)]
         while ends[-1] < ROUNDING_EXPONENT / self.waves.decay_rate:
             ends.append(ends[-1] + min(ends[-1], longest))
-        k, weight = composite(np.array(ends))
-        waves = self.waves.plane_amplitude(self.name, k) * weight / np.pi
+        k, fields = _plane_waves(self.waves, tuple(ends), 1.0)
+        if self.name not in fields:
+            return np.zeros(start.size)
+        waves = fields[self.name]
         phase, width = np.multiply.outer((start + end) / 2, k), end - start
         even = self.parity[0] > 0
         turn = np.cos(phase) if even else -np.sin(phase)
@@ -236,10 +241,25 @@ class WaveCoefficients:
             self.waves.materials.pole_distance_from_zero, last, 1 / float(width.max())
         )
         count = int(np.ceil(np.log2(last / first)))
-        tau, weight = composite(np.concatenate([[0.0], np.geomspace(first, last, count + 1)]))
-        waves = 1j * self.waves.plane_amplitude(self.name, 1j * tau) * weight / np.pi
+        ends = 0.0, *np.geomspace(first, last, count + 1).tolist()
+        tau, fields = _plane_waves(self.waves, ends, 1j)
+        if self.name not in fields:
+            return np.zeros(start.size)
         decay = np.exp(-np.multiply.outer(start, tau)) * -np.expm1(-tau * width) / tau
-        return np.asarray((decay @ waves).real)
+        return np.asarray((decay @ (1j * fields[self.name])).real)
+
+
+@lru_cache(maxsize=16)
+def _plane_waves(
+    waves: WaveResponse, ends: tuple[float, ...], direction: complex
+) -> tuple[Array, dict[str, RealOrComplex]]:
+    """Return Gauss points between `ends`, and each field over pi under waves that are these times `direction`.
+
+    The fields are multiplied by the weights of the points.
+    """
+    points, weight = composite(np.array(ends))
+    fields = waves.plane_amplitudes(direction * points)
+    return points, {name: field * weight / np.pi for name, field in fields.items()}
 
 
 @lru_cache(maxsize=8)

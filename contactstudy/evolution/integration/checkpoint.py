@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import Any, TypeVar, get_origin
@@ -26,6 +27,7 @@ from contactstudy.evolution.integration.time_stepper import Instant
 from contactstudy.evolution.trajectory import Frame
 
 T = TypeVar("T")
+ARRAY = "array"  # key of the name of an array in JSON
 
 
 @dataclass
@@ -141,22 +143,34 @@ class Checkpoint:
         return self.folder / f"frame_{number:05d}.npz"
 
     def _write(self, path: Path, value: object) -> None:
-        """Replace a file by one with `value`: its arrays beside all else as JSON."""
+        """Replace a file by one with `value`: its arrays beside all else as JSON, which names them."""
         arrays: dict[str, Array] = {}
-        tree = _converter(arrays).unstructure(value)
-        header = json.dumps({"request": self.request_hash, "file": path.name, "value": tree})
+
+        def name_array(values: object) -> dict[str, str]:
+            if not isinstance(values, np.ndarray):
+                raise TypeError(f"{type(values).__name__} cannot be stored in {path.name}")
+            name = f"array_{len(arrays)}"
+            arrays[name] = values
+            return {ARRAY: name}
+
+        tree = {"request": self.request_hash, "file": path.name}
+        tree["value"] = _converter().unstructure(value)
         content = BytesIO()
+        header = json.dumps(tree, default=name_array)
         np.savez(content, header=np.array(header), **arrays)  # type: ignore[arg-type]
         write_with_checksum(path, content.getvalue())
 
     def _read(self, path: Path, kind: type[T]) -> T:
         """Return the value of that `kind` in a file."""
         with self._report_damage(), np.load(BytesIO(read_verified(path) or b"")) as file:
-            arrays = {name: file[name] for name in file.files}
-            header = json.loads(str(arrays.pop("header")))
+
+            def with_arrays(item: dict[str, Any]) -> Any:
+                return file[item[ARRAY]] if ARRAY in item else item
+
+            header = json.loads(str(file["header"]), object_hook=with_arrays)
             if (header["request"], header["file"]) != (self.request_hash, path.name):
                 raise ValueError("a file of another integration")
-            value: T = _converter(arrays).structure(header["value"], kind)
+            value: T = _converter().structure(header["value"], kind)
             return value
 
 
@@ -168,18 +182,14 @@ class IntegrationState:
     instants: Mapping[str, Instant]
 
 
-def _converter(arrays: dict[str, Array]) -> Any:
-    """Return a converter between dataclasses and values for JSON; arrays are replaced by their names in `arrays`."""
+@cache
+def _converter() -> Any:
+    """Return a converter between dataclasses and values for JSON, which leaves arrays as they are."""
     converter = import_for("solve.folder", "cattrs").Converter(detailed_validation=False)
-
-    def put(values: Array) -> str:
-        name = f"array_{len(arrays)}"
-        arrays[name] = values
-        return name
 
     def is_array(kind: Any) -> bool:
         return np.ndarray in (kind, get_origin(kind))
 
-    converter.register_unstructure_hook_func(is_array, put)
-    converter.register_structure_hook_func(is_array, lambda name, _: arrays[name])
+    converter.register_unstructure_hook_func(is_array, lambda values: values)
+    converter.register_structure_hook_func(is_array, lambda values, _: values)
     return converter

@@ -11,6 +11,7 @@ import signal
 import sys
 from collections import defaultdict
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -38,6 +39,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    # those beside this file run whole examples and pages: last, one of them would run while other processes wait
+    items.sort(key=lambda item: item.path.parent != Path(__file__).parent)
     is_whole = config.getoption("--whole") or os.environ.get("TESTS") == "whole"
     if is_whole or any("::" in word for word in config.args):
         return

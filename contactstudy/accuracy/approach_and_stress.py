@@ -6,8 +6,8 @@ from math import inf
 
 import numpy as np
 
+from contactstudy.accuracy.discretisation.bound import CONSTANTS as BOUND
 from contactstudy.accuracy.discretisation.coarser import FIRST_ORDER_MARGIN
-from contactstudy.accuracy.estimate import CONSTANTS as ESTIMATE
 from contactstudy.accuracy.image_errors import with_all_images
 from contactstudy.domain.errors import ErrorEstimate, ErrorParts
 from contactstudy.domain.fields import Array
@@ -54,7 +54,7 @@ def approach_error(
         change *= FIRST_ORDER_MARGIN
     varies = float(solution.displacement.std())
     cells, residual = estimate.l1.discretisation or 0.0, estimate.l1.residual or 0.0
-    shift = max(change, ESTIMATE.gap_error * cells * varies)
+    shift = max(change, BOUND.gap_error * cells * varies)
     reason = next(iter(estimate.warnings), "") if shift == inf else ""
     return ErrorParts(0.0, shift / size, residual * varies / size, reason=reason)
 

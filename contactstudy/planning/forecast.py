@@ -6,7 +6,7 @@ from math import inf, prod
 from time import process_time
 
 from contactstudy.accuracy.bounded_solution import BoundedSolution
-from contactstudy.accuracy.estimate import SHARP_EDGE
+from contactstudy.accuracy.discretisation.bound import SHARP_EDGE
 from contactstudy.domain.checks import InvalidInput
 from contactstudy.domain.device import Cpu
 from contactstudy.domain.grid import Grid, Padding, Paddings

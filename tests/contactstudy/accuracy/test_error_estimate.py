@@ -235,6 +235,20 @@ def test_a_contact_that_yields_in_all_its_cells_has_a_bound(line_contact: LineCo
     assert 0 < error_estimate(solution).l1.total < 2 / 32
 
 
+@pytest.mark.parametrize(("fraction", "phase"), [(0.29, 0.13), (0.49, 0.0), (0.53, 0.13)])
+@pytest.mark.parametrize("cells", [24, 48])
+def test_the_mean_gap_of_a_wave_on_few_cells_is_within_its_bound(
+    cells: int, fraction: float, phase: float
+) -> None:
+    load = cs.LineLoad(fraction * math.pi * MODULUS * 1e-6)
+    scene = cs.Scene(load, (STEEL, STEEL), (cs.Waviness(1e-6, across=1e-3, phase=phase),))
+    coarse, fine = (
+        cs.solve(scene.problem(cs.Grid((count, 1), (1e-3, 1e-3)), (EXACT, EXACT)))
+        for count in (cells, 32 * cells)
+    )
+    assert abs(fine.mean_gap / coarse.mean_gap - 1) <= error_estimate(coarse).mean_gap.total
+
+
 @pytest.mark.parametrize("hardness", [0.9, 0.7])
 def test_the_overlap_of_yielding_cells_is_no_residual_of_the_mean_gap(
     hardness: float, line_contact: LineContact

@@ -230,6 +230,24 @@ def test_a_wave_of_few_cells_is_seen_between_the_centres(
         assert abs(fine.load_per_length / coarse.load_per_length - 1) <= estimate.load.total
 
 
+@pytest.mark.parametrize("height", [3e-10, 3e-9, 1e-8])
+@pytest.mark.parametrize("fraction", [0.99, 0.999])
+def test_the_load_at_an_approach_near_full_contact_flattens_hidden_waves_within_its_bound(
+    fraction: float, height: float, line_contact: LineContact
+) -> None:
+    """The load of full contact is that which flattens the crests of all waves."""
+    both = cs.ExactPeriodicity(), cs.ExactPeriodicity()
+    load = cs.LineLoad(fraction * np.pi * line_contact.scene.contact_modulus * 1e-6)
+    long = cs.Scene(load, line_contact.scene.solids, (cs.Waviness(1e-6, across=1e-3),))
+    coarse, fine = (cs.Grid((cells, 1), (1e-3, 1e-3)) for cells in (96, 3072))
+    approach = cs.Approach(cs.solve(long.problem(fine, both)).approach)
+    waves = (*long.shapes, cs.Waviness(height, across=1e-3 / 69, phase=0.3))
+    near = replace(long, load=approach, shapes=waves)
+    ours, true = (cs.solve(near.problem(grid, both)) for grid in (coarse, fine))
+    bound = error_estimate(ours).load.total
+    assert abs(true.load_per_length / ours.load_per_length - 1) <= bound < inf
+
+
 @dataclass(frozen=True)
 class Wedge:
     """A user's own shape: two flanks that meet at an edge."""

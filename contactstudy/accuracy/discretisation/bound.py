@@ -1,0 +1,326 @@
+"""Bound of the discretisation error of a solution: its edges, heights inside its cells, the change from larger ones."""
+
+from dataclasses import dataclass, replace
+from math import inf
+
+import numpy as np
+
+from contactstudy.accuracy.discretisation.cells import (
+    around_contact,
+    contact_area_error,
+    discretisation_errors,
+    relative_loss,
+)
+from contactstudy.accuracy.discretisation.coarser import (
+    DiscretisationErrors,
+    change_between_grids,
+    coarse_solution,
+    comparable,
+    compare_grids,
+)
+from contactstudy.accuracy.discretisation.subcell import SubgridEffect, SubgridHeights
+from contactstudy.domain.fields import Array
+from contactstudy.domain.grid import axis_first
+from contactstudy.domain.units import readable
+from contactstudy.problem.problem import Problem
+from contactstudy.solvers.solution import Solution
+
+SHARP_EDGE = "a sharp edge or corner"
+UNKNOWN_HEIGHTS = (
+    "No bound for the discretisation error: Problem.source does not say the heights on other grids, so nothing is "
+    "known of them between the cell centres; make the problem from a Scene."
+)
+PROTRUDING = (
+    "No bound for the discretisation error: between the cell centres the surface protrudes further than "
+    "the contact flattens it; give more cells, or the shape's `length_scales`."
+)
+
+
+@dataclass(frozen=True)
+class OneGridConstants:
+    """Constants of the bound.
+
+    Attributes
+    ----------
+    smooth_ratio
+        Ratio of the hidden fraction of the load to the error of smooth edges below which no coarser solution is needed.
+    hidden_error
+        Largest error in L1 over the hidden fraction of the load, and of the area over the fraction that may open.
+    max_l1
+        Largest L1 difference of two pressures of one load.
+    load_error
+        Error of the load at a given approach over the L1 error due to the edges or the hidden fraction of the load: at
+        most 0.27 of the former on 288 smooth line contacts of 10 to 255 cells across the width, whose datum was half
+        the width of the grid or more.
+    negligible_attraction
+        Fraction of the largest force up to which heights under an attraction do not count.
+    sharp_rise
+        Fraction of the peak pressure that a corner adds at each halving of the cells, from which it counts as sharp.
+    gap_error
+        Error of the mean gap over the L1 error, relative to the gap or to the rms variation of the displacement,
+        whichever is larger: at most 0.28 on 820 lines, spheres and waves of 16 cells and more across the grid.
+    min_cells_across
+        Least cells across the contact at the peak for its edges to follow their law.
+    end_over_peak
+        Pressure at a roller's end over the peak pressure, from which that end may have the peak.
+    """
+
+    smooth_ratio: float = 0.25
+    hidden_error: float = 0.8
+    max_l1: float = 2.0
+    load_error: float = 0.3
+    negligible_attraction: float = 1e-3
+    sharp_rise: float = 1e-3
+    gap_error: float = 0.3
+    min_cells_across: int = 5
+    end_over_peak: float = 0.5
+
+
+CONSTANTS = OneGridConstants()
+
+
+def discretisation_bound(
+    solution: Solution, coarse: Solution | None, heights: SubgridHeights | None, confidence: float
+) -> DiscretisationErrors:
+    """Return the errors of `solution` due to its cells.
+
+    Parameters are those of :func:`~contactstudy.accuracy.estimate.error_estimate`.
+    """
+    problem = solution.problem
+    pressure = solution.pressure[around_contact(solution.pressure)]
+    assert problem.paddings is not None
+    wraps = problem.paddings[0].wraps, problem.paddings[1].wraps
+    load_is_result = problem.control.approach is not None or is_pull_off(solution)
+    no_load = inf if load_is_result else None
+    if reason := _cut_off(solution) or _unresolved_length(problem):
+        return DiscretisationErrors.unbounded(reason, no_load)
+    heights = heights or SubgridHeights.from_problem(problem, confidence)
+    if heights is None:
+        return DiscretisationErrors.unbounded(UNKNOWN_HEIGHTS, no_load)
+    force = _force(solution)
+    inside = heights.effect_under(problem, force)
+    if inside.protrudes:
+        return DiscretisationErrors.unbounded(PROTRUDING, no_load)
+    # the edges of a contact with adhesion follow another law
+    adheres = solution.adhesion is not None
+    peak, l1 = (0.0, 0.0) if adheres else discretisation_errors(pressure, wraps)
+    area = 0.0 if adheres else contact_area_error(pressure, wraps)
+    load = CONSTANTS.load_error * max(l1, inside.hidden_load)
+    at_hardness = _at_hardness(solution)
+    ends = problem.source is not None and problem.source.ends_along
+    regular = (
+        not (at_hardness or (ends and pressure[:, [0, -1]].any()))
+        and _contact_width(pressure, wraps) >= CONSTANTS.min_cells_across
+    )
+    load_is_fixed = not adheres and problem.control.approach is None
+    if not load_is_fixed:
+        changes = compare_grids(solution, coarse)
+    elif (
+        regular
+        and inside.hidden_load <= CONSTANTS.smooth_ratio * l1
+        and inside.corner_rise <= CONSTANTS.sharp_rise
+    ):
+        changes = DiscretisationErrors(0.0, 0.0, 0.0, 0.0)
+    else:
+        coarse = comparable(coarse or coarse_solution(problem, solution.pressure))
+        if coarse is None:
+            reason = "No bound for the discretisation error: no solution on cells of twice the size to compare with."
+            return DiscretisationErrors.unbounded(reason)
+        changes = change_between_grids(solution, coarse)
+    if changes.l1 == inf:
+        return replace(changes, load=no_load)
+    isolated = _has_isolated_cells(pressure)
+    hidden_error = CONSTANTS.hidden_error * inside.hidden_load * float(force.sum())
+    hidden_area = relative_loss(CONSTANTS.hidden_error * inside.area_loss)
+    largest_l1 = CONSTANTS.max_l1 if load_is_fixed else inf
+    l1 = max(l1, changes.l1, hidden_error / float(pressure.sum()))
+    l1 = largest_l1 if isolated else min(largest_l1, l1)
+    reason = ""
+    if at_hardness:  # the peak pressure is the hardness
+        peak = changes.peak_pressure
+    elif reason := _no_peak(inside, isolated=isolated, sharp_end=_at_sharp_end(problem, pressure)):
+        peak = inf
+    else:
+        peak = max(peak, changes.peak_pressure, inside.peak_rise) + inside.kink_rise
+    gap = gap_error(solution, l1, changes.mean_gap, inside.mean_height)
+    if load_is_result:
+        assert changes.load is not None
+        load = max(load, changes.load, _flattening_load(solution, inside)) if l1 < inf else inf
+        if adheres:
+            net = abs(solution.load_per_length) * problem.grid.length / problem.grid.cell_area
+            load = max(load, hidden_error / net) if net else inf
+        if problem.control.approach is not None and gap < inf:
+            # the load moves the mean surface, which on two periodic axes is at rest
+            moved = load * abs(float(solution.displacement.mean()))
+            gap = max(gap, moved / solution.mean_gap)
+            load += inside.mean_height / solution.mean_gap
+            if not adheres:  # the level of the pressure beside its shape, which its edges show
+                l1, peak = l1 + load, peak + load
+    return _with_reasons(
+        DiscretisationErrors(
+            l1,
+            peak,
+            max(area, changes.contact_area, hidden_area),
+            gap,
+            load if load_is_result else None,
+            warnings=(reason,) if reason else (),
+        )
+    )
+
+
+def _flattening_load(solution: Solution, inside: SubgridEffect) -> float:
+    """Return the error of the load at an approach that counts from the mean of two periodic axes; 0 at any other.
+
+    The nearer full contact, the more of the hidden heights are flat at a given approach, for which the mean of the
+    pressure rises as its peak does.
+    """
+    problem, pressure = solution.problem, solution.pressure
+    assert problem.paddings is not None
+    if any(padding.window is not None for padding in problem.paddings):
+        return 0.0
+    touching = np.count_nonzero(pressure) / pressure.size
+    return touching * inside.peak_rise * float(pressure.max() / pressure.mean())
+
+
+def _force(solution: Solution) -> Array:
+    """Return pressure and attraction (x, y) [Pa] together, without the tail of the attraction far from contact."""
+    if solution.adhesion is None:
+        return solution.pressure
+    force = solution.pressure + solution.adhesion.attraction
+    return np.where(force > CONSTANTS.negligible_attraction * force.max(), force, 0.0)
+
+
+def gap_error(solution: Solution, l1: float, change: float, hidden: float) -> float:
+    """Return the relative error of the mean gap; infinite where the gap is of the size of the iteration's residual.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    l1
+        Discretisation error of the pressure in L1.
+    change
+        Relative change of the gap from cells of twice the size.
+    hidden
+        Mean of the heights inside the cells below that at their centres [m].
+    """
+    gap, active = solution.mean_gap, solution.problem.constraint.active(solution.pressure)
+    residual = float((np.abs(solution.gap) * active).mean())
+    if not gap > 2 * residual:
+        return inf
+    shift = CONSTANTS.gap_error * l1 * max(float(solution.displacement.std()), gap)
+    return max(change, shift / gap) + hidden / gap
+
+
+def is_pull_off(solution: Solution) -> bool:
+    """Return whether the solution is the last stable state before pull-off."""
+    return solution.adhesion is not None and solution.adhesion.first_unstable_load is not None
+
+
+def _cut_off(solution: Solution) -> str:
+    """Return a sentence if contact or attraction is cut off at the edge of the grid, else an empty string."""
+    problem, what = solution.problem, ""
+    if problem.is_cut_off(solution.pressure):
+        what = "contact"
+    elif solution.adhesion is not None:
+        from contactstudy.solvers.adhesion import is_cut_off  # imported only where it is named
+
+        what = "attraction" if is_cut_off(problem, solution.adhesion.attraction) else ""
+    if not what:
+        return ""
+    return f"No bound: the {what} is cut off at the edge of the grid, give Grid.extent a larger width or length."
+
+
+def _unresolved_length(problem: Problem) -> str:
+    """Return why the cells are too large for a length scale of a shape; an empty string where they are not."""
+    shortest = problem.source.shortest_wavelengths if problem.source is not None else (inf, inf)
+    for axis, (cell, length) in enumerate(zip(problem.grid.cell_size, shortest, strict=True)):
+        if cell > length * (1 + 1e-9) and problem.grid.cells[axis] > 1:
+            count = int(np.ceil(2 * problem.grid.extent[axis] / length))
+            return (
+                f"No bound for the discretisation error: Grid.cells[{axis}] is {problem.grid.cells[axis]}, "
+                f"whose cells of {readable(cell)} do not resolve lengths of {readable(length)}, give {count} or more."
+            )
+    return ""
+
+
+def _no_peak(inside: SubgridEffect, *, isolated: bool, sharp_end: bool) -> str:
+    """Return why the peak pressure has no bound; an empty string where it has one.
+
+    Parameters
+    ----------
+    inside
+        Heights inside the cells.
+    isolated
+        Whether no two touching cells are neighbours.
+    sharp_end
+        Whether the roller has pressure up to its end.
+    """
+    reason = ""
+    if inside.corner_rise > CONSTANTS.sharp_rise:
+        reason = (
+            f"it lies at {SHARP_EDGE}, where it is infinite: round the edge, close the seam of a measured surface, or "
+            "ask for another quantity"
+        )
+    elif sharp_end:
+        reason = "the roller carries pressure up to its sharp end, where it is infinite: give a profile that drops more"
+    elif isolated:
+        reason = "no two cells in contact are neighbours: give more cells"
+    return f"No bound for the peak pressure: {reason}." if reason else ""
+
+
+def _with_reasons(cells: DiscretisationErrors) -> DiscretisationErrors:
+    """Return `cells`, with the reasons if the contact area or the mean gap has no bound."""
+    reasons = list(cells.warnings)
+    if cells.contact_area == inf:
+        reasons.append(
+            "No bound for the contact area: the contact is one or two cells wide, or may open in every cell, give more "
+            "cells."
+        )
+    if cells.mean_gap == inf:
+        reasons.append(
+            "No bound for the mean gap: the bodies touch everywhere, and what is left of it is the solver's residual."
+        )
+    return replace(cells, warnings=tuple(reasons))
+
+
+def _at_hardness(solution: Solution) -> bool:
+    """Return whether the peak pressure is a limit of the constraint, which finer cells have too."""
+    ix, iy = np.unravel_index(np.argmax(solution.pressure), solution.pressure.shape)
+    active = solution.problem.constraint.active(solution.pressure[ix : ix + 1])
+    return bool(active[0, iy] == 0)
+
+
+def _at_sharp_end(problem: Problem, pressure: np.ndarray) -> bool:
+    """Return whether an end of the roller has pressure of the order of the peak pressure.
+
+    There it is infinite in the limit of small cells, though coarse cells may not show a rise.
+    """
+    if problem.source is None or not problem.source.ends_along:
+        return False
+    return bool(pressure[:, [0, -1]].max() > CONSTANTS.end_over_peak * pressure.max())
+
+
+def _has_isolated_cells(pressure: np.ndarray) -> bool:
+    """Return whether along an axis no two cells in contact are neighbours, so that their edges are unknown."""
+    touching = pressure > 0
+    return any(
+        len(along) > 1 and not (along[1:] & along[:-1]).any() for along in (touching, touching.T)
+    )
+
+
+def _contact_width(pressure: np.ndarray, wraps: tuple[bool, bool]) -> int:
+    """Return the number of adjacent cells in contact through the peak pressure, along the axis with the fewest."""
+    peak = np.unravel_index(np.argmax(pressure), pressure.shape)
+    fewest = pressure.size
+    for axis, is_periodic in enumerate(wraps):
+        line = axis_first(pressure, axis)[:, peak[1 - axis]] > 0
+        if len(line) > 1 and not line.all():
+            line = np.roll(line, len(line) // 2 - int(peak[axis])) if is_periodic else line
+            middle = len(line) // 2 if is_periodic else int(peak[axis])
+            gaps = np.flatnonzero(~line)
+            before, after = gaps[gaps < middle], gaps[gaps > middle]
+            first = before[-1] if before.size else -1
+            last = after[0] if after.size else len(line)
+            fewest = min(fewest, int(last - first - 1))
+    return fewest

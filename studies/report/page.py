@@ -1,6 +1,7 @@
 """Pages of the report: figures from stored studies, in one self-contained page for each chapter."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -190,7 +191,10 @@ def write_outdated(out: Path, written: Iterable[Chapter] = ()) -> Sequence[Path]
             continue
         newest = max(file.stat().st_mtime for file in files)
         if not page.exists() or page.stat().st_mtime < newest:
-            pages.append(draw_and_write(chapter, out))
+            with suppress(
+                InvalidInput
+            ):  # files of an earlier version wait until their study is run again
+                pages.append(draw_and_write(chapter, out))
     return pages
 
 

@@ -28,9 +28,12 @@ def figures(dataset: xr.Dataset, names: Sequence[str]) -> Sequence[CaptionedFigu
     if axis not in dataset["case_status"].dims or dataset.sizes[axis] < 2:
         return ()
     good = dataset.where(dataset["case_status"] == CaseStatus.OK)
-    is_reference = np.array([str(other) == value for other in dataset[axis].values.tolist()])
-    true = good.isel({axis: int(is_reference.argmax())})
-    compared = good.isel({axis: ~is_reference})
+    others = dataset[axis].values
+    # a stored number may differ from the one that was named by rounding
+    is_number = others.dtype.kind in "iuf"
+    place = int((-abs(others - float(value)) if is_number else others == value).argmax())
+    true = good.isel({axis: place})
+    compared = good.isel({axis: [k for k in range(others.size) if k != place]})
     other_axes = [name for name in dataset["case_status"].dims if name != axis]
     # the datum of an approach, for one, may differ between paddings
     bounded = [name for name in names if np.isfinite(true.get(f"{name}_bound", np.inf)).all()]

@@ -13,7 +13,7 @@ from contactstudy.problem.problem import Problem
 
 if TYPE_CHECKING:
     from contactstudy.accuracy.bounded_solution import BoundedSolution
-    from contactstudy.lubrication.pseudo_time import FilmIteration
+    from contactstudy.lubrication.newton.pseudo_time import FilmIteration
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ class LubricatedContact(Answer, FilmSolution):
     @cached_property
     def error(self) -> ErrorEstimate:
         """Estimate of the errors, from further solutions where it is not known already."""
-        from contactstudy.lubrication.solve_lubricated import film_error
+        from contactstudy.lubrication.film_error import film_error
 
         return film_error(self) if self.estimate is None else self.estimate
 

@@ -1,8 +1,8 @@
 """Elastohydrodynamic line contacts: film thickness, pressure, cavitation, friction. May import `scene` and below.
 
-In the order of the method: ``film_equation`` (Reynolds' equation on cells, and its linearisation), ``posed_film`` (a
-scene as that equation in Hertz units), ``pseudo_time`` (Newton's iteration), ``plane_strain`` and ``along_length`` (its
-linear systems), ``continuation`` (from higher speeds), ``mixed`` (asperities on a boundary film), ``steady_film`` (cold
-starts and nested grids), ``film_heat`` (temperatures), ``solve_lubricated`` (grid and errors), ``evolve_lubricated`` (in
-time) and ``film_trajectory`` (its errors); ``lubricated_contact`` is the result.
+In the order of the method: ``film_equation`` (Reynolds' equation on cells, and its linearisation), ``newton`` (Newton's
+iteration in pseudo-time and its linear systems), ``posed_film`` (a scene as that equation in Hertz units),
+``continuation`` (from higher speeds), ``mixed`` (asperities on a boundary film), ``steady_film`` (cold starts and nested
+grids), ``film_heat`` (temperatures), ``film_error`` (errors from further grids), ``solve_lubricated`` (the grid for an
+error), ``evolve_lubricated`` (in time) and ``film_trajectory`` (its errors); ``lubricated_contact`` is the result.
 """

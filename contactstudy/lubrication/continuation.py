@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import sqrt
 
+from contactstudy.lubrication.newton.pseudo_time import FilmIteration
 from contactstudy.lubrication.posed_film import PosedFilm
-from contactstudy.lubrication.pseudo_time import FilmIteration
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,13 @@ from contactstudy.lubrication.film_trajectory import (
     time_discretisation_errors,
 )
 from contactstudy.lubrication.lubricated_contact import FilmSolution
+from contactstudy.lubrication.newton.pseudo_time import (
+    FilmControls,
+    FilmIteration,
+    LinearSolver,
+    iterate,
+)
 from contactstudy.lubrication.posed_film import PosedFilm, linear_solver, lubricated_scales, pose
-from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, LinearSolver, iterate
 from contactstudy.lubrication.steady_film import (
     TUNING as STEADY,
 )

@@ -2,7 +2,7 @@
 
 The film ``H = H0 + gap + K (P_f + P_c)`` is no thinner than the boundary film ``H_b``, and where ``H = H_b`` asperities
 carry a pressure ``P_c >= 0``. Lubricant flows in every cell, by its own pressure ``P_f`` and the thickness. The
-iteration of :mod:`contactstudy.lubrication.pseudo_time` solves both together.
+iteration of :mod:`contactstudy.lubrication.newton.pseudo_time` solves both together.
 
 Transverse ridges may have two solutions at one speed: ridges in a thick film, or flattened by contact. The film at a
 higher speed leads to the first where it exists, the dry contact to the second.
@@ -14,8 +14,8 @@ import numpy as np
 
 from contactstudy.lubrication.continuation import SpeedSteps, from_higher_speeds
 from contactstudy.lubrication.film_equation import Film, Mask
+from contactstudy.lubrication.newton.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.lubrication.posed_film import PosedFilm, hertz_start, linear_solver
-from contactstudy.lubrication.pseudo_time import FilmControls, FilmIteration, iterate
 from contactstudy.solvers.solve import SolveOptions, solve_contact
 
 

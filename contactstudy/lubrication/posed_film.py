@@ -21,11 +21,11 @@ from contactstudy.elasticity.convolution import (
     odd_convolution,
     superposed,
 )
-from contactstudy.lubrication.along_length import KrylovSolver
 from contactstudy.lubrication.film_equation import Film, FilmEquation, FilmScales, Mask
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.plane_strain import DirectSolver
-from contactstudy.lubrication.pseudo_time import FilmIteration, LinearSolver
+from contactstudy.lubrication.newton.direct_solver import DirectSolver
+from contactstudy.lubrication.newton.krylov_solver import KrylovSolver
+from contactstudy.lubrication.newton.pseudo_time import FilmIteration, LinearSolver
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import ConstantLoad
 from contactstudy.scene.scene import Scene

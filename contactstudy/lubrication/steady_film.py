@@ -14,6 +14,11 @@ from contactstudy.lubrication.lubricated_contact import (
     shear_stress,
 )
 from contactstudy.lubrication.mixed import solve_mixed
+from contactstudy.lubrication.newton.pseudo_time import (
+    FilmControls,
+    FilmIteration,
+    iterate,
+)
 from contactstudy.lubrication.posed_film import (
     PosedFilm,
     hertz_start,
@@ -22,11 +27,6 @@ from contactstudy.lubrication.posed_film import (
     prolongated,
     start_from,
     with_minimum_film,
-)
-from contactstudy.lubrication.pseudo_time import (
-    FilmControls,
-    FilmIteration,
-    iterate,
 )
 from contactstudy.scene.scene import Scene
 from contactstudy.solvers.solution import Status

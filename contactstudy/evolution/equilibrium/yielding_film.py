@@ -23,7 +23,7 @@ from contactstudy.evolution.warm_started import with_added_gap
 from contactstudy.lubrication.evolve_lubricated import check_loaded, instants_of
 from contactstudy.lubrication.film_trajectory import FilmTrajectory, errors_from_longer_steps
 from contactstudy.lubrication.lubricated_contact import FilmSolution
-from contactstudy.lubrication.pseudo_time import FilmControls
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.steady_film import solve_on
 from contactstudy.problem.problem import Problem
 from contactstudy.scene.loads.constant_load import LineLoad

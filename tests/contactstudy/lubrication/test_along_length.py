@@ -6,10 +6,10 @@ import pytest
 from scipy import ndimage
 
 import contactstudy as cs
-from contactstudy.lubrication import along_length
 from contactstudy.lubrication.film_equation import neighbour
+from contactstudy.lubrication.newton import local_stage
+from contactstudy.lubrication.newton.pseudo_time import FilmControls
 from contactstudy.lubrication.posed_film import pose, prolongated
-from contactstudy.lubrication.pseudo_time import FilmControls
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from contactstudy.lubrication.steady_film import continued
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
@@ -115,7 +115,7 @@ def test_ridges_along_the_motion_are_flattened_in_part() -> None:
 def test_without_the_compiler_the_film_is_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = by_moes(20, 5, crossed(0.3 * film_scale(by_moes(20, 5))))
     with_it = solve_lubricated(scene, grid(64, 4.0, 16))
-    monkeypatch.setattr(along_length, "sweeper", lambda: along_length.sweep_by_arrays)
+    monkeypatch.setattr(local_stage, "sweeper", lambda: local_stage.sweep_by_arrays)
     without = solve_lubricated(scene, grid(64, 4.0, 16))
     assert without.film == pytest.approx(with_it.film, rel=1e-6)
 

@@ -9,7 +9,7 @@ import contactstudy as cs
 from contactstudy.domain.fields import Array
 from contactstudy.lubrication.evolve_lubricated import evolve_lubricated
 from contactstudy.lubrication.film_equation import FilmEquation
-from contactstudy.lubrication.pseudo_time import FilmIteration, iterate
+from contactstudy.lubrication.newton.pseudo_time import FilmIteration, iterate
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid, with_motion
 

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import contactstudy as cs
-from contactstudy.lubrication.solve_lubricated import film_error, solve_lubricated
+from contactstudy.lubrication.film_error import film_error
+from contactstudy.lubrication.solve_lubricated import solve_lubricated
 from tests.contactstudy.lubrication.scenes import (
     DRY,
     STEEL,

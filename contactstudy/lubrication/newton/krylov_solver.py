@@ -7,16 +7,12 @@ variation of the conductance by orders of magnitude. The equations of touching c
 contact there.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
-from importlib import import_module
+from functools import cached_property
 
 import numpy as np
 from scipy import fft
-from scipy.linalg import solve_banded
-from scipy.sparse import csc_matrix
-from scipy.sparse.linalg import LinearOperator, SuperLU, gmres, splu
+from scipy.sparse.linalg import LinearOperator, gmres
 
 from contactstudy.domain.fields import Array
 from contactstudy.elasticity.approximate_inverse import (
@@ -27,7 +23,8 @@ from contactstudy.elasticity.approximate_inverse import (
 )
 from contactstudy.elasticity.convolution import Convolution
 from contactstudy.lubrication.film_equation import Film, Linearised, Mask, neighbour
-from contactstudy.lubrication.pseudo_time import ActiveSets, FilmCorrection
+from contactstudy.lubrication.newton.local_stage import LineStage, LUStage, local_stage
+from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
 
 
 @dataclass(frozen=True)
@@ -44,12 +41,6 @@ class KrylovTuning:
     waves
         Harmonics along the length in the Fourier stage, the mean included. Shorter waves follow the conductance, which
         the local stage has: with 33, light rough films took 1.1 to 3 times the iterations, each 1.5 times as long.
-    elastic_fraction, width_fraction
-        Elasticity in the line stage: the coefficient of a change of pressure has ``elastic_fraction`` times that of
-        thickness, and on the diagonal ``width_fraction`` times the width of a cell.
-    elastic_fraction_long, width_fraction_long, long_cell
-        The same in the LU stage, and the ratio of length to width of a cell from which it replaces the line stage: lines
-        along the length do not couple such cells.
     growth, margin, step_ratio, longest_step
         The Fourier stage is built again when iterations exceed ``growth`` times those after the last build plus
         ``margin``, or when the step in pseudo-time, at most ``longest_step``, has changed by the factor ``step_ratio``.
@@ -61,11 +52,6 @@ class KrylovTuning:
     basis: int = 120
     restarts: int = 4
     waves: int = 9
-    elastic_fraction: float = 0.03
-    width_fraction: float = 0.03
-    elastic_fraction_long: float = 0.05
-    width_fraction_long: float = 0.1
-    long_cell: float = 2.0
     growth: float = 1.5
     margin: int = 5
     step_ratio: float = 4.0
@@ -186,7 +172,7 @@ class StepSystem:
     cavitated: Mask
     touching: Mask
     fourier: "FourierStage"
-    local: "LineStage | LUStage"
+    local: LineStage | LUStage
     extension: ExactExtension | CoveringExtension | None = None
 
     @cached_property
@@ -357,150 +343,3 @@ def influence_by_harmonic(deflection: Convolution) -> Array:
     columns = fft.ifft(deflection.spectrum[:, :number], axis=0).real.astype(np.float32)
     index = np.arange(nx)
     return np.ascontiguousarray(columns[np.abs(index[:, None] - index)].transpose(2, 0, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class LineStage:
-    """Line Gauss-Seidel: coefficients (x, y) of the cell, its neighbours along, and the two cells upstream."""
-
-    diagonal: Array
-    previous: Array
-    following: Array
-    upstream: Array
-    second_upstream: Array
-
-    @classmethod
-    def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LineStage":
-        """Return the stage for unknown pressures, and void fractions of cavitated cells."""
-        offsets = (0, 0), (0, -1), (0, 1), (-1, 0), (-2, 0)
-        return cls(
-            *(
-                _coefficient(
-                    linear,
-                    cavitated,
-                    touching,
-                    offset,
-                    TUNING.elastic_fraction,
-                    TUNING.width_fraction,
-                )
-                for offset in offsets
-            )
-        )
-
-    def solve(self, right: Array) -> Array:
-        """Return the solution of one downstream sweep of line Gauss-Seidel."""
-        return sweeper()(
-            self.diagonal, self.previous, self.following, self.upstream, self.second_upstream, right
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class LUStage:
-    """Sparse LU factors of the coefficients of cells and their neighbours."""
-
-    factors: SuperLU
-
-    @classmethod
-    def of(cls, linear: Linearised, cavitated: Mask, touching: Mask) -> "LUStage":
-        """Return the factors for unknown pressures, and void fractions of cavitated cells."""
-        index = np.arange(cavitated.size).reshape(cavitated.shape)
-        rows, columns, values = [], [], []
-        for offset in ((0, 0), (0, -1), (0, 1), (1, 0), (-1, 0), (-2, 0)):
-            coefficient = _coefficient(
-                linear,
-                cavitated,
-                touching,
-                offset,
-                TUNING.elastic_fraction_long,
-                TUNING.width_fraction_long,
-            )
-            inside = neighbour(np.ones_like(cavitated), offset)
-            rows.append(index[inside])
-            columns.append(neighbour(index, offset)[inside])
-            values.append(coefficient[inside])
-        indices = np.concatenate(rows), np.concatenate(columns)
-        size = cavitated.size
-        return cls(splu(csc_matrix((np.concatenate(values), indices), shape=(size, size))))
-
-    def solve(self, right: Array) -> Array:
-        """Return the solution (x, y)."""
-        return np.asarray(self.factors.solve(right.ravel()).reshape(right.shape))
-
-
-def local_stage(linear: Linearised, cavitated: Mask, touching: Mask) -> LineStage | LUStage:
-    """Return line Gauss-Seidel, or LU factors where cells touch or are too long for lines to couple them.
-
-    Lubricant in touching cells flows by its pressure alone, also from downstream, which a sweep leaves out.
-    """
-    dx, dy = linear.equation.cell
-    factors = touching.any() or dy > TUNING.long_cell * dx
-    return (LUStage if factors else LineStage).of(linear, cavitated, touching)
-
-
-def _coefficient(
-    linear: Linearised,
-    cavitated: Mask,
-    touching: Mask,
-    offset: tuple[int, int],
-    elastic_fraction: float,
-    width_fraction: float,
-) -> Array:
-    """Return the coefficient (x, y) of the neighbour at ``offset``, of its void fraction where it is cavitated.
-
-    That of a pressure has a fraction of the elasticity. Cells without an unknown have a row of the identity.
-    """
-    fixed = linear.equation.fixed
-    zero = np.zeros(fixed.shape)
-    film_can_change = neighbour(~touching, offset)
-    pressure = linear.pressure.get(offset, zero)
-    pressure = pressure + elastic_fraction * film_can_change * linear.thickness.get(offset, zero)
-    if offset == (0, 0):
-        pressure = pressure + width_fraction * linear.equation.cell[0] * film_can_change
-    unknown = np.where(neighbour(cavitated, offset), linear.void.get(offset, zero), pressure)
-    return np.where(fixed | neighbour(fixed, offset), offset == (0, 0), unknown)
-
-
-@cache
-def sweeper() -> Callable[..., Array]:
-    """Return the compiled sweep, or :func:`sweep_by_arrays` where numba is not installed."""
-    try:
-        compiled: Callable[..., Array] = import_module(
-            "contactstudy.lubrication.compiled_sweep"
-        ).sweep
-    except ModuleNotFoundError:
-        return sweep_by_arrays
-    return compiled
-
-
-def sweep_by_arrays(
-    diagonal: Array,
-    previous: Array,
-    following: Array,
-    upstream: Array,
-    second_upstream: Array,
-    right: Array,
-) -> Array:
-    """Return what :func:`contactstudy.lubrication.compiled_sweep.sweep` does, by scipy's banded solver."""
-    rows, columns = right.shape
-    solution = np.zeros_like(right)
-    for i in range(rows):
-        line = right[i].copy()
-        if i > 0:
-            line -= upstream[i] * solution[i - 1]
-        if i > 1:
-            line -= second_upstream[i] * solution[i - 2]
-        # the corners of a cyclic line, after Sherman & Morrison (1950)
-        shift, ratio = -diagonal[i, 0], previous[i, 0] / -diagonal[i, 0]
-        banded = np.stack((np.roll(following[i], 1), diagonal[i], np.roll(previous[i], -1)))
-        banded[1, 0] -= shift
-        banded[1, -1] -= following[i, -1] * ratio
-        corner = np.zeros(columns)
-        corner[0], corner[-1] = shift, following[i, -1]
-        solutions = solve_banded(
-            (1, 1), banded, np.stack((line, corner), axis=1), check_finite=False
-        )
-        weight = (solutions[0, 0] + ratio * solutions[-1, 0]) / (
-            1 + solutions[0, 1] + ratio * solutions[-1, 1]
-        )
-        solution[i] = solutions[:, 0] - weight * solutions[:, 1]
-    return solution

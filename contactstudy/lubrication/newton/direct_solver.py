@@ -7,7 +7,7 @@ import numpy as np
 
 from contactstudy.domain.fields import Array
 from contactstudy.lubrication.film_equation import Bands, Film, FilmEquation, Linearised
-from contactstudy.lubrication.pseudo_time import ActiveSets, FilmCorrection
+from contactstudy.lubrication.newton.pseudo_time import ActiveSets, FilmCorrection
 
 
 @dataclass(frozen=True, eq=False)

@@ -186,18 +186,3 @@ def test_a_coating_like_the_body_and_a_creep_that_takes_for_ever_change_no_plast
         found = solved(replace(scene, solids=(solid, other)), times=(0.0, 1.0)).to_dataset()
         strain = found["equivalent_plastic_strain"]
         np.testing.assert_allclose(strain, plain, atol=1e-4 * float(plain.max()))
-
-
-def test_bodies_that_slide_yield_alike_along_their_length_where_nothing_varies() -> None:
-    body = cs.ElasticPlasticHalfSpace(210e9, 0.3, 3.5e8, 1e10)
-    scene = replace(SCENE, solids=(body, STEEL))
-    steps = cs.TimeSteps((0.0, 1.0), error_estimator=cs.ErrorEstimator.NONE)
-    flat, repeated = (
-        cs.solve(scene, cs.Grid((32, along), (6e-4, 3e-4)), EXACT, times=steps)
-        .to_dataset()["equivalent_plastic_strain"]
-        .isel(time=-1)
-        .values
-        for along in (1, 2)
-    )
-    assert flat.max() > 0
-    np.testing.assert_allclose(repeated, flat.repeat(2, axis=-1), atol=1e-3 * float(flat.max()))

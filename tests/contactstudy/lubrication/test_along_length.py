@@ -26,19 +26,6 @@ def film_scale(scene: cs.Scene) -> float:
     return solve_lubricated(scene, grid(128, 4.0)).central_film
 
 
-@pytest.mark.parametrize("along", [2, 8, 32])
-def test_a_uniform_film_is_that_of_plane_strain(along: int) -> None:
-    # both iterations stop at the rounding of a film that is a small difference of large heights
-    plain, same = (
-        solve_lubricated(by_moes(20, 5), grid(96, 4.5, cells), tolerance=1e-12)
-        for cells in (1, along)
-    )
-    assert same.film == pytest.approx(np.repeat(plain.film, along, axis=1), rel=1e-10)
-    peak = plain.peak_pressure
-    assert np.abs(same.pressure - plain.pressure).max() <= 1e-10 * peak
-    assert same.friction == pytest.approx(plain.friction, rel=1e-9)
-
-
 @pytest.mark.cases(1)
 @pytest.mark.parametrize(("load", "viscosity"), [(20, 5), (100, 10)])
 def test_a_rough_film_converges_and_loses_no_lubricant(load: float, viscosity: float) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 import contactstudy as cs
 from contactstudy.lubrication.solve_lubricated import solve_lubricated
-from tests.contactstudy.lubrication.scenes import DRY, STEEL, by_moes, grid
+from tests.contactstudy.lubrication.scenes import DRY, by_moes, grid
 
 A = DRY.hertz.half_width
 FILM = by_moes(20, 5)
@@ -51,12 +51,3 @@ def test_a_body_that_stands_still_has_crept_and_the_other_creeps_twice_as_fast()
     one_relaxed = between(creeping(2 * A / SPEED), cs.HalfSpace(105e9, 0.3), slide_roll_ratio=0.0)
     found, known = (solve_lubricated(scene, grid(240, 6.0)) for scene in (sliding, one_relaxed))
     assert np.abs(found.pressure - known.pressure).max() < 1e-6 * known.peak_pressure
-
-
-def test_cells_along_the_length_have_the_film_of_plane_strain() -> None:
-    scene = between(creeping(A / SPEED), STEEL)
-    one, many = (solve_lubricated(scene, grid(160, 6.0, along)) for along in (1, 8))
-    assert many.status is cs.Status.CONVERGED
-    assert many.pressure == pytest.approx(
-        np.repeat(one.pressure, 8, axis=1), abs=1e-5 * one.peak_pressure
-    )

@@ -134,20 +134,6 @@ def test_a_rigid_sphere_on_a_coating(
     assert solution.pressure[n // 2, n // 2] / (modulus * a) == pytest.approx(middle, rel=0.024**2)
 
 
-def test_a_uniform_contact_is_the_same_with_one_cell_along_and_with_many() -> None:
-    body = cs.CoatedHalfSpace(DLC, 2e-6, STEEL)
-    scene = cs.Scene(cs.LineLoad(1e5), (body, STEEL), (cs.Cylinder(0.01),))
-    width = 2.4 * scene.hertz.half_width
-    line, plane = (
-        cs.solve(
-            scene.problem(cs.Grid((128, cells), (width, 9e-5)), cs.ExactPeriodicity()),
-            tolerance=1e-12,
-        ).pressure
-        for cells in (1, 48)
-    )
-    np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-9 * line.max())
-
-
 @pytest.mark.parametrize(
     ("coating", "substrate"), [*product((DLC, cs.HalfSpace(3e9, 0.4)), (STEEL, RIGID))]
 )

@@ -73,12 +73,6 @@ def test_unlike_bodies_slide_as_in_closed_form(product: float, sign: int) -> Non
     assert np.abs(pressure - exact).sum() <= (dx / half) ** 1.5 * exact.sum()
 
 
-def test_unlike_bodies_slide_alike_with_one_cell_along_and_many() -> None:
-    one = scene(cs.Sliding(0.6), solids=(cs.HalfSpace(1e9, 0.0), RIGID))
-    line, plane = (solved(one, (64, cells), tolerance=1e-11).pressure for cells in (1, 24))
-    np.testing.assert_allclose(plane, np.broadcast_to(line, plane.shape), atol=1e-8 * line.max())
-
-
 @pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_partial_slip_of_a_cylinder_is_cattaneos(fraction: float, sign: int) -> None:

@@ -217,13 +217,6 @@ def test_rolling_back_is_rolling_in_a_mirror() -> None:
     np.testing.assert_allclose(mirrored, ahead.shear, atol=1e-7 * MU * P0)
 
 
-def test_a_cylinder_on_many_cells_along_is_one_in_plane_strain() -> None:
-    line, strip = (solved(rolling(longitudinal=0.4 * SATURATION), (64, n), 1e-9) for n in (1, 8))
-    np.testing.assert_allclose(
-        strip.shear, np.broadcast_to(line.shear, strip.shear.shape), atol=1e-6 * MU * P0
-    )
-
-
 @pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9, 0.99, -0.5])
 def test_creepage_of_a_given_force_is_carters(fraction: float) -> None:
     friction = cs.TractiveRolling(MU, tangential=fraction * MU * LOAD.per_length)
